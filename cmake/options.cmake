@@ -1,0 +1,12 @@
+# Flags that every target of ours shares.
+add_library(shadowcache_options INTERFACE)
+target_compile_features(shadowcache_options INTERFACE cxx_std_20)
+target_compile_options(shadowcache_options INTERFACE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wnon-virtual-dtor
+    $<$<BOOL:${SHADOWCACHE_WERROR}>:-Werror>
+    $<$<BOOL:${SHADOWCACHE_ARCH}>:-march=${SHADOWCACHE_ARCH}>)
+if(SHADOWCACHE_SANITIZE)
+    target_compile_options(shadowcache_options INTERFACE
+        -fsanitize=${SHADOWCACHE_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(shadowcache_options INTERFACE -fsanitize=${SHADOWCACHE_SANITIZE})
+endif()
