@@ -1,0 +1,29 @@
+# What a package holds: the programs, the library with its headers, and a package config. The headers
+# stand in include/shadowcache, so that #include "common/shadow_cache.h" means the same everywhere.
+include(CMakePackageConfigHelpers)
+
+set(SHADOWCACHE_CONFIG_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/shadowcache")
+
+foreach(program IN ITEMS shadowcache-bake shadowcache-render shadowcache-info shadowcache-merge)
+    if(TARGET ${program})
+        install(TARGETS ${program} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+    endif()
+endforeach()
+install(TARGETS shadowcache_common EXPORT shadowcache_targets
+    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache")
+install(DIRECTORY common/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common"
+    FILES_MATCHING PATTERN "*.h")
+install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+install(EXPORT shadowcache_targets NAMESPACE shadowcache:: FILE shadowcacheTargets.cmake
+    DESTINATION "${SHADOWCACHE_CONFIG_DIR}")
+configure_package_config_file(cmake/shadowcacheConfig.cmake.in
+    "${PROJECT_BINARY_DIR}/shadowcacheConfig.cmake" INSTALL_DESTINATION "${SHADOWCACHE_CONFIG_DIR}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/shadowcacheConfigVersion.cmake"
+    COMPATIBILITY SameMinorVersion)
+install(FILES
+    "${PROJECT_BINARY_DIR}/shadowcacheConfig.cmake"
+    "${PROJECT_BINARY_DIR}/shadowcacheConfigVersion.cmake"
+    DESTINATION "${SHADOWCACHE_CONFIG_DIR}")

@@ -1,0 +1,342 @@
+#include "common/environment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "common/error.h"
+#include "common/parallel.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Small maps are replicated up to this, so that cells hold whole texels and a step in longitude is
+/// small enough for the series in sampleRange.
+constexpr std::size_t kMinWidth = 1024;
+constexpr std::size_t kMinHeight = 512;
+/// Texels within a cell are kept in the order of this finer level, so that strata of the cumulative
+/// sum are compact in direction.
+constexpr int kOrderLevel = 8;
+constexpr double kTwoPi = 2 * kPi;
+
+std::size_t index(std::uint32_t i) {
+    return static_cast<std::size_t>(i);
+}
+
+/// Integral of the direction over the lat-long rectangle of polar angles [t0, t1] and longitudes
+/// [p0, p1], and its solid angle.
+struct RectangleMoment {
+    Vec3d vector;
+    double solidAngle;
+};
+RectangleMoment integrateRectangle(double t0, double t1, double p0, double p1) {
+    const double sin2 = (t1 - t0) / 2 - (std::sin(2 * t1) - std::sin(2 * t0)) / 4;
+    const double sinCos = (std::sin(t1) * std::sin(t1) - std::sin(t0) * std::sin(t0)) / 2;
+    return {{sin2 * (std::cos(p0) - std::cos(p1)), sinCos * (p1 - p0),
+             sin2 * (std::sin(p1) - std::sin(p0))},
+            (std::cos(t0) - std::cos(t1)) * (p1 - p0)};
+}
+
+}  // namespace
+
+Environment::Environment(const Image& map, double rotationDegrees, const Rgb& luminanceWeights)
+    : rotation_(rotationDegrees * kPi / 180), luminanceWeights_(luminanceWeights) {
+    if (map.width < 1 || map.height < 1) throw Error("environment map: it has no texels");
+    const auto mapWidth = static_cast<std::size_t>(map.width);
+    const auto mapHeight = static_cast<std::size_t>(map.height);
+    const std::size_t repeatX = (kMinWidth + mapWidth - 1) / mapWidth;
+    const std::size_t repeatY = (kMinHeight + mapHeight - 1) / mapHeight;
+    width_ = mapWidth * repeatX;
+    height_ = mapHeight * repeatY;
+    if (width_ * height_ > std::size_t{1} << 31)
+        throw Error("environment map: " + std::to_string(map.width) + "x" +
+                    std::to_string(map.height) + " texels, at most 2^31 are supported");
+    pixels_.resize(width_ * height_);
+    for (std::size_t y = 0; y < height_; ++y)
+        for (std::size_t x = 0; x < width_; ++x)
+            pixels_[y * width_ + x] = map.pixels[(y / repeatY) * mapWidth + x / repeatX];
+
+    rowCos_.resize(height_ + 1);
+    for (std::size_t y = 0; y <= height_; ++y)
+        rowCos_[y] = static_cast<float>(
+            std::cos(kPi * static_cast<double>(y) / static_cast<double>(height_)));
+    columnCos_.resize(width_);
+    columnSin_.resize(width_);
+    for (std::size_t x = 0; x < width_; ++x) {
+        const double longitude =
+            kPi - kTwoPi * static_cast<double>(x) / static_cast<double>(width_) + rotation_;
+        columnCos_[x] = static_cast<float>(std::cos(longitude));
+        columnSin_[x] = static_cast<float>(std::sin(longitude));
+    }
+    sortTexels();
+    sumCells();
+    tabulate();
+}
+
+void Environment::sortTexels() {
+    const std::size_t count = width_ * height_;
+    std::vector<std::uint32_t> keys(count);
+    parallelFor(height_, 8, [&](const Chunk& rows) {
+        for (std::size_t y = rows.begin; y < rows.end; ++y) {
+            const double polar = kPi * (static_cast<double>(y) + 0.5) / static_cast<double>(height_);
+            for (std::size_t x = 0; x < width_; ++x) {
+                const double longitude = kPi + rotation_ -
+                                         kTwoPi * (static_cast<double>(x) + 0.5) /
+                                             static_cast<double>(width_);
+                keys[y * width_ + x] =
+                    locateCell(kOrderLevel, {std::sin(polar) * std::sin(longitude), std::cos(polar),
+                                             std::sin(polar) * std::cos(longitude)});
+            }
+        }
+    });
+    constexpr int shift = 2 * (kOrderLevel - kLevel);
+    firstTexel_.assign(cellCount(kLevel) + 1, 0);
+    for (const std::uint32_t key : keys) ++firstTexel_[index(key >> shift) + 1];
+    for (std::size_t i = 1; i < firstTexel_.size(); ++i) firstTexel_[i] += firstTexel_[i - 1];
+    order_.resize(count);
+    std::vector<std::uint32_t> next(firstTexel_.begin(), firstTexel_.end() - 1);
+    for (std::size_t i = 0; i < count; ++i)
+        order_[next[keys[i] >> shift]++] = static_cast<std::uint32_t>(i);
+    parallelFor(cellCount(kLevel), 64, [&](const Chunk& cells) {
+        for (std::size_t c = cells.begin; c < cells.end; ++c)
+            std::sort(order_.begin() + firstTexel_[c], order_.begin() + firstTexel_[c + 1],
+                      [&](std::uint32_t a, std::uint32_t b) {
+                          return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
+                      });
+    });
+    rank_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) rank_[order_[i]] = static_cast<std::uint32_t>(i);
+}
+
+void Environment::sumCells() {
+    const std::size_t cellTotal = cellCount(kLevel);
+    power_[kLevel].assign(cellTotal, 0.0);
+    flux_[kLevel].assign(cellTotal, {});
+    cumulative_.resize(order_.size());
+    parallelFor(cellTotal, 64, [&](const Chunk& cells) {
+        std::vector<double> weights;
+        for (std::size_t c = cells.begin; c < cells.end; ++c) {
+            const std::uint32_t first = firstTexel_[c], last = firstTexel_[c + 1];
+            weights.assign(last - first, 0.0);
+            for (std::uint32_t i = first; i < last; ++i) {
+                const std::size_t y = order_[i] / width_, x = order_[i] % width_;
+                const double dy = kPi / static_cast<double>(height_);
+                const double dx = kTwoPi / static_cast<double>(width_);
+                const double right = kPi + rotation_ - dx * static_cast<double>(x);
+                const RectangleMoment m = integrateRectangle(
+                    dy * static_cast<double>(y), dy * static_cast<double>(y + 1), right - dx, right);
+                const Rgb& radiance = pixels_[order_[i]];
+                for (unsigned k = 0; k < 3; ++k)
+                    flux_[kLevel][c][k] += m.vector * static_cast<double>(radiance[static_cast<int>(k)]);
+                weights[i - first] = static_cast<double>(luminance(radiance)) * m.solidAngle;
+                power_[kLevel][c] += weights[i - first];
+            }
+            // 32-bit steps: every lit texel has at least one of the 2^32, and its density is that of
+            // the steps it has, so none is lost beside a sun.
+            std::size_t lit = 0;
+            for (const double w : weights) lit += w > 0 ? 1 : 0;
+            const double steps = 4294967295.0 - static_cast<double>(lit);
+            std::uint64_t sum = 0;
+            for (std::uint32_t i = first; i < last; ++i) {
+                cumulative_[i] = static_cast<std::uint32_t>(sum);
+                const double w = weights[i - first];
+                if (w > 0)
+                    sum += 1 + static_cast<std::uint64_t>(steps * (w / power_[kLevel][c]) *
+                                                          (1 - 1e-12));
+            }
+        }
+    });
+    for (int level = kLevel - 1; level >= 0; --level) {
+        const auto l = static_cast<std::size_t>(level);
+        power_[l].assign(cellCount(level), 0.0);
+        flux_[l].assign(cellCount(level), {});
+        for (std::size_t c = 0; c < cellCount(level); ++c)
+            for (std::size_t child = 4 * c; child < 4 * c + 4; ++child) {
+                power_[l][c] += power_[l + 1][child];
+                for (std::size_t k = 0; k < 3; ++k) flux_[l][c][k] += flux_[l + 1][child][k];
+            }
+    }
+    totalPower_ = 0;
+    for (const double p : power_[0]) totalPower_ += p;
+}
+
+void Environment::tabulate() {
+    const double texelRadius = 0.5 * kPi *
+                               std::hypot(1.0 / static_cast<double>(height_),
+                                          2.0 / static_cast<double>(width_));
+    for (int level = 0; level <= kLevel; ++level) {
+        const auto l = static_cast<std::size_t>(level);
+        moments_[l].assign((cellCount(level) + 15) / 16, CellMoments{});
+        for (std::uint32_t c = 0; c < cellCount(level); ++c) {
+            CellMoments& m = moments_[l][c / 16];
+            const std::size_t i = c % 16;
+            const SphericalTriangle t = cellTriangle(level, c);
+            const Vec3d axis = cellCenter(level, c);
+            const double minCos = std::min({axis.dot(t.a), axis.dot(t.b), axis.dot(t.c)});
+            const double radius = std::acos(std::clamp(minCos, -1.0, 1.0)) + texelRadius + 1e-6;
+            for (std::size_t k = 0; k < 3; ++k) {
+                m.axis[k][i] = static_cast<float>(axis[static_cast<int>(k)]);
+                for (std::size_t j = 0; j < 3; ++j)
+                    m.flux[k][j][i] = static_cast<float>(flux_[l][c][k][static_cast<int>(j)]);
+            }
+            m.sinRadius[i] = static_cast<float>(std::sin(radius));
+            m.power[i] = static_cast<float>(power_[l][c]);
+        }
+    }
+    // Lit cells keep a chance that survives the rounding of the running sum beside a very bright one.
+    const std::vector<double>& power = power_[kLevel];
+    cellCdf_.assign(power.size() + 1, 0.0);
+    for (std::size_t c = 0; c < power.size(); ++c)
+        cellCdf_[c + 1] = cellCdf_[c] + (power[c] > 0 ? power[c] + 1e-13 * totalPower_ : 0.0);
+    guide_.assign(power.size() + 1, 0);
+    std::uint32_t c = 0;
+    for (std::size_t g = 0; g < guide_.size(); ++g) {
+        const double x =
+            cellCdf_.back() * static_cast<double>(g) / static_cast<double>(guide_.size());
+        while (c + 1 < power.size() && cellCdf_[c + 1] <= x) ++c;
+        guide_[g] = c;
+    }
+}
+
+double Environment::power(int level, std::uint32_t cell) const noexcept {
+    return power_[static_cast<std::size_t>(level)][cell];
+}
+
+EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t last, double u,
+                                           float jitterX, float jitterY) const noexcept {
+    const double begin = cellCdf_[first], end = cellCdf_[last];
+    const double x = begin + u * (end - begin);
+    std::uint32_t c = first;
+    if (last - first > 1) {
+        const auto g = static_cast<std::size_t>(x / cellCdf_.back() *
+                                                static_cast<double>(guide_.size()));
+        const std::uint32_t from = std::max(first, guide_[std::min(g, guide_.size() - 1)]);
+        c = from;
+        while (c + 1 < last && cellCdf_[c + 1] <= x) ++c;
+        while (c > first && cellCdf_[c] > x) --c;
+    }
+    while (c + 1 < last && cellCdf_[c + 1] <= cellCdf_[c]) ++c;  // never a dark cell
+    while (c > first && cellCdf_[c + 1] <= cellCdf_[c]) --c;
+    const double cellSize = cellCdf_[c + 1] - cellCdf_[c];
+    const double inCell = std::clamp((x - cellCdf_[c]) / cellSize, 0.0, 1.0);
+
+    const auto texels = texelsOf(c);
+    const auto steps =
+        static_cast<std::uint32_t>(std::min(inCell * 4294967296.0, 4294967295.0));
+    const auto* base = cumulative_.data();
+    auto rank = static_cast<std::uint32_t>(
+        std::upper_bound(base + texels[0], base + texels[1], steps) - base - 1);
+    const auto nextStep = [&](std::uint32_t i) {
+        return i + 1 < texels[1] ? std::uint64_t{cumulative_[i + 1]} : std::uint64_t{1} << 32;
+    };
+    // The last lit texel owns what rounding left of the 2^32 steps; dark ones after it own none.
+    while (rank > texels[0] && luminance(pixels_[order_[rank]]) <= 0) --rank;
+    std::uint32_t after = rank + 1;
+    while (after < texels[1] && luminance(pixels_[order_[after]]) <= 0) ++after;
+    const std::uint64_t upper = after < texels[1] ? std::uint64_t{cumulative_[after]}
+                                                  : nextStep(texels[1] - 1);
+    const double texelShare = static_cast<double>(upper - cumulative_[rank]) * 0x1p-32;
+
+    const std::uint32_t texel = order_[rank];
+    const std::size_t y = texel / width_, column = texel % width_;
+    const float cosTop = rowCos_[y], cosBottom = rowCos_[y + 1];
+    const float cosPolar = cosTop + (cosBottom - cosTop) * jitterY;
+    const float sinPolar = std::sqrt(std::max(0.0f, 1 - cosPolar * cosPolar));
+    const float step = static_cast<float>(kTwoPi) / static_cast<float>(width_);
+    // Turn back from the texel's border by less than 0.007 rad: three terms give 1e-10.
+    const float d = step * jitterX;
+    const float sinD = d * (1 - d * d / 6), cosD = 1 - d * d / 2;
+    EnvironmentSample sample;
+    sample.direction = {sinPolar * (columnSin_[column] * cosD - columnCos_[column] * sinD), cosPolar,
+                        sinPolar * (columnCos_[column] * cosD + columnSin_[column] * sinD)};
+    sample.radiance = pixels_[texel];
+    sample.density = static_cast<float>((cellSize / (end - begin)) * texelShare /
+                                        static_cast<double>(step * (cosTop - cosBottom)));
+    return sample;
+}
+
+EnvironmentSample Environment::sampleCell(int level, std::uint32_t cell, double u, float jitterX,
+                                          float jitterY) const noexcept {
+    const int shift = 2 * (kLevel - level);
+    return sampleRange(cell << shift, (cell + 1) << shift, u, jitterX, jitterY);
+}
+
+EnvironmentSample Environment::sample(double u, float jitterX, float jitterY) const noexcept {
+    return sampleRange(0, cellCount(kLevel), u, jitterX, jitterY);
+}
+
+Environment::TexelAddress Environment::texelAlong(const Vec3f& direction) const noexcept {
+    double turn = (kPi + rotation_ -
+                   std::atan2(static_cast<double>(direction.x), static_cast<double>(direction.z))) /
+                  kTwoPi;
+    turn -= std::floor(turn);
+    const double polar = std::acos(std::clamp(static_cast<double>(direction.y), -1.0, 1.0)) / kPi;
+    return {std::min(static_cast<std::size_t>(turn * static_cast<double>(width_)), width_ - 1),
+            std::min(static_cast<std::size_t>(polar * static_cast<double>(height_)), height_ - 1)};
+}
+
+Rgb Environment::radiance(const Vec3f& direction) const noexcept {
+    const TexelAddress t = texelAlong(direction);
+    return pixels_[t.y * width_ + t.x];
+}
+
+std::uint32_t Environment::cell(const Vec3f& direction) const noexcept {
+    const TexelAddress t = texelAlong(direction);
+    const std::uint32_t rank = rank_[t.y * width_ + t.x];
+    return static_cast<std::uint32_t>(
+        std::upper_bound(firstTexel_.begin(), firstTexel_.end(), rank) - firstTexel_.begin() - 1);
+}
+
+float Environment::density(const Vec3f& direction) const noexcept {
+    const TexelAddress t = texelAlong(direction);
+    if (luminance(pixels_[t.y * width_ + t.x]) <= 0) return 0;
+    const std::uint32_t rank = rank_[t.y * width_ + t.x];
+    const auto c = static_cast<std::uint32_t>(
+        std::upper_bound(firstTexel_.begin(), firstTexel_.end(), rank) - firstTexel_.begin() - 1);
+    std::uint32_t after = rank + 1;
+    while (after < firstTexel_[c + 1] && luminance(pixels_[order_[after]]) <= 0) ++after;
+    const std::uint64_t upper =
+        after < firstTexel_[c + 1] ? std::uint64_t{cumulative_[after]} : std::uint64_t{1} << 32;
+    const double share = static_cast<double>(upper - cumulative_[rank]) * 0x1p-32 *
+                         (cellCdf_[c + 1] - cellCdf_[c]) / cellCdf_.back();
+    const double solidAngle = kTwoPi / static_cast<double>(width_) *
+                              static_cast<double>(rowCos_[t.y] - rowCos_[t.y + 1]);
+    return static_cast<float>(share / solidAngle);
+}
+
+Environment::Texel Environment::texel(std::size_t i) const noexcept {
+    const std::size_t y = order_[i] / width_, x = order_[i] % width_;
+    const double polar = kPi * (static_cast<double>(y) + 0.5) / static_cast<double>(height_);
+    const double longitude =
+        kPi + rotation_ - kTwoPi * (static_cast<double>(x) + 0.5) / static_cast<double>(width_);
+    return {Vec3f(static_cast<float>(std::sin(polar) * std::sin(longitude)),
+                  static_cast<float>(std::cos(polar)),
+                  static_cast<float>(std::sin(polar) * std::cos(longitude))),
+            pixels_[order_[i]],
+            static_cast<float>(kTwoPi / static_cast<double>(width_)) * (rowCos_[y] - rowCos_[y + 1])};
+}
+
+float Environment::maxLuminance(const Vec3d& axis, double angle) const noexcept {
+    const double polar = std::acos(std::clamp(axis.y, -1.0, 1.0));
+    const auto row = [&](double p) {
+        const double y = std::clamp(p / kPi, 0.0, 1.0) * static_cast<double>(height_);
+        return std::min(static_cast<std::size_t>(y), height_ - 1);
+    };
+    const bool pole = polar - angle <= 0 || polar + angle >= kPi;
+    const double spread =
+        pole ? kPi : std::asin(std::min(1.0, std::sin(angle) / std::sin(polar)));
+    double turn = (kPi + rotation_ - std::atan2(axis.x, axis.z) - spread) / kTwoPi;
+    turn -= std::floor(turn);
+    const auto first = static_cast<std::size_t>(turn * static_cast<double>(width_));
+    const std::size_t columns = std::min(
+        width_, static_cast<std::size_t>(spread / kPi * static_cast<double>(width_)) + 2);
+    float highest = 0;
+    for (std::size_t y = row(polar - angle); y <= row(polar + angle); ++y)
+        for (std::size_t x = 0; x < columns; ++x)
+            highest = std::max(highest, luminance(pixels_[y * width_ + (first + x) % width_]));
+    return highest;
+}
+
+}  // namespace shadowcache

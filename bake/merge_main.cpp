@@ -1,0 +1,33 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <vector>
+
+#include "common/error.h"
+#include "common/version.h"
+#include "bake/merge.h"
+
+int main(int argc, char** argv) try {
+    using namespace shadowcache;
+    CLI::App app("Adds up the counts of several bakes of one set.", "shadowcache-merge");
+    std::vector<std::filesystem::path> inputs;
+    std::filesystem::path output;
+    app.set_version_flag("--version", std::string("shadowcache-merge ") + kVersion);
+    app.add_option("CACHE", inputs, "Caches of one set: other seeds, or the shards of one bake")
+        ->required();
+    app.add_option("-o,--output", output, "Cache to write")->required();
+    app.footer(
+        "Caches must agree in the set, the spacing and the direction level.\n\n"
+        "Example:\n"
+        "  shadowcache-merge seed1.vdb seed2.vdb -o better.vdb");
+    CLI11_PARSE(app, argc, argv);
+    CacheHeader header;
+    const CacheItems items = mergeCaches(inputs, header);
+    const auto bytes = writeCache(output, header, items);
+    std::printf("%zu items, %.1f MB -> %s\n", items.size(), static_cast<double>(bytes) * 1e-6,
+                output.c_str());
+    return 0;
+} catch (const std::exception& e) {
+    std::fprintf(stderr, "shadowcache-merge: %s\n", e.what());
+    return 1;
+}

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/mesh.h"
+
+namespace shadowcache {
+
+/// A part of a triangle in a voxel.
+struct Fragment {
+    std::uint64_t voxelKey;  ///< order of voxels in the file (VoxelFrame::key)
+    std::uint32_t triangle;
+    float area;              ///< of the triangle's part in the voxel, > 0
+};
+
+/// The grid of voxels over a mesh: voxel v is centred at v * spacing in world space.
+class VoxelFrame {
+public:
+    /// @throws Error if the mesh spans more than 2^20 voxels along an axis, naming the least spacing
+    VoxelFrame(const TriangleMesh& mesh, double spacing);
+
+    double spacing() const { return spacing_; }
+    std::uint64_t key(const Vec3i& voxel) const;
+    Vec3i voxel(std::uint64_t key) const;
+    /// Voxel that holds a point given relative to the mesh's origin.
+    Vec3i voxelAt(const Vec3d& position) const;
+    /// Middle of a voxel relative to the mesh's origin.
+    Vec3d center(const Vec3i& voxel) const;
+
+private:
+    double spacing_;
+    Vec3d origin_;
+    Vec3i base_;  ///< a multiple of 8 below every voxel
+};
+
+/// Convex polygon of a triangle clipped to a voxel: three corners, and one more for each of six planes.
+struct Polygon {
+    Vec3d corner[9];
+    int count = 0;
+};
+
+/// Part of a triangle in a voxel of half-size `half` around `center`. [Sutherland & Hodgman 1974]
+Polygon clipToVoxel(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3d& center,
+                    double half);
+
+double area(const Polygon& polygon);
+
+/// Every (voxel, triangle) pair that meets, sorted by voxel, then triangle.
+std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame& frame);
+
+}  // namespace shadowcache

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+
+namespace shadowcache {
+
+/// File that appears under its name only when complete: written beside as "NAME.part-PID", renamed
+/// by commit(), removed if commit() is not reached.
+class AtomicFile {
+public:
+    /// @throws Error if the file cannot be created there
+    explicit AtomicFile(const std::filesystem::path& path);
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    /// Each throws Error when the disk refuses (full, broken).
+    void write(const void* bytes, std::size_t count);
+    void seek(std::uint64_t position);
+    std::uint64_t position() const;
+    void commit();
+
+private:
+    [[noreturn]] void fail(const char* action);
+
+    std::filesystem::path path_;
+    std::filesystem::path partPath_;
+    std::FILE* file_ = nullptr;
+    bool failed_ = false;  ///< a library may have swallowed the exception
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/direction_mesh.h"
+#include "common/image.h"
+
+namespace shadowcache {
+
+/// Direction drawn from an environment.
+struct EnvironmentSample {
+    Vec3f direction;
+    Rgb radiance;
+    float density;  ///< [1/sr] with respect to the region that was sampled
+};
+
+/// Sixteen consecutive cells of a level (at level 2 and finer, those with a common ancestor two levels up),
+/// as arrays: what weighing regions reads. Cells past the end of levels 0 and 1 have no power.
+struct alignas(64) CellMoments {
+    static constexpr int kSize = 16;
+    float axis[3][kSize];       ///< unit vector at the middle of the cell
+    float sinRadius[kSize];     ///< sine of the angle around it that holds all of the cell's texels
+    float flux[3][3][kSize];    ///< [colour][x, y, z]: integral of L(w) w over the cell [radiance sr]
+    float power[kSize];         ///< integral of the luminance over the cell [radiance sr]
+};
+
+/// Distant light from a lat-long map: radiance constant over each texel. Every texel belongs to the cell
+/// that holds its centre, so the integrals over cells are exact sums over texels. World space: +Y is up,
+/// longitude 0 (image centre) is +Z, +pi/2 is +X. Immutable, thread-safe.
+class Environment {
+public:
+    /// Finest level of the direction mesh whose cells are tabulated.
+    static constexpr int kLevel = 5;
+
+    /// @param map              width, height >= 1, finite and non-negative
+    /// @param rotationDegrees  turns the map about +Y, counter-clockwise seen from above
+    /// @param luminanceWeights sum to 1
+    /// @throws Error for an empty map or one of over 2^31 texels
+    Environment(const Image& map, double rotationDegrees, const Rgb& luminanceWeights);
+
+    const Rgb& luminanceWeights() const { return luminanceWeights_; }
+    float luminance(const Rgb& c) const {
+        return luminanceWeights_.x * c.x + luminanceWeights_.y * c.y + luminanceWeights_.z * c.z;
+    }
+
+    /// Integral of the luminance over the sphere [radiance sr].
+    double totalPower() const { return totalPower_; }
+
+    /// Radiance along a unit direction.
+    Rgb radiance(const Vec3f& direction) const noexcept;
+
+    /// Cell of level kLevel that the texel along `direction` belongs to.
+    std::uint32_t cell(const Vec3f& direction) const noexcept;
+
+    /// Moments of the cells 16 block .. 16 block + 15 of `level` (0 .. kLevel).
+    const CellMoments& cells(int level, std::uint32_t block) const noexcept {
+        return moments_[static_cast<std::size_t>(level)][block];
+    }
+
+    /// Integral of the luminance over a cell, level 0 .. kLevel.
+    double power(int level, std::uint32_t cell) const noexcept;
+
+    /// Direction in cell `index` of `level` (whose power is positive) with density in proportion to the luminance;
+    /// its density is with respect to that cell. u chooses the texel, jitter (two numbers) the place in it.
+    EnvironmentSample sampleCell(int level, std::uint32_t index, double u, float jitterX,
+                                 float jitterY) const noexcept;
+
+    /// As sampleCell, over the whole sphere (whose power is positive).
+    EnvironmentSample sample(double u, float jitterX, float jitterY) const noexcept;
+
+    /// Density with which sample() draws `direction` [1/sr].
+    float density(const Vec3f& direction) const noexcept;
+
+    /// A texel as an integrator of other shapes sees it.
+    struct Texel {
+        Vec3f center;
+        Rgb radiance;
+        float solidAngle;
+    };
+    std::size_t texelCount() const { return order_.size(); }
+    /// Texels in the order of their cells; those of one level-kLevel cell are texelsOf(cell).
+    Texel texel(std::size_t i) const noexcept;
+    std::array<std::uint32_t, 2> texelsOf(std::uint32_t cell) const noexcept {
+        return {firstTexel_[cell], firstTexel_[cell + 1]};
+    }
+    /// Upper bound of the luminance over the directions of a cone around `axis`.
+    float maxLuminance(const Vec3d& axis, double angle) const noexcept;
+
+private:
+    struct TexelAddress {
+        std::size_t x, y;
+    };
+    TexelAddress texelAlong(const Vec3f& direction) const noexcept;
+    void sortTexels();
+    void sumCells();
+    void tabulate();
+    EnvironmentSample sampleRange(std::uint32_t first, std::uint32_t last, double u, float jitterX,
+                                  float jitterY) const noexcept;
+
+    std::size_t width_ = 0, height_ = 0;
+    double rotation_ = 0;
+    Rgb luminanceWeights_;
+    double totalPower_ = 0;
+    std::vector<Rgb> pixels_;                ///< as in the map, perhaps replicated
+    std::vector<std::uint32_t> order_;       ///< texel index y * width + x, sorted by cell
+    std::vector<std::uint32_t> rank_;        ///< place of texel y * width + x in order_
+    std::vector<std::uint32_t> cumulative_;  ///< within the cell, in 2^-32 of it, exclusive
+    std::vector<std::uint32_t> firstTexel_;  ///< per cell of kLevel, and the end
+    std::vector<double> cellCdf_;            ///< over the cells of kLevel, cellCount + 1
+    std::vector<std::uint32_t> guide_;       ///< where in cellCdf_ to begin
+    std::vector<float> rowCos_, columnCos_, columnSin_;  ///< at texel borders
+    std::array<std::vector<double>, kLevel + 1> power_;
+    std::array<std::vector<std::array<Vec3d, 3>>, kLevel + 1> flux_;
+    std::array<std::vector<CellMoments>, kLevel + 1> moments_;
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,43 @@
+#include "common/json_file.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "common/atomic_file.h"
+
+namespace shadowcache {
+
+struct JsonFile::Impl {
+    nlohmann::ordered_json root = nlohmann::ordered_json::object();
+
+    nlohmann::ordered_json& at(std::string key) {
+        std::replace(key.begin(), key.end(), '.', '/');
+        return root[nlohmann::ordered_json::json_pointer("/" + key)];
+    }
+};
+
+JsonFile::JsonFile() : impl_(std::make_unique<Impl>()) {}
+JsonFile::~JsonFile() = default;
+
+void JsonFile::set(const std::string& key, double value) {
+    impl_->at(key) = value;
+}
+void JsonFile::set(const std::string& key, std::uint64_t value) {
+    impl_->at(key) = value;
+}
+void JsonFile::set(const std::string& key, const std::string& value) {
+    impl_->at(key) = value;
+}
+
+std::string JsonFile::text() const {
+    return impl_->root.dump(2) + "\n";
+}
+
+void JsonFile::write(const std::filesystem::path& path) const {
+    const std::string json = text();
+    AtomicFile file(path);
+    file.write(json.data(), json.size());
+    file.commit();
+}
+
+}  // namespace shadowcache

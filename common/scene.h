@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "common/mesh.h"
+
+namespace shadowcache {
+
+/// Where a ray meets the set, relative to the mesh's origin.
+struct Hit {
+    bool found = false;
+    Vec3f position;       ///< on the triangle, from its corners
+    Vec3f normal;         ///< unit geometric normal, by the triangle's winding
+    float distance = 0;   ///< along the ray
+    std::uint32_t triangle = 0;
+    float u = 0, v = 0;   ///< barycentric coordinates of the second and third corner
+};
+
+/// Eight shadow rays toward the sky, as arrays; origins relative to the mesh's origin, directions unit.
+struct alignas(32) RayPacket {
+    static constexpr int kSize = 8;
+    float originX[kSize], originY[kSize], originZ[kSize];
+    float directionX[kSize], directionY[kSize], directionZ[kSize];
+
+    void set(int i, const Vec3f& origin, const Vec3f& direction) {
+        originX[i] = origin.x;
+        originY[i] = origin.y;
+        originZ[i] = origin.z;
+        directionX[i] = direction.x;
+        directionY[i] = direction.y;
+        directionZ[i] = direction.z;
+    }
+};
+
+/// The set's triangles in an acceleration structure. Queries are thread-safe.
+class Scene {
+public:
+    /// Keeps a reference to `mesh`, which must outlive the scene.
+    ///
+    /// @throws Error when memory runs out
+    explicit Scene(const TriangleMesh& mesh);
+    ~Scene();
+    Scene(const Scene&) = delete;
+    Scene& operator=(const Scene&) = delete;
+
+    const TriangleMesh& mesh() const { return mesh_; }
+
+    /// Nearest hit of a ray.
+    Hit intersect(const Vec3f& origin, const Vec3f& direction) const noexcept;
+
+    /// Bit i: ray i (< count <= 8) reaches the sky.
+    std::uint32_t visibility(const RayPacket& rays, int count) const noexcept;
+
+    /// Distances to the first hit of `count` rays, infinite where there is none.
+    void distances(const RayPacket& rays, int count, float* out) const noexcept;
+
+    /// Unit geometric normal of a triangle.
+    Vec3f normal(std::uint32_t triangle) const noexcept;
+
+    /// Origin for rays that leave `position` on `triangle` on the side of the unit vector `side`: moved off
+    /// the surface by an amount scaled to the corners' own ulp, so that no ray meets the triangle it
+    /// starts from. [Wächter & Binder 2019]
+    Vec3f rayOrigin(const Vec3f& position, std::uint32_t triangle, const Vec3f& side) const noexcept;
+
+private:
+    struct Impl;
+    const TriangleMesh& mesh_;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "common/cache_items.h"
+
+namespace shadowcache {
+
+/// One item near a place, as a view into an open cache.
+struct ItemView {
+    const std::uint8_t* n;         ///< baseCells counts
+    const std::uint8_t* d;
+    const std::int16_t* blockKeys; ///< sorted
+    const std::uint8_t* blockN;    ///< kBlockCells counts of the first block
+    const std::uint8_t* blockD;
+    std::uint32_t blockNStep;      ///< from one block's counts to the next: kBlockCells, or 0 if all are alike
+    std::uint32_t blockDStep;
+    std::uint32_t blockCount;
+    Vec3f normal;
+    float weight;                  ///< share in the pooled counts; those of one lookup sum to 1
+};
+
+/// An open cache: items found by place and normal through OpenVDB. Lookups are thread-safe through one Reader
+/// a thread.
+class ShadowCache {
+public:
+    /// Most items that one lookup pools.
+    static constexpr int kMaxItems = 16;
+
+    /// @throws Error naming the file and the cause: missing, truncated, foreign, of another format version
+    explicit ShadowCache(const std::filesystem::path& path);
+    ~ShadowCache();
+    ShadowCache(const ShadowCache&) = delete;
+    ShadowCache& operator=(const ShadowCache&) = delete;
+
+    const CacheHeader& header() const;
+    std::size_t itemCount() const;
+    std::size_t blockCount() const;
+    /// Memory of the items and of the grid around them.
+    std::size_t memoryBytes() const;
+
+    /// A thread's access to the cache; remembers the nodes it last visited.
+    class Reader {
+    public:
+        explicit Reader(const ShadowCache& cache);
+        ~Reader();
+        Reader(Reader&&) noexcept;
+
+        /// Items of the 8 voxels around a place whose side agrees with the unit normal, trilinearly
+        /// weighted.
+        ///
+        /// @param position world space
+        /// @param out      at least kMaxItems
+        /// @return number of items found
+        int gather(const Vec3d& position, const Vec3f& normal, std::span<ItemView> out);
+
+    private:
+        struct Impl;
+        std::unique_ptr<Impl> impl_;
+    };
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace shadowcache

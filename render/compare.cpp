@@ -1,0 +1,63 @@
+#include "render/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/error.h"
+
+namespace shadowcache {
+
+RelativeError relativeError(const Image& image, const Image& reference) {
+    if (image.width != reference.width || image.height != reference.height)
+        throw Error("reference image: " + std::to_string(reference.width) + "x" +
+                    std::to_string(reference.height) + " pixels, wanted " +
+                    std::to_string(image.width) + "x" + std::to_string(image.height));
+    const std::size_t count = image.pixels.size();
+    double sum = 0;
+    for (const Rgb& p : reference.pixels)
+        for (int k = 0; k < 3; ++k) sum += static_cast<double>(p[k]);
+    const double mean = sum / (3 * static_cast<double>(count));
+
+    std::vector<double> errors(count);
+    RelativeError result;
+    for (std::size_t i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const auto ref = static_cast<double>(reference.pixels[i][k]);
+            const double difference = static_cast<double>(image.pixels[i][k]) - ref;
+            const double scale = ref * ref + 0.01 * mean * mean;
+            if (scale > 0) errors[i] += difference * difference / scale / 3;
+        }
+        result.mean += errors[i] / static_cast<double>(count);
+    }
+    std::sort(errors.begin(), errors.end());
+    const auto quantile = [&](double q) {
+        return errors[std::min(count - 1, static_cast<std::size_t>(q * static_cast<double>(count)))];
+    };
+    result.p50 = quantile(0.5);
+    result.p99 = quantile(0.99);
+    result.p999 = quantile(0.999);
+    result.max = errors.back();
+    return result;
+}
+
+std::vector<Rgb> tileMeans(const Image& image, int tile) {
+    std::vector<Rgb> means;
+    for (int y = 0; y + tile <= image.height; y += tile)
+        for (int x = 0; x + tile <= image.width; x += tile) {
+            double sum[3] = {0, 0, 0};
+            for (int v = y; v < y + tile; ++v)
+                for (int u = x; u < x + tile; ++u)
+                    for (int k = 0; k < 3; ++k)
+                        sum[k] += static_cast<double>(
+                            image.pixels[static_cast<std::size_t>(v) *
+                                             static_cast<std::size_t>(image.width) +
+                                         static_cast<std::size_t>(u)][k]);
+            const double scale = 1.0 / (tile * tile);
+            means.emplace_back(static_cast<float>(sum[0] * scale), static_cast<float>(sum[1] * scale),
+                               static_cast<float>(sum[2] * scale));
+        }
+    return means;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "common/image.h"
+
+namespace shadowcache {
+
+/// Squared relative error of an image: (x - ref)^2 / (ref^2 + 0.01 mean(ref)^2) over pixels and RGB.
+struct RelativeError {
+    double mean = 0;  ///< relMSE
+    double p50 = 0, p99 = 0, p999 = 0, max = 0;  ///< over pixels (mean of the three colours)
+};
+
+/// @throws Error when the sizes differ
+RelativeError relativeError(const Image& image, const Image& reference);
+
+/// Mean colour over squares of `tile` pixels, row by row; a rest at the border is left out.
+std::vector<Rgb> tileMeans(const Image& image, int tile);
+
+}  // namespace shadowcache

@@ -1,0 +1,126 @@
+#include "render/estimator.h"
+
+#include <chrono>
+
+#include "common/error.h"
+#include "common/sequence.h"
+#include "render/estimators.h"
+
+namespace shadowcache {
+
+namespace {
+
+std::uint64_t nanoseconds() {
+    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                          std::chrono::steady_clock::now().time_since_epoch())
+                                          .count());
+}
+
+constexpr EstimatorEntry kEstimators[] = {
+    {"uniform", "directions uniform over the hemisphere", 1, false, makeUniform},
+    {"cosine", "directions in proportion to the cosine", 1, false, makeCosine},
+    {"environment", "directions in proportion to the map's luminance", 1, false, makeEnvironment},
+    {"mis", "half environment, half cosine, balance heuristic", 1, false, makeMis},
+    {"paper", "piecewise-constant importance over a triangulated map, times cached visibility", 1,
+     false, makePaper},
+    {"cache", "cached visibility as a control variate (needs --cache; the default with one)", 0, true,
+     makeCache},
+};
+
+}  // namespace
+
+void LightSamples::clear() {
+    direction_.clear();
+    ifOpen_.clear();
+    ifHidden_.clear();
+    groupEnds_.clear();
+}
+
+void LightSamples::add(const Vec3f& direction, const Rgb& ifOpen, const Rgb& ifHidden) {
+    direction_.push_back(direction);
+    ifOpen_.push_back(ifOpen);
+    ifHidden_.push_back(ifHidden);
+}
+
+void LightSamples::trace(const Scene& scene, const ShadingPoint& point,
+                         const Environment& environment, Estimate& estimate) {
+    open_.assign(size(), 0);
+    RayPacket packet{};
+    std::size_t sampleOf[RayPacket::kSize];
+    int queued = 0;
+    const auto flush = [&] {
+        const std::uint32_t open = scene.visibility(packet, queued);
+        for (int i = 0; i < queued; ++i) open_[sampleOf[i]] = (open >> i) & 1;
+        estimate.rays += static_cast<std::uint32_t>(queued);
+        queued = 0;
+    };
+    for (std::size_t i = 0; i < size(); ++i) {
+        if (direction_[i] == Vec3f(0, 0, 0)) continue;
+        packet.set(queued, point.rayOrigin, direction_[i]);
+        sampleOf[queued++] = i;
+        if (queued == RayPacket::kSize) flush();
+    }
+    if (queued > 0) flush();
+
+    double sum[3] = {0, 0, 0};
+    double variance = 0;
+    std::size_t i = 0;
+    for (const std::size_t end : groupEnds_) {
+        for (const std::size_t begin = i; i < end; ++i) {
+            const Rgb& value = open_[i] ? ifOpen_[i] : ifHidden_[i];
+            for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(value[c]);
+            if ((i - begin) % 2 == 0) continue;
+            // The squared difference of two neighbours estimates the variance of their sum.
+            const Rgb& other = open_[i - 1] ? ifOpen_[i - 1] : ifHidden_[i - 1];
+            const auto difference = static_cast<double>(environment.luminance(value - other));
+            variance += difference * difference;
+        }
+    }
+    for (int c = 0; c < 3; ++c) estimate.irradiance[c] += static_cast<float>(sum[c]);
+    estimate.variance += static_cast<float>(variance);
+}
+
+std::span<const std::uint32_t> Workspace::numbers(Sequence sequence, std::uint64_t seed,
+                                                  int dimension, int count) {
+    std::vector<std::uint32_t>& out = numbers_[dimension];
+    out.resize(static_cast<std::size_t>(count));
+    if (sequence == Sequence::sobol) {
+        owenSobol(0, dimension, seed, out);
+    } else {
+        for (std::size_t i = 0; i < out.size(); ++i)
+            out[i] = static_cast<std::uint32_t>(
+                hashWords(seed, static_cast<std::uint64_t>(dimension) + 16, i) >> 32);
+    }
+    return out;
+}
+
+std::unique_ptr<Workspace> Estimator::makeWorkspace() const {
+    return std::make_unique<Workspace>();
+}
+
+Estimate Estimator::estimate(const ShadingPoint& point, int samples, Workspace& workspace) const {
+    const std::uint64_t start = nanoseconds();
+    workspace.samples.clear();
+    Estimate estimate;
+    estimate.irradiance = prepare(point, samples, workspace);
+    const std::uint64_t prepared = nanoseconds();
+    workspace.samples.trace(context_.scene, point, context_.environment, estimate);
+    workspace.setupNanoseconds += prepared - start;
+    workspace.traceNanoseconds += nanoseconds() - prepared;
+    return estimate;
+}
+
+std::span<const EstimatorEntry> estimatorTable() {
+    return kEstimators;
+}
+
+const EstimatorEntry& findEstimator(const std::string& name) {
+    std::string known;
+    for (const EstimatorEntry& entry : kEstimators) {
+        if (name == entry.name) return entry;
+        known += (known.empty() ? "" : ", ") + std::string(entry.name);
+    }
+    throw Error("--estimator " + name + ": wanted one of " + known);
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "render/estimator.h"
+
+namespace shadowcache {
+
+// One maker an estimator; each is defined in the estimator's own file.
+std::unique_ptr<Estimator> makeUniform(const EstimatorContext& context);
+std::unique_ptr<Estimator> makeCosine(const EstimatorContext& context);
+std::unique_ptr<Estimator> makeEnvironment(const EstimatorContext& context);
+std::unique_ptr<Estimator> makeMis(const EstimatorContext& context);
+std::unique_ptr<Estimator> makePaper(const EstimatorContext& context);
+std::unique_ptr<Estimator> makeCache(const EstimatorContext& context);
+
+}  // namespace shadowcache

@@ -1,0 +1,81 @@
+#include "render/film.h"
+
+#include <array>
+#include <functional>
+#include <string>
+
+#include "common/error.h"
+
+namespace shadowcache {
+
+namespace {
+
+struct Aov {
+    std::string name;
+    std::vector<std::string> parts;  ///< channel suffixes
+    std::function<float(const Pixel&, int)> value;
+};
+
+const std::vector<Aov>& aovTable() {
+    static const std::vector<std::string> rgb{"R", "G", "B"}, xyz{"X", "Y", "Z"};
+    static const std::vector<Aov> table{
+        {"irradiance", rgb, [](const Pixel& p, int k) { return p.irradiance[k]; }},
+        {"albedo", rgb, [](const Pixel& p, int k) { return p.albedo[k]; }},
+        {"normal", xyz, [](const Pixel& p, int k) { return p.normal[k]; }},
+        {"position", xyz, [](const Pixel& p, int k) { return p.position[k]; }},
+        {"depth", {"Z"}, [](const Pixel& p, int) { return p.depth; }},
+        {"variance", {"Y"}, [](const Pixel& p, int) { return p.variance; }},
+        {"rays", {"Y"}, [](const Pixel& p, int) { return p.rays; }},
+    };
+    return table;
+}
+
+Channel makeChannel(const Film& film, const std::string& name,
+                    const std::function<float(const Pixel&)>& value) {
+    Channel channel{name, {}};
+    channel.values.reserve(film.pixels.size());
+    for (const Pixel& p : film.pixels) channel.values.push_back(value(p));
+    return channel;
+}
+
+}  // namespace
+
+const std::vector<std::string>& aovNames() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> all;
+        for (const Aov& aov : aovTable()) all.push_back(aov.name);
+        return all;
+    }();
+    return names;
+}
+
+std::vector<Channel> channels(const Film& film, const std::vector<std::string>& aovs) {
+    std::vector<Channel> out;
+    const std::array<const char*, 3> rgb{"R", "G", "B"};
+    for (int k = 0; k < 3; ++k)
+        out.push_back(makeChannel(film, rgb[static_cast<std::size_t>(k)],
+                                  [k](const Pixel& p) { return p.color[k]; }));
+    for (const std::string& name : aovs) {
+        const Aov* found = nullptr;
+        std::string known;
+        for (const Aov& aov : aovTable()) {
+            if (aov.name == name) found = &aov;
+            known += (known.empty() ? "" : ", ") + aov.name;
+        }
+        if (!found) throw Error("--aov " + name + ": wanted one of " + known);
+        for (std::size_t k = 0; k < found->parts.size(); ++k)
+            out.push_back(makeChannel(
+                film, name + "." + found->parts[k],
+                [&](const Pixel& p) { return found->value(p, static_cast<int>(k)); }));
+    }
+    return out;
+}
+
+Image colorImage(const Film& film) {
+    Image image{film.width, film.height, {}};
+    image.pixels.reserve(film.pixels.size());
+    for (const Pixel& p : film.pixels) image.pixels.push_back(p.color);
+    return image;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/image.h"
+
+namespace shadowcache {
+
+/// What the renderer knows of one pixel, averaged over its camera rays.
+struct Pixel {
+    Rgb color{0, 0, 0};        ///< outgoing radiance, or the sky's
+    Rgb irradiance{0, 0, 0};
+    Rgb albedo{0, 0, 0};
+    Vec3f normal{0, 0, 0};     ///< world space, toward the viewer
+    Vec3f position{0, 0, 0};   ///< world space
+    float depth = 0;           ///< distance from the camera; 0: the sky
+    float variance = 0;        ///< of the irradiance's luminance, estimated from the samples
+    float rays = 0;            ///< shadow rays traced
+};
+
+struct Film {
+    int width = 0;
+    int height = 0;
+    std::vector<Pixel> pixels;
+};
+
+/// Names that channels() knows.
+const std::vector<std::string>& aovNames();
+
+/// R, G, B and the channels of the AOVs named, for writeExr.
+///
+/// @throws Error naming the AOVs there are
+std::vector<Channel> channels(const Film& film, const std::vector<std::string>& aovs);
+
+Image colorImage(const Film& film);
+
+}  // namespace shadowcache

@@ -1,0 +1,146 @@
+#include "render/integrator.h"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include "common/error.h"
+#include "common/parallel.h"
+#include "common/progress.h"
+#include "common/sequence.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Side of the square of pixels that one thread renders in a run: neighbours read the same cache items.
+constexpr int kTile = 8;
+
+Rgb albedoAt(const TriangleMesh& mesh, const Hit& hit, const Rgb& fallback) {
+    if (mesh.colors.empty()) return fallback;
+    const Vec3i& t = mesh.triangles[hit.triangle];
+    const Rgb& a = mesh.colors[static_cast<std::size_t>(t.x)];
+    const Rgb& b = mesh.colors[static_cast<std::size_t>(t.y)];
+    const Rgb& c = mesh.colors[static_cast<std::size_t>(t.z)];
+    return a * (1 - hit.u - hit.v) + b * hit.u + c * hit.v;
+}
+
+bool isFinite(const Estimate& e) {
+    return std::isfinite(e.irradiance.x) && std::isfinite(e.irradiance.y) &&
+           std::isfinite(e.irradiance.z) && std::isfinite(e.variance);
+}
+
+struct Frame {
+    const Estimator& estimator;
+    const EstimatorContext& context;
+    const Camera& camera;
+    int number;
+    const RenderOptions& options;
+
+    Pixel renderPixel(int x, int y, Workspace& workspace, std::uint64_t& shadowRays) const {
+        Pixel pixel;
+        for (int k = 0; k < options.cameraRays; ++k) addCameraRay(x, y, k, workspace, pixel);
+        const float scale = 1.0f / static_cast<float>(options.cameraRays);
+        shadowRays += static_cast<std::uint64_t>(pixel.rays);
+        pixel.color *= scale;
+        pixel.irradiance *= scale;
+        pixel.albedo *= scale;
+        pixel.normal *= scale;
+        pixel.position *= scale;
+        pixel.depth *= scale;
+        pixel.variance *= scale * scale;
+        return pixel;
+    }
+
+    void addCameraRay(int x, int y, int k, Workspace& workspace, Pixel& pixel) const {
+        const std::uint64_t seed = pixelSeed(options.seed, number, x, y, k);
+        double dx = 0.5, dy = 0.5;
+        if (options.cameraRays > 1) {
+            std::uint32_t u, v;
+            const std::uint64_t film = pixelSeed(options.seed, number, x, y, -1);
+            owenSobol(static_cast<std::uint32_t>(k), 0, film, {&u, 1});
+            owenSobol(static_cast<std::uint32_t>(k), 1, film, {&v, 1});
+            dx = static_cast<double>(toUnitFloat(u));
+            dy = static_cast<double>(toUnitFloat(v));
+        }
+        const TriangleMesh& mesh = context.scene.mesh();
+        const Vec3f origin(camera.origin - mesh.origin);
+        const Vec3f direction(rayDirection(camera, (x + dx) / options.width,
+                                           (y + dy) / options.height,
+                                           static_cast<double>(options.width) / options.height));
+        const Hit hit = context.scene.intersect(origin, direction);
+        if (!hit.found) {
+            pixel.color += context.environment.radiance(direction);
+            return;
+        }
+        const Vec3f normal = hit.normal.dot(direction) > 0 ? -hit.normal : hit.normal;
+        const ShadingPoint point{context.scene.rayOrigin(hit.position, hit.triangle, normal),
+                                 mesh.origin + Vec3d(hit.position), normal, seed};
+        const Estimate e = estimator.estimate(point, options.samples, workspace);
+        if (!isFinite(e))
+            throw Error("not a finite estimate at frame " + std::to_string(number) +
+                        ": replay it with --debug " + std::to_string(x) + "," + std::to_string(y) +
+                        " --seed " + std::to_string(options.seed));
+        const Rgb albedo = albedoAt(mesh, hit, options.albedo);
+        pixel.color += albedo * e.irradiance * static_cast<float>(1 / kPi);
+        pixel.irradiance += e.irradiance;
+        pixel.albedo += albedo;
+        pixel.normal += normal;
+        pixel.position += Vec3f(point.position);
+        pixel.depth += hit.distance;
+        pixel.variance += e.variance;
+        pixel.rays += static_cast<float>(e.rays);
+    }
+};
+
+}  // namespace
+
+std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraRay) {
+    const auto word = [](int high, int low) {
+        return static_cast<std::uint64_t>(static_cast<std::uint32_t>(high)) << 32 |
+               static_cast<std::uint32_t>(low);
+    };
+    return hashWords(seed, word(frame, cameraRay), word(y, x));
+}
+
+Film render(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
+            int frame, const RenderOptions& options, RenderStats& stats) {
+    const auto start = std::chrono::steady_clock::now();
+    Film film{options.width, options.height, {}};
+    film.pixels.resize(static_cast<std::size_t>(options.width) *
+                       static_cast<std::size_t>(options.height));
+    const int tilesX = (options.width + kTile - 1) / kTile;
+    const int tilesY = (options.height + kTile - 1) / kTile;
+    const auto tiles = static_cast<std::size_t>(tilesX) * static_cast<std::size_t>(tilesY);
+    const Frame task{estimator, context, camera, frame, options};
+    std::atomic<std::uint64_t> shadowRays{0}, setup{0}, trace{0};
+    Progress progress("frame " + std::to_string(frame), tiles);
+    parallelFor(tiles, 16, [&](const Chunk& chunk) {
+        throwIfInterrupted();
+        const std::unique_ptr<Workspace> workspace = estimator.makeWorkspace();
+        std::uint64_t rays = 0;
+        for (std::size_t t = chunk.begin; t < chunk.end; ++t) {
+            const int x0 = static_cast<int>(t) % tilesX * kTile;
+            const int y0 = static_cast<int>(t) / tilesX * kTile;
+            for (int y = y0; y < std::min(y0 + kTile, options.height); ++y)
+                for (int x = x0; x < std::min(x0 + kTile, options.width); ++x)
+                    film.pixels[static_cast<std::size_t>(y) *
+                                    static_cast<std::size_t>(options.width) +
+                                static_cast<std::size_t>(x)] =
+                        task.renderPixel(x, y, *workspace, rays);
+        }
+        shadowRays += rays;
+        setup += workspace->setupNanoseconds;
+        trace += workspace->traceNanoseconds;
+        progress.add(chunk.end - chunk.begin);
+    });
+    stats.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
+    stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();
+    stats.cameraRays += film.pixels.size() * static_cast<std::uint64_t>(options.cameraRays);
+    stats.shadowRays += shadowRays;
+    return film;
+}
+
+}  // namespace shadowcache

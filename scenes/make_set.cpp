@@ -1,0 +1,36 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "scenes/sets.h"
+
+/// Writes one of the bundled sets: shadowcache-make-set courtyard|scatter -o set.ply
+int main(int argc, char** argv) try {
+    using namespace shadowcache::scenes;
+    CLI::App app("Writes a bundled set as PLY (+Y up, metres) and a camera that moves through it.");
+    std::string name;
+    std::string output;
+    std::string camera;
+    std::uint64_t triangles = 1'000'000;
+    app.add_option("set", name, "courtyard or scatter")
+        ->required()
+        ->check(CLI::IsMember({"courtyard", "scatter"}));
+    app.add_option("-o,--output", output, "the set, a PLY file")->required();
+    app.add_option("--camera", camera, "camera of 24 frames, a JSON file");
+    app.add_option("--triangles", triangles, "triangles of the scattered set")
+        ->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
+
+    if (name == "scatter") {
+        writeScatter(output, triangles);
+        if (!camera.empty()) writeCamera(camera, scatterWalk(triangles), 24, 12, 0.9);
+    } else {
+        const SetMesh mesh = makeCourtyard();
+        writePly(output, mesh);
+        if (!camera.empty()) writeCamera(camera, courtyardWalk(), 24, 12, 0.96);
+    }
+    return 0;
+} catch (const std::exception& e) {
+    std::fprintf(stderr, "shadowcache-make-set: %s\n", e.what());
+    return 1;
+}

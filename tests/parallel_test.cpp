@@ -1,0 +1,147 @@
+#include "common/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "common/error.h"
+#include "common/progress.h"
+
+namespace shadowcache {
+namespace {
+
+/// Puts the number of threads back when a test ends.
+class Parallel : public testing::Test {
+protected:
+    ~Parallel() override { setThreadCount(0); }
+};
+
+double harmonicSum() {
+    return parallelSum(1000003, 1000, [](const Chunk& chunk) {
+        double sum = 0.0;
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+            sum += std::sin(static_cast<double>(i)) / (1.0 + static_cast<double>(i));
+        return sum;
+    });
+}
+
+TEST_F(Parallel, VisitsEveryIndexOnce) {
+    for (const std::size_t count : {0u, 1u, 7u, 8u, 9u, 1000u}) {
+        for (const std::size_t chunkSize : {1u, 8u, 5000u}) {
+            std::vector<std::atomic<int>> visits(count);
+            parallelFor(count, chunkSize, [&](const Chunk& chunk) {
+                EXPECT_EQ(chunk.begin, chunk.index * chunkSize);
+                EXPECT_LT(chunk.begin, chunk.end);
+                EXPECT_LE(chunk.end - chunk.begin, chunkSize);
+                for (std::size_t i = chunk.begin; i < chunk.end; ++i) ++visits[i];
+            });
+            for (const auto& visit : visits) EXPECT_EQ(visit, 1);
+        }
+    }
+}
+
+TEST_F(Parallel, LimitsTheThreads) {
+    const int cores = threadCount();
+    EXPECT_GE(cores, 1);
+    setThreadCount(1);
+    EXPECT_EQ(threadCount(), 1);
+    const std::thread::id self = std::this_thread::get_id();
+    parallelFor(100, 1, [&](const Chunk&) { EXPECT_EQ(std::this_thread::get_id(), self); });
+    setThreadCount(0);
+    EXPECT_EQ(threadCount(), cores);
+}
+
+TEST_F(Parallel, SumsToTheSameBitsForAnyNumberOfThreads) {
+    setThreadCount(1);
+    const double one = harmonicSum();
+    EXPECT_NE(one, 0.0);
+    for (const int threads : {0, 2, 3, 8}) {
+        setThreadCount(threads);
+        for (int run = 0; run < 10; ++run)
+            EXPECT_EQ(std::bit_cast<std::uint64_t>(harmonicSum()),
+                      std::bit_cast<std::uint64_t>(one));
+    }
+}
+
+TEST_F(Parallel, SumOfNothingIsZero) {
+    EXPECT_EQ(parallelSum(0, 10, [](const Chunk&) { return 1.0; }), 0.0);
+}
+
+TEST_F(Parallel, RethrowsAndStops) {
+    for (const int threads : {1, 0}) {
+        setThreadCount(threads);
+        std::atomic<int> runs{0};
+        try {
+            parallelFor(1000000, 1, [&](const Chunk& chunk) {
+                ++runs;
+                if (chunk.index == 17) throw Error("chunk 17");
+            });
+            ADD_FAILURE() << "no exception";
+        } catch (const Error& e) {
+            EXPECT_STREQ(e.what(), "chunk 17");
+        }
+        EXPECT_LT(runs, 1000000);
+    }
+    // The next loop is not harmed.
+    EXPECT_EQ(parallelSum(10, 1, [](const Chunk&) { return 1.0; }), 10.0);
+}
+
+TEST_F(Parallel, Nests) {
+    const double sum = parallelSum(20, 3, [](const Chunk& outer) {
+        return static_cast<double>(outer.end - outer.begin) *
+               parallelSum(50, 4, [](const Chunk& inner) {
+                   return static_cast<double>(inner.end - inner.begin);
+               });
+    });
+    EXPECT_EQ(sum, 1000.0);
+}
+
+TEST(Progress, IsSilentInAPipe) {
+    testing::internal::CaptureStderr();
+    {
+        Progress progress("bake", 1000);
+        parallelFor(1000, 10, [&](const Chunk& chunk) { progress.add(chunk.end - chunk.begin); });
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+/// Ends the process with 3 if a parallel loop is left by the interrupt.
+[[noreturn]] void loopUntilInterrupted(int signal) {
+    installInterruptHandler();
+    throwIfInterrupted();
+    try {
+        parallelFor(100, 1, [&](const Chunk& chunk) {
+            if (chunk.index == 50) std::raise(signal);
+            throwIfInterrupted();
+        });
+    } catch (const Error& e) {
+        std::exit(std::string(e.what()) == "interrupted" ? 3 : 4);
+    }
+    std::exit(5);
+}
+
+TEST(InterruptDeathTest, EndsALoopCleanly) {
+    testing::FLAGS_gtest_death_test_style = "threadsafe";
+    EXPECT_EXIT(loopUntilInterrupted(SIGINT), testing::ExitedWithCode(3), "");
+    EXPECT_EXIT(loopUntilInterrupted(SIGTERM), testing::ExitedWithCode(3), "");
+}
+
+TEST(InterruptDeathTest, KillsAtTheSecondSignal) {
+    testing::FLAGS_gtest_death_test_style = "threadsafe";
+    const auto twice = [] {
+        installInterruptHandler();
+        std::raise(SIGINT);
+        std::raise(SIGTERM);
+    };
+    EXPECT_EXIT(twice(), testing::KilledBySignal(SIGTERM), "");
+}
+
+}  // namespace
+}  // namespace shadowcache
