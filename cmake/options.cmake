@@ -3,6 +3,8 @@ add_library(shadowcache_options INTERFACE)
 target_compile_features(shadowcache_options INTERFACE cxx_std_20)
 target_compile_options(shadowcache_options INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wnon-virtual-dtor
+    # GCC 12 sees overlaps in std::string that cannot be (bug 105651).
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
     $<$<BOOL:${SHADOWCACHE_WERROR}>:-Werror>
     $<$<BOOL:${SHADOWCACHE_ARCH}>:-march=${SHADOWCACHE_ARCH}>)
 if(SHADOWCACHE_SANITIZE)

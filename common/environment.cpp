@@ -73,6 +73,7 @@ Environment::Environment(const Image& map, double rotationDegrees, const Rgb& lu
     sortTexels();
     sumCells();
     tabulate();
+    tabulateDensity();
 }
 
 void Environment::sortTexels() {
@@ -106,8 +107,6 @@ void Environment::sortTexels() {
                           return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
                       });
     });
-    rank_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) rank_[order_[i]] = static_cast<std::uint32_t>(i);
 }
 
 void Environment::sumCells() {
@@ -228,16 +227,8 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
     const auto* base = cumulative_.data();
     auto rank = static_cast<std::uint32_t>(
         std::upper_bound(base + texels[0], base + texels[1], steps) - base - 1);
-    const auto nextStep = [&](std::uint32_t i) {
-        return i + 1 < texels[1] ? std::uint64_t{cumulative_[i + 1]} : std::uint64_t{1} << 32;
-    };
-    // The last lit texel owns what rounding left of the 2^32 steps; dark ones after it own none.
     while (rank > texels[0] && luminance(pixels_[order_[rank]]) <= 0) --rank;
-    std::uint32_t after = rank + 1;
-    while (after < texels[1] && luminance(pixels_[order_[after]]) <= 0) ++after;
-    const std::uint64_t upper = after < texels[1] ? std::uint64_t{cumulative_[after]}
-                                                  : nextStep(texels[1] - 1);
-    const double texelShare = static_cast<double>(upper - cumulative_[rank]) * 0x1p-32;
+    const double share = texelShare(rank, texels[1]);
 
     const std::uint32_t texel = order_[rank];
     const std::size_t y = texel / width_, column = texel % width_;
@@ -252,7 +243,7 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
     sample.direction = {sinPolar * (columnSin_[column] * cosD - columnCos_[column] * sinD), cosPolar,
                         sinPolar * (columnCos_[column] * cosD + columnSin_[column] * sinD)};
     sample.radiance = pixels_[texel];
-    sample.density = static_cast<float>((cellSize / (end - begin)) * texelShare /
+    sample.density = static_cast<float>((cellSize / (end - begin)) * share /
                                         static_cast<double>(step * (cosTop - cosBottom)));
     return sample;
 }
@@ -267,43 +258,48 @@ EnvironmentSample Environment::sample(double u, float jitterX, float jitterY) co
     return sampleRange(0, cellCount(kLevel), u, jitterX, jitterY);
 }
 
-Environment::TexelAddress Environment::texelAlong(const Vec3f& direction) const noexcept {
-    double turn = (kPi + rotation_ -
-                   std::atan2(static_cast<double>(direction.x), static_cast<double>(direction.z))) /
-                  kTwoPi;
+double Environment::texelShare(std::uint32_t rank, std::uint32_t cellEnd) const noexcept {
+    // The last lit texel owns what rounding left of the 2^32 steps; dark ones after it own none.
+    std::uint32_t after = rank + 1;
+    while (after < cellEnd && luminance(pixels_[order_[after]]) <= 0) ++after;
+    const std::uint64_t upper =
+        after < cellEnd ? std::uint64_t{cumulative_[after]} : std::uint64_t{1} << 32;
+    return static_cast<double>(upper - cumulative_[rank]) * 0x1p-32;
+}
+
+void Environment::tabulateDensity() {
+    density_.assign(pixels_.size(), 0.0f);
+    parallelFor(cellCount(kLevel), 64, [&](const Chunk& cells) {
+        for (std::size_t c = cells.begin; c < cells.end; ++c) {
+            const auto texels = texelsOf(static_cast<std::uint32_t>(c));
+            const double cellShare = (cellCdf_[c + 1] - cellCdf_[c]) / cellCdf_.back();
+            for (std::uint32_t i = texels[0]; i < texels[1]; ++i)
+                if (luminance(pixels_[order_[i]]) > 0)
+                    density_[order_[i]] = static_cast<float>(
+                        cellShare * texelShare(i, texels[1]) /
+                        static_cast<double>(texel(i).solidAngle));
+        }
+    });
+}
+
+std::size_t Environment::texelAlong(const Vec3f& direction) const noexcept {
+    float turn = (static_cast<float>(kPi + rotation_) - std::atan2(direction.x, direction.z)) *
+                 static_cast<float>(1 / kTwoPi);
     turn -= std::floor(turn);
-    const double polar = std::acos(std::clamp(static_cast<double>(direction.y), -1.0, 1.0)) / kPi;
-    return {std::min(static_cast<std::size_t>(turn * static_cast<double>(width_)), width_ - 1),
-            std::min(static_cast<std::size_t>(polar * static_cast<double>(height_)), height_ - 1)};
+    const float polar =
+        std::acos(std::clamp(direction.y, -1.0f, 1.0f)) * static_cast<float>(1 / kPi);
+    const auto x = static_cast<std::size_t>(turn * static_cast<float>(width_));
+    const auto y = static_cast<std::size_t>(polar * static_cast<float>(height_));
+    return std::min(y, height_ - 1) * width_ + std::min(x, width_ - 1);
 }
 
 Rgb Environment::radiance(const Vec3f& direction) const noexcept {
-    const TexelAddress t = texelAlong(direction);
-    return pixels_[t.y * width_ + t.x];
+    return pixels_[texelAlong(direction)];
 }
 
-std::uint32_t Environment::cell(const Vec3f& direction) const noexcept {
-    const TexelAddress t = texelAlong(direction);
-    const std::uint32_t rank = rank_[t.y * width_ + t.x];
-    return static_cast<std::uint32_t>(
-        std::upper_bound(firstTexel_.begin(), firstTexel_.end(), rank) - firstTexel_.begin() - 1);
-}
-
-float Environment::density(const Vec3f& direction) const noexcept {
-    const TexelAddress t = texelAlong(direction);
-    if (luminance(pixels_[t.y * width_ + t.x]) <= 0) return 0;
-    const std::uint32_t rank = rank_[t.y * width_ + t.x];
-    const auto c = static_cast<std::uint32_t>(
-        std::upper_bound(firstTexel_.begin(), firstTexel_.end(), rank) - firstTexel_.begin() - 1);
-    std::uint32_t after = rank + 1;
-    while (after < firstTexel_[c + 1] && luminance(pixels_[order_[after]]) <= 0) ++after;
-    const std::uint64_t upper =
-        after < firstTexel_[c + 1] ? std::uint64_t{cumulative_[after]} : std::uint64_t{1} << 32;
-    const double share = static_cast<double>(upper - cumulative_[rank]) * 0x1p-32 *
-                         (cellCdf_[c + 1] - cellCdf_[c]) / cellCdf_.back();
-    const double solidAngle = kTwoPi / static_cast<double>(width_) *
-                              static_cast<double>(rowCos_[t.y] - rowCos_[t.y + 1]);
-    return static_cast<float>(share / solidAngle);
+EnvironmentSample Environment::lookUp(const Vec3f& direction) const noexcept {
+    const std::size_t texel = texelAlong(direction);
+    return {direction, pixels_[texel], density_[texel]};
 }
 
 Environment::Texel Environment::texel(std::size_t i) const noexcept {

@@ -52,9 +52,6 @@ public:
     /// Radiance along a unit direction.
     Rgb radiance(const Vec3f& direction) const noexcept;
 
-    /// Cell of level kLevel that the texel along `direction` belongs to.
-    std::uint32_t cell(const Vec3f& direction) const noexcept;
-
     /// Moments of the cells 16 block .. 16 block + 15 of `level` (0 .. kLevel).
     const CellMoments& cells(int level, std::uint32_t block) const noexcept {
         return moments_[static_cast<std::size_t>(level)][block];
@@ -71,8 +68,8 @@ public:
     /// As sampleCell, over the whole sphere (whose power is positive).
     EnvironmentSample sample(double u, float jitterX, float jitterY) const noexcept;
 
-    /// Density with which sample() draws `direction` [1/sr].
-    float density(const Vec3f& direction) const noexcept;
+    /// Radiance along a unit direction, and the density with which sample() draws it [1/sr].
+    EnvironmentSample lookUp(const Vec3f& direction) const noexcept;
 
     /// A texel as an integrator of other shapes sees it.
     struct Texel {
@@ -90,13 +87,13 @@ public:
     float maxLuminance(const Vec3d& axis, double angle) const noexcept;
 
 private:
-    struct TexelAddress {
-        std::size_t x, y;
-    };
-    TexelAddress texelAlong(const Vec3f& direction) const noexcept;
+    std::size_t texelAlong(const Vec3f& direction) const noexcept;
     void sortTexels();
     void sumCells();
     void tabulate();
+    void tabulateDensity();
+    /// Share of its cell's steps that the texel at place `rank` of order_ owns.
+    double texelShare(std::uint32_t rank, std::uint32_t cellEnd) const noexcept;
     EnvironmentSample sampleRange(std::uint32_t first, std::uint32_t last, double u, float jitterX,
                                   float jitterY) const noexcept;
 
@@ -106,7 +103,7 @@ private:
     double totalPower_ = 0;
     std::vector<Rgb> pixels_;                ///< as in the map, perhaps replicated
     std::vector<std::uint32_t> order_;       ///< texel index y * width + x, sorted by cell
-    std::vector<std::uint32_t> rank_;        ///< place of texel y * width + x in order_
+    std::vector<float> density_;             ///< of sample(), per texel y * width + x [1/sr]
     std::vector<std::uint32_t> cumulative_;  ///< within the cell, in 2^-32 of it, exclusive
     std::vector<std::uint32_t> firstTexel_;  ///< per cell of kLevel, and the end
     std::vector<double> cellCdf_;            ///< over the cells of kLevel, cellCount + 1

@@ -1,20 +1,18 @@
 #include "common/mesh_reader.h"
 
-#include <OpenMesh/Core/IO/OMFormat.hh>
 #include <OpenMesh/Core/IO/importer/BaseImporter.hh>
 #include <OpenMesh/Core/IO/reader/OMReader.hh>
 #include <OpenMesh/Core/IO/writer/OMWriter.hh>
 #include <OpenMesh/Core/Mesh/ArrayKernel.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cstring>
 #include <sstream>
 #include <string>
 
 #include "common/error.h"
 #include "common/file_bytes.h"
+#include "common/om_check.h"
 #include "common/srgb.h"
 
 namespace shadowcache {
@@ -152,33 +150,6 @@ private:
     std::vector<int> next_;
 };
 
-struct OmCounts {
-    std::uint32_t vertices = 0;
-    std::uint32_t faces = 0;
-};
-
-/// Refuses what OpenMesh's reader would trust blindly: magic word, version, counts.
-OmCounts checkOmHeader(const std::filesystem::path& path, const std::string& bytes) {
-    constexpr std::size_t kHeaderBytes = 16;
-    if (!bytes.starts_with("OM")) throwFileError(path, "does not start with 'OM'");
-    if (bytes.size() < kHeaderBytes) throwFileError(path, "truncated: ends within the header");
-    const auto version = static_cast<std::uint8_t>(bytes[3]);
-    const std::uint8_t newest = OpenMesh::IO::_OMWriter_::get_version();
-    if (version > newest) {
-        throwFileError(path, "OM version " + OpenMesh::IO::OMFormat::as_string(version) +
-                                 ", expected at most " + OpenMesh::IO::OMFormat::as_string(newest));
-    }
-    std::array<std::uint32_t, 3> counts{};  // vertices, faces, edges
-    std::memcpy(counts.data(), bytes.data() + 4, sizeof counts);
-    const double least = 12.0 * counts[0] + 1.0 * counts[1] + 1.0 * counts[2];
-    if (least > static_cast<double>(bytes.size())) {
-        throwFileError(path, "truncated: " + std::to_string(bytes.size()) + " bytes cannot hold " +
-                                 std::to_string(counts[0]) + " vertices and " +
-                                 std::to_string(counts[1]) + " faces");
-    }
-    return {counts[0], counts[1]};
-}
-
 struct MeshFormat {
     const char* extension;
     MeshReader read;
@@ -192,27 +163,20 @@ constexpr MeshFormat kFormats[] = {
 
 RawMesh readOm(const std::filesystem::path& path) {
     std::string bytes = readFileBytes(path);
-    const OmCounts counts = checkOmHeader(path, bytes);
+    const OmCounts counts = checkOm(path, bytes, OpenMesh::IO::_OMWriter_::get_version());
 
-    // Files of version 2 end with this mark. With it on the older ones, too, the reader meets the
-    // end of the data only where something is missing, which it would otherwise make up.
-    constexpr char kEndMark[] = {0x1c, 0x00};
-    if (OpenMesh::IO::OMFormat::major_version(static_cast<std::uint8_t>(bytes[3])) < 2) {
-        bytes.append(kEndMark, sizeof kEndMark);
-    }
     std::istringstream stream(std::move(bytes), std::ios::binary);
     SoupImporter importer;
     OpenMesh::IO::Options options = OpenMesh::IO::Options::VertexColor;
     omerr().disable();  // its messages name no file; ours below do
     const bool read = OpenMesh::IO::OMReader().read(stream, importer, options);
     omerr().enable();
-    if (!read || !stream.good() || importer.n_vertices() != counts.vertices ||
-        importer.n_faces() != counts.faces || !importer.finishFaces()) {
-        throwFileError(path, "truncated or damaged: " + std::to_string(importer.n_vertices()) +
-                                 " vertices and " + std::to_string(importer.n_faces()) +
-                                 " faces could be read, expected " +
-                                 std::to_string(counts.vertices) + " and " +
-                                 std::to_string(counts.faces));
+    if (!read || importer.n_vertices() != counts.vertices || importer.n_faces() != counts.faces ||
+        !importer.finishFaces()) {
+        throwFileError(
+            path, "damaged: " + std::to_string(importer.n_vertices()) + " vertices and " +
+                      std::to_string(importer.n_faces()) + " faces could be read, expected " +
+                      std::to_string(counts.vertices) + " and " + std::to_string(counts.faces));
     }
     return std::move(importer.mesh);
 }

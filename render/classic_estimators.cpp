@@ -73,10 +73,9 @@ Rgb prepareMixture(const EstimatorContext& context, const ShadingPoint& point,
     for (std::size_t i = 0; i < a.size(); ++i) {
         const float cosine = std::sqrt(1 - toUnitFloat(a[i]));
         const Vec3f direction = aroundNormal(n, cosine, toUnitFloat(b[i]));
-        const Rgb radiance = environment.radiance(direction);
-        const float fromMap = ne > 0 ? ne * environment.density(direction) : 0.0f;
-        const float density = fromMap + nc * cosine / static_cast<float>(kPi);
-        w.samples.add(direction, radiance * (cosine / density));
+        const EnvironmentSample s = environment.lookUp(direction);
+        const float density = ne * s.density + nc * cosine / static_cast<float>(kPi);
+        w.samples.add(direction, s.radiance * (cosine / density));
     }
     w.samples.endGroup();
     return {0, 0, 0};

@@ -25,25 +25,22 @@ void addStone(SetMesh& mesh, double x0, double x1, double z0, double z1, double 
 }
 
 void addSetts(SetMesh& mesh, int signX, int signZ) {
-    constexpr int kRows = 21;
-    constexpr double kLength = 0.33;
-    const double width = (kHalfZ - kPath) / kRows;
+    constexpr int kRows = 30;  // along z: the long joints cross the view of whoever walks in
+    constexpr double kLength = 0.30;
+    const double width = (kHalfX - 0.4 - kPath) / kRows;
     for (int row = 0; row < kRows; ++row) {
-        const double z0 = kPath + row * width;
-        double x = kPath;
-        for (int i = 0; x < kHalfX - 0.4; ++i) {
+        const double x0 = kPath + row * width;
+        double z = kPath;
+        for (int i = 0; z < kHalfZ - 0.4; ++i) {
             const auto key =
                 static_cast<std::uint64_t>(((signX + 1) * 2 + signZ + 1) * 100000 + row * 300 + i);
             const double length =
-                i == 0 && row % 2 ? kLength / 2 : kLength * (0.85 + 0.3 * noise(key, 9));
-            const double x1 = std::min(x + length, kHalfX - 0.4);
-            if (std::hypot((x + x1) / 2, z0 + width / 2) > kPlatform - 0.2 && z0 < kHalfZ - 0.6) {
-                const bool flipX = signX < 0;
-                const bool flipZ = signZ < 0;
-                addStone(mesh, flipX ? -x1 : x, flipX ? -x : x1, flipZ ? -z0 - width : z0,
-                         flipZ ? -z0 : z0 + width, 0.022, kCobble, key);
-            }
-            x = x1;
+                i == 0 && row % 2 ? kLength / 2 : kLength * (0.8 + 0.4 * noise(key, 9));
+            const double z1 = std::min(z + length, kHalfZ - 0.4);
+            if (std::hypot(x0 + width / 2, (z + z1) / 2) > kPlatform - 0.2 && z1 - z > 0.05)
+                addStone(mesh, signX < 0 ? -x0 - width : x0, signX < 0 ? -x0 : x0 + width,
+                         signZ < 0 ? -z1 : z, signZ < 0 ? -z : z1, 0.022, kCobble, key);
+            z = z1;
         }
     }
 }
@@ -67,8 +64,8 @@ void addFlags(SetMesh& mesh) {
 }  // namespace
 
 void addPavement(SetMesh& mesh) {
-    addPatch(  // joints between the stones, and the land around the house
-        mesh, 1, 1, [](double u, double v) { return Vec3d(-60 + 120 * v, -0.05, -60 + 120 * u); },
+    addPatch(  // joints between the stones, and the ground that the house covers
+        mesh, 1, 1, [](double u, double v) { return Vec3d(-15 + 28.5 * v, -0.05, -10 + 20 * u); },
         plain({0.13f, 0.12f, 0.09f}));
     for (const int x : {-1, 1})
         for (const int z : {-1, 1}) addSetts(mesh, x, z);

@@ -92,8 +92,8 @@ void addHedge(SetMesh& mesh, const Placement& at, double length, std::uint64_t s
     const double half = length / 2;
     addBox(mesh, at, {-half, -0.03, -0.24}, {half, 0.34, 0.24}, weathered(kSlab, 0.15, 0.5));
     addSlab(mesh, at, {-half - 0.04, 0.33, -0.28}, {half + 0.04, 0.40, 0.28}, 0.015, stone);
-    const auto leaves = static_cast<std::uint64_t>(length * 500);
-    addBox(mesh, at, {-half + 0.16, 0.38, -0.13}, {half - 0.16, 0.72, 0.13},
+    const auto leaves = static_cast<std::uint64_t>(length * 600);
+    addBox(mesh, at, {-half + 0.16, 0.38, -0.13}, {half - 0.16, 0.64, 0.13},
            plain({0.03f, 0.06f, 0.02f}));
     for (std::uint64_t i = 0; i < leaves; ++i) {
         const double t = 2 * noise(seed, i, 1) - 1;
@@ -102,10 +102,10 @@ void addHedge(SetMesh& mesh, const Placement& at, double length, std::uint64_t s
         const double c = std::cos(angle);
         const double s = std::sin(angle);
         const double bump = 0.05 * smoothNoise(Vec3d(x * 4, angle * 2, static_cast<double>(seed)));
-        // A rounded box in section.
-        const double r =
-            1 / std::pow(std::pow(std::abs(c) / 0.19, 4) + std::pow(std::abs(s) / 0.24, 4), 0.25) +
-            bump;
+        // A rounded box in section; every ninth leaf covers one of the ends.
+        const double edge =
+            1 / std::pow(std::pow(std::abs(c) / 0.19, 4) + std::pow(std::abs(s) / 0.24, 4), 0.25);
+        const double r = (i % 9 == 0 ? edge * std::sqrt(noise(seed, i, 6)) : edge) + bump;
         const Vec3d root = at(x, 0.56 + r * s, r * c);
         const Vec3d out = (at.z * c + at.y * s + randomDirection(seed, i) * 0.9).normalized();
         addLeaf(mesh, root, out, 0.05 + 0.03 * noise(seed, i, 3), kPi * noise(seed, i, 4),

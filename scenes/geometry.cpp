@@ -47,10 +47,10 @@ int SetMesh::addVertex(const Vec3d& p, const Rgb& color) {
 }
 
 void SetMesh::addTriangle(int a, int b, int c) {
-    const Vec3f& p = positions[static_cast<std::size_t>(a)];
-    const Vec3f& q = positions[static_cast<std::size_t>(b)];
-    const Vec3f& r = positions[static_cast<std::size_t>(c)];
-    if ((q - p).cross(r - p).length2() < 1e-16f) return;
+    const Vec3d p(positions[static_cast<std::size_t>(a)]);
+    const Vec3d q(positions[static_cast<std::size_t>(b)]);
+    const Vec3d r(positions[static_cast<std::size_t>(c)]);
+    if ((q - p).cross(r - p).length2() < 1e-16) return;
     triangles.emplace_back(a, b, c);
 }
 

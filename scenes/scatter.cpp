@@ -51,17 +51,16 @@ void addGround(SetMesh& mesh, const Layout& l, std::uint64_t row) {
         weathered({0.24f, 0.17f, 0.10f}, 0.3, 0.9));
 }
 
-/// A sphere of 16 x 40 cells (1280 triangles without its pole's slivers), made rough.
+/// A rough sphere of 17 x 40 cells: 1280 triangles, as the poles' cells have but one each.
 void addRock(SetMesh& mesh, const Layout& l, std::uint64_t piece) {
     const Vec3d center = pieceCenter(l, piece);
     const double size = 0.12 + 0.35 * std::pow(noise(piece, 3), 3);
     const Vec3d shift(static_cast<double>(piece % 1000) * 3, 0, 0);
     const Paint paint = weathered(tinted({0.36f, 0.34f, 0.31f}, 0.3, noise(piece, 4)), 0.25, 0.1);
     addPatch(
-        mesh, 16, 40,
+        mesh, 17, 40,
         [&](double u, double v) {
-            // Stops short of the poles, so that no triangle is without area.
-            const double polar = kPi * (0.02 + 0.96 * u);
+            const double polar = kPi * u;
             const double angle = 2 * kPi * (v < 1 ? v : 0);
             const Vec3d d(std::sin(polar) * std::cos(angle), -std::cos(polar),
                           std::sin(polar) * std::sin(angle));
@@ -131,7 +130,7 @@ void writeScatter(const std::filesystem::path& path, std::uint64_t triangles) {
                     std::to_string(kScatterMin) + " to " + std::to_string(kScatterMax));
     const Layout l = layout(triangles);
     const std::uint64_t rocks = (l.pieces + 3) / 4;
-    const std::uint64_t vertices = 2 * l.ground * (l.ground + 1) + rocks * 17 * 41 +
+    const std::uint64_t vertices = 2 * l.ground * (l.ground + 1) + rocks * 18 * 41 +
                                    (l.pieces - rocks) * kBlades * 4 + l.blades * 3;
     PlyWriter writer(path, vertices, triangles);
     forEachPart(l, [&](const SetMesh& part) {

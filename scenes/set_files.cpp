@@ -53,10 +53,20 @@ void writeCamera(const std::filesystem::path& path, std::span<const CameraKey> k
 }
 
 void writePly(const std::filesystem::path& path, const SetMesh& mesh) {
-    PlyWriter writer(path, mesh.positions.size(), mesh.triangles.size());
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-        writer.vertex(mesh.positions[i], mesh.colors[i]);
-    for (const Vec3i& t : mesh.triangles) writer.triangle(t);
+    // Poles of lathes leave vertices that no triangle uses.
+    std::vector<int> number(mesh.positions.size(), -1);
+    std::vector<std::size_t> used;
+    for (const Vec3i& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) {
+            const auto v = static_cast<std::size_t>(t[k]);
+            if (number[v] >= 0) continue;
+            number[v] = static_cast<int>(used.size());
+            used.push_back(v);
+        }
+    PlyWriter writer(path, used.size(), mesh.triangles.size());
+    for (const std::size_t v : used) writer.vertex(mesh.positions[v], mesh.colors[v]);
+    const auto at = [&](int v) { return number[static_cast<std::size_t>(v)]; };
+    for (const Vec3i& t : mesh.triangles) writer.triangle({at(t.x), at(t.y), at(t.z)});
     writer.finish();
 }
 

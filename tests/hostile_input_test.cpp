@@ -76,9 +76,9 @@ TEST(HostileInput, MissingEmptyAndDirectory) {
 TEST(HostileInput, CutOffFiles) {
     const TemporaryFolder folder;
     for (const Kind& kind : kinds()) {
-        // The last byte of a text may be its last line break.
+        // The last byte of a text may be its last line break. Long files are cut in steps.
         for (std::size_t length = 1; length + 1 < kind.bytes.size(); ++length) {
-            if (kind.bytes.size() > 1000 && length % 7 != 0) continue;
+            if (kind.bytes.size() > 100 && length % 7 != 0) continue;
             const auto path = folder.write(kind.name, kind.bytes.substr(0, length));
             try {
                 kind.read(path);
@@ -165,7 +165,7 @@ TEST(HostileInput, CountsThatNoFileBacks) {
     const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
         return text.replace(text.find(from), from.size(), to);
     };
-    for (const std::string& count : {"4000000000", "99999999999999999999", "-1"}) {
+    for (const std::string count : {"4000000000", "99999999999999999999", "-1"}) {
         for (const std::string& good : {squarePly(), squarePlyText()}) {
             for (const std::string element : {"vertex 4", "face 2"}) {
                 const std::string name = element.substr(0, element.size() - 1);
@@ -188,7 +188,7 @@ TEST(HostileInput, CountsThatNoFileBacks) {
     expectError([&] { load(folder.write("a.stl", stl)); }, "a.stl", "truncated or no STL file");
     std::string om = squareOm();
     om[7] = '\x7f';
-    expectError([&] { load(folder.write("a.om", om)); }, "a.om", "cannot hold");
+    expectError([&] { load(folder.write("a.om", om)); }, "a.om", "do not hold");
     std::string exr = squareExr();
     const std::size_t window = exr.find("dataWindow") + sizeof "dataWindow" + sizeof "box2i" + 4;
     exr.replace(window + 8, 4, bytesOf(100000));
@@ -202,7 +202,7 @@ TEST(HostileInput, ChangedBytes) {
     const MemoryLimit limit;
     std::mt19937 random(11);
     for (const Kind& kind : kinds()) {
-        for (int round = 0; round < 300; ++round) {
+        for (int round = 0; round < 60; ++round) {
             std::string bytes = kind.bytes;
             for (int change = 0; change <= round % 4; ++change) {
                 bytes[random() % bytes.size()] = static_cast<char>(random());

@@ -54,7 +54,7 @@ inline std::string squareStl() {
 inline std::string squareStlText() {
     return "solid my vertex\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
            "vertex 1 1 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
-           "vertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid my vertex\n";
+           "vertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
 }
 /// OpenMesh's own format, version 1: positions and the corners of triangles.
 inline std::string squareOm() {

@@ -1,0 +1,97 @@
+#include "tests/benchmarks/bench.h"
+
+#include <cstdio>
+#include <map>
+
+#include "common/error.h"
+#include "common/process.h"
+
+namespace shadowcache::bench {
+
+namespace {
+
+const std::map<std::string, std::string>& sceneFiles() {
+    static const std::map<std::string, std::string> files{{"kitchen", "luxcore_kitchen"},
+                                                          {"atrium", "gen_atrium"},
+                                                          {"grove", "gen_grove"},
+                                                          {"dragon", "dragon_871k_plane"},
+                                                          {"armadillo", "armadillo_plane"}};
+    return files;
+}
+
+std::filesystem::path mapFile(const Settings& settings, const std::string& name) {
+    for (const char* suffix : {".exr", "_1k.exr"}) {
+        const auto path = settings.data / "env" / (name + suffix);
+        if (std::filesystem::exists(path)) return path;
+    }
+    throw Error("no map " + name + ".exr in " + (settings.data / "env").string());
+}
+
+}  // namespace
+
+std::unique_ptr<Set> loadSet(const Settings& settings, const std::string& name) {
+    const auto known = sceneFiles().find(name);
+    const std::string stem = known == sceneFiles().end() ? name : known->second;
+    auto set = std::make_unique<Set>();
+    set->name = name;
+    const std::filesystem::path file = settings.data / "scene" / (stem + ".ply");
+    set->mesh = loadMesh({&file, 1}, {});
+    set->cameras = readCameraFile(settings.data / "scene" / (stem + "_cameras.json"));
+    set->scene = std::make_unique<Scene>(set->mesh);
+    return set;
+}
+
+std::unique_ptr<Environment> loadMap(const Settings& settings, const std::string& name) {
+    const RadianceImage map = readRadiance(mapFile(settings, name));
+    return std::make_unique<Environment>(map.image, 0, map.luminanceWeights);
+}
+
+BakedCache bakeCache(const Settings& settings, const Set& set, const BakeOptions& options,
+                     const std::string& tag) {
+    std::filesystem::create_directories(settings.work);
+    const auto path = settings.work / (set.name + "-" + tag + ".vdb");
+    const double start = secondsNow();
+    const BakeResult result = bake(*set.scene, options);
+    BakedCache baked;
+    baked.seconds = secondsNow() - start;
+    baked.rays = static_cast<double>(result.rays);
+    baked.fileBytes = static_cast<double>(writeCache(path, result.header, result.items));
+    baked.cache = std::make_unique<ShadowCache>(path);
+    return baked;
+}
+
+Rendered renderFrame(const EstimatorContext& context, const Set& set, const std::string& estimator,
+                     int frame, int samples, std::uint64_t seed, const Settings& settings) {
+    const auto made = findEstimator(estimator).make(context);
+    RenderOptions options;
+    options.width = settings.width;
+    options.height = settings.height;
+    options.samples = samples;
+    options.seed = seed;
+    Rendered rendered;
+    rendered.image = colorImage(render(*made, context, cameraAtFrame(set.cameras, frame), frame,
+                                       options, rendered.stats));
+    return rendered;
+}
+
+Reference makeReference(const EstimatorContext& context, const Set& set, int frame, int samples,
+                        const Settings& settings, const std::string& tag) {
+    const Image a = renderFrame(context, set, "cache", frame, samples, 1001, settings).image;
+    const Image b = renderFrame(context, set, "cache", frame, samples, 1002, settings).image;
+    Reference reference{a, 0};
+    for (std::size_t i = 0; i < a.pixels.size(); ++i)
+        reference.image.pixels[i] = (a.pixels[i] + b.pixels[i]) * 0.5f;
+    // The halves differ by twice the variance of one; their mean has half of it.
+    Image difference = reference.image;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i)
+        difference.pixels[i] += (a.pixels[i] - b.pixels[i]) * 0.5f;
+    reference.ownError = relativeError(difference, reference.image).mean;
+    std::vector<Channel> channels{{"R", {}}, {"G", {}}, {"B", {}}};
+    for (const Rgb& p : reference.image.pixels)
+        for (int k = 0; k < 3; ++k) channels[static_cast<std::size_t>(k)].values.push_back(p[k]);
+    writeExr(settings.work / (tag + "-reference.exr"), settings.width, settings.height, channels, {},
+             PixelType::full);
+    return reference;
+}
+
+}  // namespace shadowcache::bench

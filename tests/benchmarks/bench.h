@@ -1,0 +1,73 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bake/baker.h"
+#include "common/environment.h"
+#include "common/json_file.h"
+#include "common/shadow_cache.h"
+#include "render/camera.h"
+#include "render/compare.h"
+#include "render/integrator.h"
+
+namespace shadowcache::bench {
+
+/// What every benchmark may be told.
+struct Settings {
+    std::filesystem::path data;           ///< folder with scene/, env/ and reference/
+    std::filesystem::path work = "out/bench";  ///< caches and references, reused when they fit
+    std::vector<std::string> scenes{"kitchen", "atrium", "grove", "dragon"};
+    std::vector<std::string> maps{"courtyard", "sunrise", "circus_arena"};
+    std::vector<int> frames{1};
+    int width = 240, height = 135;
+    int samples = 64;
+    int repeats = 3;
+    BakeOptions bake;
+    std::filesystem::path json;
+};
+
+/// A set with its cameras, ready to trace.
+struct Set {
+    std::string name;
+    TriangleMesh mesh;
+    CameraTrack cameras;
+    std::unique_ptr<Scene> scene;
+};
+
+std::unique_ptr<Set> loadSet(const Settings& settings, const std::string& name);
+std::unique_ptr<Environment> loadMap(const Settings& settings, const std::string& name);
+
+/// A cache baked with `options`, and what it took.
+struct BakedCache {
+    std::unique_ptr<ShadowCache> cache;
+    double seconds = 0;
+    double rays = 0;
+    double fileBytes = 0;
+};
+BakedCache bakeCache(const Settings& settings, const Set& set, const BakeOptions& options,
+                     const std::string& tag);
+
+/// One rendered frame.
+struct Rendered {
+    Image image;
+    RenderStats stats;
+};
+Rendered renderFrame(const EstimatorContext& context, const Set& set, const std::string& estimator,
+                     int frame, int samples, std::uint64_t seed, const Settings& settings);
+
+/// Image good enough to judge others by, and the relative mean squared error it has itself.
+struct Reference {
+    Image image;
+    double ownError = 0;
+};
+Reference makeReference(const EstimatorContext& context, const Set& set, int frame, int samples,
+                        const Settings& settings, const std::string& tag);
+
+// The benchmarks, one file each.
+void efficiency(const Settings& settings);
+
+}  // namespace shadowcache::bench

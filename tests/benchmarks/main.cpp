@@ -1,0 +1,35 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "common/parallel.h"
+#include "common/progress.h"
+#include "tests/benchmarks/bench.h"
+
+int main(int argc, char** argv) try {
+    using namespace shadowcache;
+    CLI::App app("Measures Shadowcache on real scenes and maps.", "shadowcache-bench");
+    bench::Settings settings;
+    app.add_option("--data", settings.data, "Folder with scene/ and env/")->required();
+    app.add_option("--work", settings.work, "Where caches and references go")->capture_default_str();
+    app.add_option("--scenes", settings.scenes, "Scenes")->delimiter(',')->capture_default_str();
+    app.add_option("--maps", settings.maps, "Maps")->delimiter(',')->capture_default_str();
+    app.add_option("--frames", settings.frames, "Camera frames")->delimiter(',')->capture_default_str();
+    app.add_option("--samples", settings.samples, "Samples a pixel")->capture_default_str();
+    app.add_option("--repeats", settings.repeats, "Renders to average over")->capture_default_str();
+    app.add_option("--spacing", settings.bake.spacing, "Spacing of the bake");
+    app.add_option("--level", settings.bake.level, "Level of the bake")->capture_default_str();
+    app.add_option("--rays", settings.bake.rays, "Rays of the bake")->capture_default_str();
+    app.add_option("--json", settings.json, "Write the table as JSON");
+    app.add_subcommand("efficiency", "Error and time of the estimators")->callback([&] {
+        bench::efficiency(settings);
+    });
+    app.require_subcommand(1);
+    app.fallthrough();
+    installInterruptHandler();
+    CLI11_PARSE(app, argc, argv);
+    return 0;
+} catch (const std::exception& e) {
+    std::fprintf(stderr, "shadowcache-bench: %s\n", e.what());
+    return 1;
+}
