@@ -135,7 +135,7 @@ private:
         // Queued tallies stay where they are: nothing is added to refined_ from here on.
         for (std::size_t i = coarse; i < refined_.size(); ++i)
             for (std::uint32_t k = 0; k < kBlockCells; ++k)
-                rays.add(tiers_.finest, refined_[i].cell * kBlockCells + k, options_.rays,
+                rays.add(tiers_.finest, refined_[i].cell * kBlockCells + k, finestRays(),
                          refined_[i].finest[k]);
         rays.flush();
         if (!options_.adaptive)
@@ -164,6 +164,11 @@ private:
             out.blocks.push_back(block);
         }
         out.firstBlock.push_back(static_cast<std::uint32_t>(out.blocks.size()));
+    }
+
+    /// Neighbouring items are pooled, so that the finest regions need fewer rays of each.
+    int finestRays() const {
+        return options_.adaptive ? std::max(1, options_.rays / 4) : options_.rays;
     }
 
     struct Refined {

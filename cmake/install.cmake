@@ -9,12 +9,16 @@ foreach(program IN ITEMS shadowcache-bake shadowcache-render shadowcache-info sh
         install(TARGETS ${program} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
     endif()
 endforeach()
+set_target_properties(shadowcache_common PROPERTIES EXPORT_NAME common)
+target_compile_features(shadowcache_common PUBLIC cxx_std_20)
 install(TARGETS shadowcache_common EXPORT shadowcache_targets
     ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
     LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
     INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache")
 install(DIRECTORY common/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common"
     FILES_MATCHING PATTERN "*.h")
+install(FILES "${PROJECT_BINARY_DIR}/generated/common/version.h"
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common")
 install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 
 install(EXPORT shadowcache_targets NAMESPACE shadowcache:: FILE shadowcacheTargets.cmake

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "common/error.h"
 #include "common/parallel.h"
@@ -20,6 +21,8 @@ constexpr std::size_t kMinHeight = 512;
 /// sum are compact in direction.
 constexpr int kOrderLevel = 8;
 constexpr double kTwoPi = 2 * kPi;
+/// Where the dark texels at the end of a cell begin: past every step that is drawn.
+constexpr std::uint32_t kNoStep = 0xffffffffu;
 
 std::size_t index(std::uint32_t i) {
     return static_cast<std::size_t>(i);
@@ -53,10 +56,10 @@ Environment::Environment(const Image& map, double rotationDegrees, const Rgb& lu
     if (width_ * height_ > std::size_t{1} << 31)
         throw Error("environment map: " + std::to_string(map.width) + "x" +
                     std::to_string(map.height) + " texels, at most 2^31 are supported");
-    pixels_.resize(width_ * height_);
+    map_.resize(width_ * height_);
     for (std::size_t y = 0; y < height_; ++y)
         for (std::size_t x = 0; x < width_; ++x)
-            pixels_[y * width_ + x] = map.pixels[(y / repeatY) * mapWidth + x / repeatX];
+            map_[y * width_ + x] = {map.pixels[(y / repeatY) * mapWidth + x / repeatX], 0};
 
     rowCos_.resize(height_ + 1);
     for (std::size_t y = 0; y <= height_; ++y)
@@ -96,15 +99,16 @@ void Environment::sortTexels() {
     firstTexel_.assign(cellCount(kLevel) + 1, 0);
     for (const std::uint32_t key : keys) ++firstTexel_[index(key >> shift) + 1];
     for (std::size_t i = 1; i < firstTexel_.size(); ++i) firstTexel_[i] += firstTexel_[i - 1];
-    order_.resize(count);
+    sorted_.resize(count);
     std::vector<std::uint32_t> next(firstTexel_.begin(), firstTexel_.end() - 1);
     for (std::size_t i = 0; i < count; ++i)
-        order_[next[keys[i] >> shift]++] = static_cast<std::uint32_t>(i);
+        sorted_[next[keys[i] >> shift]++] = {map_[i].radiance, 0, static_cast<std::uint32_t>(i)};
     parallelFor(cellCount(kLevel), 64, [&](const Chunk& cells) {
         for (std::size_t c = cells.begin; c < cells.end; ++c)
-            std::sort(order_.begin() + firstTexel_[c], order_.begin() + firstTexel_[c + 1],
-                      [&](std::uint32_t a, std::uint32_t b) {
-                          return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
+            std::sort(sorted_.begin() + firstTexel_[c], sorted_.begin() + firstTexel_[c + 1],
+                      [&](const SortedTexel& a, const SortedTexel& b) {
+                          return std::pair(keys[a.index], a.index) <
+                                 std::pair(keys[b.index], b.index);
                       });
     });
 }
@@ -113,38 +117,25 @@ void Environment::sumCells() {
     const std::size_t cellTotal = cellCount(kLevel);
     power_[kLevel].assign(cellTotal, 0.0);
     flux_[kLevel].assign(cellTotal, {});
-    cumulative_.resize(order_.size());
     parallelFor(cellTotal, 64, [&](const Chunk& cells) {
         std::vector<double> weights;
         for (std::size_t c = cells.begin; c < cells.end; ++c) {
             const std::uint32_t first = firstTexel_[c], last = firstTexel_[c + 1];
             weights.assign(last - first, 0.0);
             for (std::uint32_t i = first; i < last; ++i) {
-                const std::size_t y = order_[i] / width_, x = order_[i] % width_;
+                const std::size_t y = sorted_[i].index / width_, x = sorted_[i].index % width_;
                 const double dy = kPi / static_cast<double>(height_);
                 const double dx = kTwoPi / static_cast<double>(width_);
                 const double right = kPi + rotation_ - dx * static_cast<double>(x);
                 const RectangleMoment m = integrateRectangle(
                     dy * static_cast<double>(y), dy * static_cast<double>(y + 1), right - dx, right);
-                const Rgb& radiance = pixels_[order_[i]];
+                const Rgb& radiance = sorted_[i].radiance;
                 for (unsigned k = 0; k < 3; ++k)
                     flux_[kLevel][c][k] += m.vector * static_cast<double>(radiance[static_cast<int>(k)]);
                 weights[i - first] = static_cast<double>(luminance(radiance)) * m.solidAngle;
                 power_[kLevel][c] += weights[i - first];
             }
-            // 32-bit steps: every lit texel has at least one of the 2^32, and its density is that of
-            // the steps it has, so none is lost beside a sun.
-            std::size_t lit = 0;
-            for (const double w : weights) lit += w > 0 ? 1 : 0;
-            const double steps = 4294967295.0 - static_cast<double>(lit);
-            std::uint64_t sum = 0;
-            for (std::uint32_t i = first; i < last; ++i) {
-                cumulative_[i] = static_cast<std::uint32_t>(sum);
-                const double w = weights[i - first];
-                if (w > 0)
-                    sum += 1 + static_cast<std::uint64_t>(steps * (w / power_[kLevel][c]) *
-                                                          (1 - 1e-12));
-            }
+            accumulate(c, weights);
         }
     });
     for (int level = kLevel - 1; level >= 0; --level) {
@@ -159,6 +150,25 @@ void Environment::sumCells() {
     }
     totalPower_ = 0;
     for (const double p : power_[0]) totalPower_ += p;
+}
+
+void Environment::accumulate(std::size_t cell, const std::vector<double>& weights) {
+    // Every lit texel owns at least one of the cell's 2^32 steps, and its density is that of the steps it
+    // owns, so none is lost beside a sun. Dark texels own none: they begin where the next lit one does,
+    // those after the last lit one at the very end.
+    const auto lit = static_cast<double>(
+        std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0; }));
+    const double steps = (4294967294.0 - lit) * (1 - 1e-12);
+    std::uint64_t sum = 0;
+    std::uint32_t end = firstTexel_[cell];  // after the last lit texel
+    for (std::uint32_t i = firstTexel_[cell]; i < firstTexel_[cell + 1]; ++i) {
+        sorted_[i].begin = static_cast<std::uint32_t>(sum);
+        const double w = weights[i - firstTexel_[cell]];
+        if (!(w > 0)) continue;
+        sum += 1 + static_cast<std::uint64_t>(steps * (w / power_[kLevel][cell]));
+        end = i + 1;
+    }
+    for (std::uint32_t i = end; i < firstTexel_[cell + 1]; ++i) sorted_[i].begin = kNoStep;
 }
 
 void Environment::tabulate() {
@@ -189,11 +199,12 @@ void Environment::tabulate() {
     cellCdf_.assign(power.size() + 1, 0.0);
     for (std::size_t c = 0; c < power.size(); ++c)
         cellCdf_[c + 1] = cellCdf_[c] + (power[c] > 0 ? power[c] + 1e-13 * totalPower_ : 0.0);
-    guide_.assign(power.size() + 1, 0);
+    // guide_[g] is the cell in which the g-th of equal parts of the running sum begins.
+    guide_.assign(power.size() + 1, static_cast<std::uint32_t>(power.size() - 1));
     std::uint32_t c = 0;
-    for (std::size_t g = 0; g < guide_.size(); ++g) {
+    for (std::size_t g = 0; g + 1 < guide_.size(); ++g) {
         const double x =
-            cellCdf_.back() * static_cast<double>(g) / static_cast<double>(guide_.size());
+            cellCdf_.back() * static_cast<double>(g) / static_cast<double>(guide_.size() - 1);
         while (c + 1 < power.size() && cellCdf_[c + 1] <= x) ++c;
         guide_[g] = c;
     }
@@ -209,12 +220,16 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
     const double x = begin + u * (end - begin);
     std::uint32_t c = first;
     if (last - first > 1) {
-        const auto g = static_cast<std::size_t>(x / cellCdf_.back() *
-                                                static_cast<double>(guide_.size()));
-        const std::uint32_t from = std::max(first, guide_[std::min(g, guide_.size() - 1)]);
-        c = from;
-        while (c + 1 < last && cellCdf_[c + 1] <= x) ++c;
-        while (c > first && cellCdf_[c] > x) --c;
+        std::uint32_t from = first, to = last;
+        if (last - first == cellCount(kLevel)) {
+            const auto g = std::min(
+                static_cast<std::size_t>(x / end * static_cast<double>(guide_.size() - 1)),
+                guide_.size() - 2);
+            from = guide_[g];
+            to = guide_[g + 1] + 1;
+        }
+        const auto cdf = cellCdf_.begin();
+        c = static_cast<std::uint32_t>(std::upper_bound(cdf + from + 1, cdf + to, x) - cdf - 1);
     }
     while (c + 1 < last && cellCdf_[c + 1] <= cellCdf_[c]) ++c;  // never a dark cell
     while (c > first && cellCdf_[c + 1] <= cellCdf_[c]) --c;
@@ -222,29 +237,30 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
     const double inCell = std::clamp((x - cellCdf_[c]) / cellSize, 0.0, 1.0);
 
     const auto texels = texelsOf(c);
-    const auto steps =
-        static_cast<std::uint32_t>(std::min(inCell * 4294967296.0, 4294967295.0));
-    const auto* base = cumulative_.data();
-    auto rank = static_cast<std::uint32_t>(
-        std::upper_bound(base + texels[0], base + texels[1], steps) - base - 1);
-    while (rank > texels[0] && luminance(pixels_[order_[rank]]) <= 0) --rank;
+    const auto step =
+        static_cast<std::uint32_t>(std::min(inCell * 4294967296.0, 4294967294.0));
+    const auto base = sorted_.begin();
+    const auto found = std::upper_bound(
+        base + texels[0], base + texels[1], step,
+        [](std::uint32_t value, const SortedTexel& t) { return value < t.begin; });
+    const auto rank = static_cast<std::uint32_t>(found - base - 1);
     const double share = texelShare(rank, texels[1]);
 
-    const std::uint32_t texel = order_[rank];
+    const std::uint32_t texel = sorted_[rank].index;
     const std::size_t y = texel / width_, column = texel % width_;
     const float cosTop = rowCos_[y], cosBottom = rowCos_[y + 1];
     const float cosPolar = cosTop + (cosBottom - cosTop) * jitterY;
     const float sinPolar = std::sqrt(std::max(0.0f, 1 - cosPolar * cosPolar));
-    const float step = static_cast<float>(kTwoPi) / static_cast<float>(width_);
+    const float texelWidth = static_cast<float>(kTwoPi) / static_cast<float>(width_);
     // Turn back from the texel's border by less than 0.007 rad: three terms give 1e-10.
-    const float d = step * jitterX;
+    const float d = texelWidth * jitterX;
     const float sinD = d * (1 - d * d / 6), cosD = 1 - d * d / 2;
     EnvironmentSample sample;
     sample.direction = {sinPolar * (columnSin_[column] * cosD - columnCos_[column] * sinD), cosPolar,
                         sinPolar * (columnCos_[column] * cosD + columnSin_[column] * sinD)};
-    sample.radiance = pixels_[texel];
+    sample.radiance = sorted_[rank].radiance;
     sample.density = static_cast<float>((cellSize / (end - begin)) * share /
-                                        static_cast<double>(step * (cosTop - cosBottom)));
+                                        static_cast<double>(texelWidth * (cosTop - cosBottom)));
     return sample;
 }
 
@@ -259,23 +275,19 @@ EnvironmentSample Environment::sample(double u, float jitterX, float jitterY) co
 }
 
 double Environment::texelShare(std::uint32_t rank, std::uint32_t cellEnd) const noexcept {
-    // The last lit texel owns what rounding left of the 2^32 steps; dark ones after it own none.
-    std::uint32_t after = rank + 1;
-    while (after < cellEnd && luminance(pixels_[order_[after]]) <= 0) ++after;
-    const std::uint64_t upper =
-        after < cellEnd ? std::uint64_t{cumulative_[after]} : std::uint64_t{1} << 32;
-    return static_cast<double>(upper - cumulative_[rank]) * 0x1p-32;
+    const std::uint32_t next = rank + 1 < cellEnd ? sorted_[rank + 1].begin : kNoStep;
+    const std::uint64_t end = next == kNoStep ? std::uint64_t{1} << 32 : std::uint64_t{next};
+    return static_cast<double>(end - sorted_[rank].begin) * 0x1p-32;
 }
 
 void Environment::tabulateDensity() {
-    density_.assign(pixels_.size(), 0.0f);
     parallelFor(cellCount(kLevel), 64, [&](const Chunk& cells) {
         for (std::size_t c = cells.begin; c < cells.end; ++c) {
             const auto texels = texelsOf(static_cast<std::uint32_t>(c));
             const double cellShare = (cellCdf_[c + 1] - cellCdf_[c]) / cellCdf_.back();
             for (std::uint32_t i = texels[0]; i < texels[1]; ++i)
-                if (luminance(pixels_[order_[i]]) > 0)
-                    density_[order_[i]] = static_cast<float>(
+                if (luminance(sorted_[i].radiance) > 0)
+                    map_[sorted_[i].index].density = static_cast<float>(
                         cellShare * texelShare(i, texels[1]) /
                         static_cast<double>(texel(i).solidAngle));
         }
@@ -294,23 +306,23 @@ std::size_t Environment::texelAlong(const Vec3f& direction) const noexcept {
 }
 
 Rgb Environment::radiance(const Vec3f& direction) const noexcept {
-    return pixels_[texelAlong(direction)];
+    return map_[texelAlong(direction)].radiance;
 }
 
 EnvironmentSample Environment::lookUp(const Vec3f& direction) const noexcept {
-    const std::size_t texel = texelAlong(direction);
-    return {direction, pixels_[texel], density_[texel]};
+    const MapTexel& t = map_[texelAlong(direction)];
+    return {direction, t.radiance, t.density};
 }
 
 Environment::Texel Environment::texel(std::size_t i) const noexcept {
-    const std::size_t y = order_[i] / width_, x = order_[i] % width_;
+    const std::size_t y = sorted_[i].index / width_, x = sorted_[i].index % width_;
     const double polar = kPi * (static_cast<double>(y) + 0.5) / static_cast<double>(height_);
     const double longitude =
         kPi + rotation_ - kTwoPi * (static_cast<double>(x) + 0.5) / static_cast<double>(width_);
     return {Vec3f(static_cast<float>(std::sin(polar) * std::sin(longitude)),
                   static_cast<float>(std::cos(polar)),
                   static_cast<float>(std::sin(polar) * std::cos(longitude))),
-            pixels_[order_[i]],
+            sorted_[i].radiance,
             static_cast<float>(kTwoPi / static_cast<double>(width_)) * (rowCos_[y] - rowCos_[y + 1])};
 }
 
@@ -331,7 +343,7 @@ float Environment::maxLuminance(const Vec3d& axis, double angle) const noexcept 
     float highest = 0;
     for (std::size_t y = row(polar - angle); y <= row(polar + angle); ++y)
         for (std::size_t x = 0; x < columns; ++x)
-            highest = std::max(highest, luminance(pixels_[y * width_ + (first + x) % width_]));
+            highest = std::max(highest, luminance(map_[y * width_ + (first + x) % width_].radiance));
     return highest;
 }
 

@@ -77,7 +77,7 @@ public:
         Rgb radiance;
         float solidAngle;
     };
-    std::size_t texelCount() const { return order_.size(); }
+    std::size_t texelCount() const { return sorted_.size(); }
     /// Texels in the order of their cells; those of one level-kLevel cell are texelsOf(cell).
     Texel texel(std::size_t i) const noexcept;
     std::array<std::uint32_t, 2> texelsOf(std::uint32_t cell) const noexcept {
@@ -92,8 +92,9 @@ private:
     void sumCells();
     void tabulate();
     void tabulateDensity();
-    /// Share of its cell's steps that the texel at place `rank` of order_ owns.
+    /// Share of its cell's light that the texel at place `rank` of sorted_ owns.
     double texelShare(std::uint32_t rank, std::uint32_t cellEnd) const noexcept;
+    void accumulate(std::size_t cell, const std::vector<double>& weights);
     EnvironmentSample sampleRange(std::uint32_t first, std::uint32_t last, double u, float jitterX,
                                   float jitterY) const noexcept;
 
@@ -101,10 +102,19 @@ private:
     double rotation_ = 0;
     Rgb luminanceWeights_;
     double totalPower_ = 0;
-    std::vector<Rgb> pixels_;                ///< as in the map, perhaps replicated
-    std::vector<std::uint32_t> order_;       ///< texel index y * width + x, sorted by cell
-    std::vector<float> density_;             ///< of sample(), per texel y * width + x [1/sr]
-    std::vector<std::uint32_t> cumulative_;  ///< within the cell, in 2^-32 of it, exclusive
+    /// Texel of the map, perhaps replicated, at y * width + x.
+    struct MapTexel {
+        Rgb radiance;
+        float density;  ///< of sample() [1/sr]
+    };
+    /// What drawing a texel of a cell reads, side by side.
+    struct SortedTexel {
+        Rgb radiance;
+        std::uint32_t begin;  ///< sum over the cell's texels before it, in 2^-32 of the cell
+        std::uint32_t index;  ///< y * width + x
+    };
+    std::vector<MapTexel> map_;
+    std::vector<SortedTexel> sorted_;        ///< by cell
     std::vector<std::uint32_t> firstTexel_;  ///< per cell of kLevel, and the end
     std::vector<double> cellCdf_;            ///< over the cells of kLevel, cellCount + 1
     std::vector<std::uint32_t> guide_;       ///< where in cellCdf_ to begin

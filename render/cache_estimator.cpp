@@ -6,224 +6,189 @@
 
 #include "common/sequence.h"
 #include "render/estimators.h"
-#include "render/pooled_visibility.h"
+#include "render/region_weights.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// How strongly a region's parent counts beside its own rays, in rays.
-constexpr float kPriorRays = 0.5f;
 /// Regions due this many samples or more get a whole number of strata of their own.
-constexpr float kOwnStrata = 1.5f;
+constexpr double kOwnStrata = 1.5;
 
-/// A region that samples may be drawn from.
+constexpr double kBelowOne = 0x1.fffffffffffffp-1;
+
+/// A region that samples are drawn from.
 struct Region {
+    int level;
     std::uint32_t cell;
-    std::uint8_t level;
     float visibility;  ///< c: the control variate's coefficient
-    float spread;      ///< predicted standard deviation of one sample: the weight of the region
+    double spread;     ///< predicted standard deviation of one sample: the weight of the region
 };
 
 struct CacheWorkspace final : Workspace {
-    CacheWorkspace(const ShadowCache& cache)
-        : reader(cache), pooled(cache.header().tiers()), items(ShadowCache::kMaxItems) {}
+    CacheWorkspace(const ShadowCache& cache, const Environment& environment)
+        : reader(cache),
+          pooled(cache.header().tiers()),
+          weights(environment, cache.header().tiers()),
+          items(ShadowCache::kMaxItems) {}
 
     ShadowCache::Reader reader;
     PooledVisibility pooled;
+    RegionWeights weights;
     std::vector<ItemView> items;
-    std::vector<Region> regions;
-    double predicted[3] = {0, 0, 0};  ///< sum of c_r (n . V_r)
-    double spreadSum = 0;
-};
-
-/// What a cell inherits from its parent.
-struct Inherited {
-    float visibility;
-    float posterior;
-    bool counted;   ///< whether any ray was counted in the parent
+    std::vector<Region> own;  ///< regions with strata of their own
 };
 
 class CacheEstimator final : public Estimator {
-public:
-    explicit CacheEstimator(const EstimatorContext& context)
-        : Estimator(context), tiers_(context.cache->header().tiers()) {
-        // Horizon cells are split to the finest level that has the parity of the cache's.
-        finest_ = Environment::kLevel - (tiers_.baseLevel() == Environment::kLevel % 2 ? 0 : 1);
-    }
+    using Estimator::Estimator;
 
+public:
     std::unique_ptr<Workspace> makeWorkspace() const override {
-        return std::make_unique<CacheWorkspace>(*context_.cache);
+        return std::make_unique<CacheWorkspace>(*context_.cache, context_.environment);
     }
 
 private:
-    DirectionTiers tiers_;
-    int finest_;
-
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
-        weigh(point, w);
-        if (samples > 0 && w.spreadSum > 0) drawSamples(point, samples, w);
-        return Rgb(static_cast<float>(w.predicted[0]), static_cast<float>(w.predicted[1]),
-                   static_cast<float>(w.predicted[2]));
-    }
-
-    /// Lists the regions with their coefficients and weights and sums up the exact part.
-    void weigh(const ShadingPoint& point, CacheWorkspace& w) const {
-        w.regions.clear();
-        w.predicted[0] = w.predicted[1] = w.predicted[2] = 0;
-        w.spreadSum = 0;
         const int found = w.reader.gather(point.position, point.normal, w.items);
         w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));
-
-        double open = 0, rays = 0;
-        for (std::uint32_t b = 0; b < w.pooled.baseBlocks(); ++b)
-            for (int i = 0; i < kBlockCells; ++i) {
-                open += static_cast<double>(w.pooled.base(b).open[i]);
-                rays += static_cast<double>(w.pooled.base(b).weight[i]);
-            }
-        const Inherited root{0, static_cast<float>((open + 0.5) / (rays + 1)), false};
-        for (std::uint32_t b = 0; b < w.pooled.baseBlocks(); ++b)
-            weighBlock(point, 0, b, &w.pooled.base(b), root, w);
+        w.weights.weigh(w.pooled, point.normal);
+        if (samples > 0 && w.weights.spreadSum() > 0) drawSamples(point, samples, w);
+        const double* predicted = w.weights.predicted();
+        return Rgb(static_cast<float>(predicted[0]), static_cast<float>(predicted[1]),
+                   static_cast<float>(predicted[2]));
     }
 
-    /// Weighs the sixteen cells of block `block` of the level of `tier`; `counts` is null where no item has
-    /// counts that fine.
-    void weighBlock(const ShadingPoint& point, int tier, std::uint32_t block,
-                    const PooledBlock* counts, const Inherited& parent, CacheWorkspace& w) const {
-        const int level = tiers_.baseLevel() + 2 * tier;
-        const CellMoments& m = context_.environment.cells(level, block);
-        const Rgb& y = context_.environment.luminanceWeights();
-        const Vec3f n = point.normal;
-        alignas(64) float height[kBlockCells], light[kBlockCells], c[kBlockCells], a[kBlockCells],
-            spread[kBlockCells], flux[3][kBlockCells];
-        for (int i = 0; i < kBlockCells; ++i) {
-            height[i] = n.x * m.axis[0][i] + n.y * m.axis[1][i] + n.z * m.axis[2][i];
-            for (int k = 0; k < 3; ++k)
-                flux[k][i] = n.x * m.flux[k][0][i] + n.y * m.flux[k][1][i] + n.z * m.flux[k][2][i];
-            light[i] = y.x * flux[0][i] + y.y * flux[1][i] + y.z * flux[2][i];
-        }
-        if (counts) {
-            for (int i = 0; i < kBlockCells; ++i) {
-                const bool counted = counts->weight[i] > 0;
-                const float effective =
-                    counts->rays[i] * counts->rays[i] / std::max(counts->rays2[i], 1e-30f);
-                const float ratio = counts->open[i] / std::max(counts->weight[i], 1e-30f);
-                c[i] = counted ? std::min(ratio, 1.0f) : 0.0f;
-                a[i] = (c[i] * effective + kPriorRays * parent.posterior) / (effective + kPriorRays);
-            }
-        } else {
-            for (int i = 0; i < kBlockCells; ++i) {
-                c[i] = parent.visibility;
-                a[i] = parent.posterior;
-            }
-        }
-        for (int i = 0; i < kBlockCells; ++i) {
-            const float second = a[i] * (1 - c[i]) * (1 - c[i]) + (1 - a[i]) * c[i] * c[i];
-            spread[i] = light[i] * std::sqrt(second);
-        }
-        for (int i = 0; i < kBlockCells; ++i) {
-            if (m.power[i] <= 0 || height[i] <= -m.sinRadius[i]) continue;
-            const std::uint32_t cell = block * kBlockCells + static_cast<std::uint32_t>(i);
-            const bool straddles = height[i] < m.sinRadius[i];
-            const bool counted = counts ? counts->weight[i] > 0 : parent.counted;
-            if (level < finest_) {
-                const PooledBlock* finer =
-                    tier < tiers_.refinements() ? w.pooled.children(tier, cell) : nullptr;
-                if (finer || straddles) {
-                    weighBlock(point, tier + 1, cell, finer, {c[i], a[i], counted}, w);
-                    continue;
-                }
-            }
-            if (straddles) {
-                // Cut by the horizon: nothing is predicted, but light may come.
-                const float most = m.power[i] * std::min(1.0f, height[i] + m.sinRadius[i]);
-                addRegion(cell, level, 0, 0.5f * most * std::sqrt(a[i]), w);
-                continue;
-            }
-            for (int k = 0; k < 3; ++k)
-                w.predicted[k] += static_cast<double>(c[i]) * static_cast<double>(flux[k][i]);
-            addRegion(cell, level, c[i], spread[i], w);
-        }
-    }
-
-    static void addRegion(std::uint32_t cell, int level, float visibility, float spread,
-                          CacheWorkspace& w) {
-        if (!(spread > 0)) return;
-        w.regions.push_back({cell, static_cast<std::uint8_t>(level), visibility, spread});
-        w.spreadSum += static_cast<double>(spread);
-    }
-
-    /// Shares the samples out: regions due many get strata of their own, the rest share a few.
+    /// Shares the samples out: regions due many get strata of their own, the rest share a few. Decided by the
+    /// weights alone.
     void drawSamples(const ShadingPoint& point, int samples, CacheWorkspace& w) const {
-        const auto numbers = w.numbers(context_.options.sequence, point.seed, 0, samples);
-        const double due = samples / w.spreadSum;
-        double ownDue = 0, restSpread = 0;
-        for (const Region& r : w.regions) {
-            const double n = static_cast<double>(r.spread) * due;
-            if (n >= static_cast<double>(kOwnStrata)) ownDue += n;
-            else restSpread += static_cast<double>(r.spread);
+        const double total = w.weights.spreadSum();
+        const double ownTotal = takeOwnRegions(total * kOwnStrata / samples, w);
+        const double restTotal = std::max(0.0, total - ownTotal);
+        // What rounding leaves of the difference is no region.
+        const bool anyRest = restTotal > 1e-6 * total;
+        const int rest =
+            anyRest ? std::max(1, static_cast<int>(std::ceil(restTotal / total * samples))) : 0;
+        const double perSpread = ownTotal > 0 ? (samples - rest) / ownTotal : 0;
+        Numbers numbers{w.numbers(context_.options.sequence, point.seed, 0, samples), point.seed};
+        if (w.own.empty() || perSpread * total * kOwnStrata / samples < 1) {
+            // Too few samples for strata of one region: all regions share them.
+            returnOwnRegions(w);
+            drawRest(point, samples, numbers, w);
+            return;
         }
-        const double restDue = restSpread * due;
-        int rest = restSpread > 0 ? std::max(1, static_cast<int>(std::ceil(restDue))) : 0;
-        double scale = ownDue > 0 ? (samples - rest) / ownDue : 0;
-        // Every region with strata of its own must get one; with few samples none has any.
-        const bool own = scale * static_cast<double>(kOwnStrata) >= 1;
-        if (!own) {
-            rest = samples;
-            restSpread = w.spreadSum;
+        double sum = 0;
+        for (const Region& r : w.own) {
+            const int before = static_cast<int>(sum + 1e-6);
+            sum += r.spread * perSpread;
+            const int count = static_cast<int>(sum + 1e-6) - before;
+            for (int j = 0; j < count; ++j)
+                addSample(point, r, (j + numbers.next()) / count, 1.0 / count, numbers.used, w);
+            w.samples.endGroup();
         }
-        int next = 0;
-        if (own) {
-            double sum = 0;
-            for (const Region& r : w.regions) {
-                const double n = static_cast<double>(r.spread) * due;
-                if (n < static_cast<double>(kOwnStrata)) continue;
-                const int before = static_cast<int>(sum + 1e-6);
-                sum += n * scale;
-                const int count = static_cast<int>(sum + 1e-6) - before;
-                for (int j = 0; j < count; ++j, ++next)
-                    addSample(point, r, (j + stratum(point, numbers, next)) / count, 1.0 / count,
-                              next, w);
-                w.samples.endGroup();
-            }
-        }
-        if (rest > 0) drawRest(point, own, due, rest, restSpread, numbers, next, w);
+        if (anyRest) drawRest(point, rest, numbers, w);
     }
 
-    void drawRest(const ShadingPoint& point, bool own, double due, int rest, double restSpread,
-                  std::span<const std::uint32_t> numbers, int next, CacheWorkspace& w) const {
+    /// Moves the regions whose spread is at least `least` from the groups to w.own.
+    ///
+    /// @return the sum of their spreads
+    static double takeOwnRegions(double least, CacheWorkspace& w) {
+        w.own.clear();
+        double sum = 0;
+        const auto threshold = static_cast<float>(least);
+        for (std::size_t g = 0; g < w.weights.size(); ++g) {
+            const RegionGroup& group = w.weights.group(g);
+            if (group.spreadMax < threshold) continue;
+            float* spread = w.weights.spread(g);
+            for (int i = 0; i < kBlockCells; ++i) {
+                if (spread[i] < threshold) continue;
+                w.own.push_back({group.level, group.firstCell + static_cast<std::uint32_t>(i),
+                                 w.weights.visibility(g)[i], static_cast<double>(spread[i])});
+                sum += static_cast<double>(spread[i]);
+                spread[i] = 0;
+            }
+        }
+        return sum;
+    }
+
+    static void returnOwnRegions(CacheWorkspace& w) {
+        std::size_t next = 0;
+        for (std::size_t g = 0; g < w.weights.size() && next < w.own.size(); ++g) {
+            const RegionGroup& group = w.weights.group(g);
+            while (next < w.own.size() && w.own[next].level == group.level &&
+                   w.own[next].cell / kBlockCells == group.firstCell / kBlockCells) {
+                w.weights.spread(g)[w.own[next].cell % kBlockCells] =
+                    static_cast<float>(w.own[next].spread);
+                ++next;
+            }
+        }
+    }
+
+    /// One number for each sample, in order.
+    struct Numbers {
+        std::span<const std::uint32_t> words;
+        std::uint64_t seed;
+        int used = 0;
+
+        /// In [0, 1), 53 bits.
+        double next() {
+            const auto k = static_cast<std::size_t>(used++);
+            const auto low = toUnit(hashWords(seed, 79, k));
+            return (static_cast<double>(words[std::min(k, words.size() - 1)]) + low) * 0x1p-32;
+        }
+    };
+
+    /// Draws `count` samples from the regions in the groups, stratified over all of them.
+    void drawRest(const ShadingPoint& point, int count, Numbers& numbers, CacheWorkspace& w) const {
+        double total = 0;
+        for (std::size_t g = 0; g < w.weights.size(); ++g) total += groupSum(w, g);
+        if (!(total > 0)) return;
         double below = 0;
         int j = 0;
-        double x = restSpread * stratum(point, numbers, next) / rest;
-        for (const Region& r : w.regions) {
-            const auto spread = static_cast<double>(r.spread);
-            if (own && spread * due >= static_cast<double>(kOwnStrata)) continue;
-            while (j < rest && x < below + spread) {
-                const double inRegion = std::clamp((x - below) / spread, 0.0, 0x1.fffffffffffffp-1);
-                addSample(point, r, inRegion, restSpread / (spread * rest), next + j, w);
-                if (++j < rest) x = restSpread * (j + stratum(point, numbers, next + j)) / rest;
+        double x = total * numbers.next() / count;
+        std::size_t last = w.weights.size() - 1;
+        while (!(groupSum(w, last) > 0)) --last;
+        for (std::size_t g = 0; g <= last && j < count; ++g) {
+            const double sum = groupSum(w, g);
+            if (x >= below + sum && g < last) {
+                below += sum;
+                continue;
             }
-            below += spread;
+            const float* spread = w.weights.spread(g);
+            int lastLane = kBlockCells - 1;
+            while (!(spread[lastLane] > 0)) --lastLane;
+            for (int i = 0; i <= lastLane && j < count; ++i) {
+                const auto s = static_cast<double>(spread[i]);
+                // Rounding may leave the very last x past the end: it is the last region's.
+                const bool end = g == last && i == lastLane;
+                while (s > 0 && j < count && (x < below + s || end)) {
+                    const RegionGroup& group = w.weights.group(g);
+                    const Region r{group.level, group.firstCell + static_cast<std::uint32_t>(i),
+                                   w.weights.visibility(g)[i], s};
+                    addSample(point, r, std::clamp((x - below) / s, 0.0, kBelowOne),
+                              total / (s * count), numbers.used, w);
+                    if (++j < count) x = total * (j + numbers.next()) / count;
+                }
+                below += s;
+            }
         }
         w.samples.endGroup();
     }
 
-    /// Place within stratum i, in [0, 1).
-    double stratum(const ShadingPoint& point, std::span<const std::uint32_t> numbers, int i) const {
-        const auto k = std::min(static_cast<std::size_t>(i), numbers.size() - 1);
-        return (static_cast<double>(numbers[k]) +
-                toUnit(hashWords(point.seed, 79, static_cast<std::uint64_t>(i)))) *
-               0x1p-32;
+    static double groupSum(CacheWorkspace& w, std::size_t g) {
+        const float* spread = w.weights.spread(g);
+        double sum = 0;
+        for (int i = 0; i < kBlockCells; ++i) sum += static_cast<double>(spread[i]);
+        return sum;
     }
 
-    /// One ray into region `r`; `share` is 1 / (samples * probability) of the region.
+    /// One ray into region `r` at place `u` of its light; `share` is 1 / (samples * probability) of the region.
     void addSample(const ShadingPoint& point, const Region& r, double u, double share, int index,
                    CacheWorkspace& w) const {
         const std::uint64_t h = hashWords(point.seed, 80, static_cast<std::uint64_t>(index));
         const EnvironmentSample s = context_.environment.sampleCell(
-            r.level, r.cell, std::min(u, 0x1.fffffffffffffp-1),
-            toUnitFloat(static_cast<std::uint32_t>(h)), toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
+            r.level, r.cell, std::min(u, kBelowOne), toUnitFloat(static_cast<std::uint32_t>(h)),
+            toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
         const float cosine = s.direction.dot(point.normal);
         if (cosine <= 0) {
             w.samples.addZero();

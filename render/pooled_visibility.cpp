@@ -23,7 +23,7 @@ void addCounts16(PooledBlock& block, const std::uint8_t* n, const std::uint8_t* 
 PooledVisibility::PooledVisibility(const DirectionTiers& tiers)
     : tiers_(tiers),
       base_((tiers.baseCells() + kBlockCells - 1) / kBlockCells),
-      slots_(tiers.baseCells() * (1 + kBlockCells), -1) {}
+      slots_(tiers.baseCells() * (1 + kBlockCells) + kBlockCells, -1) {}
 
 void PooledVisibility::pool(std::span<const ItemView> items) {
     for (const std::uint16_t key : used_) slots_[key] = -1;

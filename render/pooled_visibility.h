@@ -41,6 +41,11 @@ public:
         return slot < 0 ? nullptr : &blocks_[static_cast<std::size_t>(slot)];
     }
 
+    /// Marks of the cells 16 block .. 16 block + 15 of tier 0 or 1: negative where children() is null.
+    const std::int16_t* childSlots(int tier, std::uint32_t block) const {
+        return slots_.data() + tiers_.blockKey(tier, block * kBlockCells);
+    }
+
 private:
     DirectionTiers tiers_;
     std::vector<PooledBlock> base_;

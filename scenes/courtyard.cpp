@@ -3,38 +3,41 @@
 
 namespace shadowcache::scenes {
 
+using courtyard::Facing;
+using courtyard::Side;
+
 SetMesh makeCourtyard() {
-    using namespace courtyard;
     SetMesh mesh;
-    for (const Side& side : sides()) {
-        addGroundArcade(mesh, side);
+    for (const Side& side : courtyard::sides()) {
+        courtyard::addGroundArcade(mesh, side);
         if (side.facing == Facing::east) {
-            addTerrace(mesh, side);
+            courtyard::addTerrace(mesh, side);
             continue;
         }
-        addGallery(mesh, side);
-        addRoof(mesh, side);
+        courtyard::addGallery(mesh, side);
+        courtyard::addRoof(mesh, side);
     }
-    addCorners(mesh);
-    addTower(mesh);
-    addPavement(mesh);
-    addFountain(mesh);
-    addStair(mesh);
-    addRoom(mesh);
+    courtyard::addCorners(mesh);
+    courtyard::addTower(mesh);
+    courtyard::addPavement(mesh);
+    courtyard::addFountain(mesh);
+    courtyard::addStair(mesh);
+    courtyard::addRoom(mesh);
 
-    std::uint64_t seed = 1;
-    addTree(mesh, moved({}, -5.4, 0, -2.9, 0.3), seed++);
-    addTree(mesh, moved({}, -5.6, 0, 4.6, 1.3), seed++);
-    addTree(mesh, moved({}, 5.4, 0, -2.9, 2.3), seed++);
-    addTree(mesh, moved({}, 7.8, 0, 0.0, 3.3), seed++);
-    addTree(mesh, moved({}, -7.75, 0, 3.0), 11);
-    addTree(mesh, moved({}, -7.75, 0, 0.0), 12);
-    addTree(mesh, moved({}, -4.2, 0, -4.75), 13);
-    for (const double x : {-3.2, 3.2}) addHedge(mesh, moved({}, x, 0, 2.9), 2.4, seed++);
-    for (const double x : {-3.2, 3.2}) addHedge(mesh, moved({}, x, 0, -2.9), 2.4, seed++);
-    addBench(mesh, moved({}, -3.2, 0, 2.25));
-    addBench(mesh, moved({}, 3.2, 0, -2.25));
-    for (const double x : {-3.0, 3.0}) addBench(mesh, moved({}, x, 0.3, 8.9));
+    std::int64_t seed = 1;
+    courtyard::addTree(mesh, moved({}, -5.4, 0, -2.9, 0.3), seed++);
+    courtyard::addTree(mesh, moved({}, -5.6, 0, 4.6, 1.3), seed++);
+    courtyard::addTree(mesh, moved({}, 5.4, 0, -2.9, 2.3), seed++);
+    courtyard::addTree(mesh, moved({}, 7.8, 0, 0.0, 3.3), seed++);
+    courtyard::addTree(mesh, moved({}, -7.75, 0, 3.0), 11);
+    courtyard::addTree(mesh, moved({}, -7.75, 0, 0.0), 12);
+    courtyard::addTree(mesh, moved({}, -4.2, 0, -4.75), 13);
+    for (const double x : {-3.2, 3.2}) courtyard::addHedge(mesh, moved({}, x, 0, 2.9), 2.4, seed++);
+    for (const double x : {-3.2, 3.2})
+        courtyard::addHedge(mesh, moved({}, x, 0, -2.9), 2.4, seed++);
+    courtyard::addBench(mesh, moved({}, -3.2, 0, 2.25));
+    courtyard::addBench(mesh, moved({}, 3.2, 0, -2.25));
+    for (const double x : {-3.0, 3.0}) courtyard::addBench(mesh, moved({}, x, 0.3, 8.9));
     return mesh;
 }
 

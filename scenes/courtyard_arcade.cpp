@@ -139,7 +139,7 @@ void addClosedDoor(SetMesh& mesh, const Placement& at, double floor, double half
         const double x0 = -w + 2 * w * i / planks;
         addBox(mesh, at, {x0 + 0.006, floor + 0.02, kDepth - 0.04},
                {x0 + 2 * w / planks - 0.006, floor + height, kDepth},
-               plain(tinted(color, 0.18, noise(static_cast<std::uint64_t>(i), 77))));
+               plain(tinted(color, 0.18, noise(i, 77))));
     }
     for (const double y : {0.25, 0.8})
         addBox(mesh, at, {-w + 0.05, floor + y * height - 0.06, kDepth - 0.065},
@@ -152,13 +152,11 @@ void addPaving(SetMesh& mesh, const Placement& at, double x0, double x1, double 
                double y) {
     const int nx = std::max(1, static_cast<int>(std::lround((x1 - x0) / 0.42)));
     const int nz = std::max(1, static_cast<int>(std::lround((z1 - z0) / 0.42)));
-    const auto seed = static_cast<std::uint64_t>(
-        static_cast<std::int64_t>(1000 * (at.origin.x + 2 * at.origin.z)));
+    const auto seed = (static_cast<std::int64_t>(1000 * (at.origin.x + 2 * at.origin.z)));
     for (int i = 0; i < nx; ++i) {
         for (int j = 0; j < nz; ++j) {
             const Rgb base = (i + j) % 2 ? Rgb(0.42f, 0.22f, 0.13f) : Rgb(0.56f, 0.47f, 0.36f);
-            const double u =
-                noise(static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j), seed);
+            const double u = noise(i, j, seed);
             const double xa = x0 + (x1 - x0) * i / nx;
             const double xb = x0 + (x1 - x0) * (i + 1) / nx;
             const double za = z0 + (z1 - z0) * j / nz;
@@ -175,8 +173,7 @@ void addSteps(SetMesh& mesh, const Side& side) {
         const double end = side.half() - (isLong ? 0 : -front);
         const int blocks = static_cast<int>(std::lround(2 * end / 1.1));
         for (int i = 0; i < blocks; ++i) {
-            const double u =
-                noise(static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(side.facing), 5);
+            const double u = noise(i, static_cast<int>(side.facing), 5);
             addSlab(mesh, side.at, {-end + 2 * end * i / blocks + 0.002, -0.04, front},
                     {-end + 2 * end * (i + 1) / blocks - 0.002, top - 0.004 * u, back}, 0.015,
                     plain(tinted(kSlab, 0.14, u)));

@@ -12,7 +12,7 @@ constexpr double kStairBack = -0.80;
 
 /// A sett or flag: slightly tilted, never as high as its neighbour.
 void addStone(SetMesh& mesh, double x0, double x1, double z0, double z1, double bevel,
-              const Rgb& color, std::uint64_t key) {
+              const Rgb& color, std::int64_t key) {
     constexpr double kJoint = 0.006;
     const Vec3d up =
         Vec3d(0.03 * (noise(key, 1) - 0.5), 1, 0.03 * (noise(key, 2) - 0.5)).normalized();
@@ -32,8 +32,7 @@ void addSetts(SetMesh& mesh, int signX, int signZ) {
         const double x0 = kPath + row * width;
         double z = kPath;
         for (int i = 0; z < kHalfZ - 0.4; ++i) {
-            const auto key =
-                static_cast<std::uint64_t>(((signX + 1) * 2 + signZ + 1) * 100000 + row * 300 + i);
+            const auto key = (((signX + 1) * 2 + signZ + 1) * 100000 + row * 300 + i);
             const double length =
                 i == 0 && row % 2 ? kLength / 2 : kLength * (0.8 + 0.4 * noise(key, 9));
             const double z1 = std::min(z + length, kHalfZ - 0.4);
@@ -47,17 +46,15 @@ void addSetts(SetMesh& mesh, int signX, int signZ) {
 
 void addFlags(SetMesh& mesh) {
     constexpr double kSize = kPath;
-    const auto flag = [&](double x, double z, std::uint64_t key) {
+    const auto flag = [&](double x, double z, std::int64_t key) {
         if (std::hypot(x + kSize / 2, z + kSize / 2) < kPlatform - 0.35) return;
         addStone(mesh, x, x + kSize, z, z + kSize, 0.012, kSlab, key);
     };
     for (int i = 0; i < 28; ++i)
-        for (int j = -1; j < 1; ++j)
-            flag((i - 14) * kSize, j * kSize, static_cast<std::uint64_t>(7000 + i * 2 + j));
+        for (int j = -1; j < 1; ++j) flag((i - 14) * kSize, j * kSize, (7000 + i * 2 + j));
     for (int i = 0; i < 18; ++i) {
         if (i == 8 || i == 9) continue;
-        for (int j = -1; j < 1; ++j)
-            flag(j * kSize, (i - 9) * kSize, static_cast<std::uint64_t>(8000 + i * 2 + j));
+        for (int j = -1; j < 1; ++j) flag(j * kSize, (i - 9) * kSize, (8000 + i * 2 + j));
     }
 }
 
@@ -146,7 +143,7 @@ void addStair(SetMesh& mesh) {
     for (int i = 0; i < kSteps; ++i)
         addSlab(mesh, inner, {kFoot + i * kTread - 0.02, i * rise - 0.05, 0.0},
                 {kFoot + (i + 1) * kTread + 0.02, (i + 1) * rise, width}, 0.012,
-                plain(tinted(kSlab, 0.12, noise(static_cast<std::uint64_t>(i), 61))));
+                plain(tinted(kSlab, 0.12, noise(i, 61))));
     addBox(mesh, inner, {0.0, kUpperFloor - 0.2, 0}, {1.5, kUpperFloor - 0.006, width},
            weathered(kSlab, 0.12, 0.6));
     // The bridge from the landing to the gallery.

@@ -31,10 +31,8 @@ void addBaluster(SetMesh& mesh, const Placement& at) {
     const Imath::V2d profile[] = {{0.055, y},        {0.055, y + 0.06}, {0.03, y + 0.10},
                                   {0.06, y + 0.25},  {0.057, y + 0.31}, {0.028, y + 0.50},
                                   {0.032, y + 0.62}, {0.055, y + 0.67}, {0.055, y + 0.75}};
-    addLathe(
-        mesh, at, profile, 8,
-        plain(tinted(kStone, 0.1,
-                     noise(static_cast<std::uint64_t>(std::lround(at.origin.x * 100 + 5000)), 3))));
+    addLathe(mesh, at, profile, 8,
+             plain(tinted(kStone, 0.1, noise((std::lround(at.origin.x * 100 + 5000)), 3))));
 }
 
 void addBalustrade(SetMesh& mesh, const Placement& at) {
@@ -48,7 +46,7 @@ void addBalustrade(SetMesh& mesh, const Placement& at) {
 }
 
 /// Window with louvred shutters, closed, or half open.
-void addShutters(SetMesh& mesh, const Placement& at, double y0, std::uint64_t seed) {
+void addShutters(SetMesh& mesh, const Placement& at, double y0, std::int64_t seed) {
     const Paint stone = weathered(kStone, 0.14, 0.5);
     const double w = 0.42;
     const double h = 1.35;
@@ -63,7 +61,7 @@ void addShutters(SetMesh& mesh, const Placement& at, double y0, std::uint64_t se
              at(w, y0 + h, z - 0.005)},
             plain({0.03f, 0.03f, 0.035f}));
     for (const int s : {-1, 1}) {
-        const double open = 0.25 + 1.1 * noise(seed, static_cast<std::uint64_t>(s + 1));
+        const double open = 0.25 + 1.1 * noise(seed, (s + 1));
         const Placement leaf = moved(at, s * w, y0, z - 0.06, s * open);
         const auto slat = [&](double x0, double x1, double ya, double yb) {
             addBox(mesh, leaf, {s > 0 ? -x1 : x0, ya, -0.03}, {s > 0 ? -x0 : x1, yb, 0},
@@ -88,8 +86,7 @@ void addGallery(SetMesh& mesh, const Side& side) {
         if (bay > 0) addColonnette(mesh, moved(at, -kHalfBay, 0, 0));
         if (!isLanding(side, x)) addBalustrade(mesh, at);
         if (bay % 4 == 1)
-            addShutters(mesh, at, kUpperFloor + 0.95,
-                        static_cast<std::uint64_t>(bay * 4 + static_cast<int>(side.facing)));
+            addShutters(mesh, at, kUpperFloor + 0.95, (bay * 4 + static_cast<int>(side.facing)));
         addBox(mesh, at, {-0.07, kUpperTop - 0.24, 0.1}, {0.07, kUpperTop - 0.02, kDepth},
                weathered(kWood, 0.2, 0.8));
         addBox(mesh, at, {kHalfBay - 0.07, kUpperTop - 0.24, 0.1},

@@ -6,7 +6,7 @@ namespace shadowcache::scenes::courtyard {
 namespace {
 
 /// Unit vector, uniform over the sphere.
-Vec3d randomDirection(std::uint64_t a, std::uint64_t b) {
+Vec3d randomDirection(std::int64_t a, std::int64_t b) {
     const double y = 2 * noise(a, b, 1) - 1;
     const double angle = 2 * kPi * noise(a, b, 2);
     const double r = std::sqrt(1 - y * y);
@@ -52,7 +52,7 @@ void addPot(SetMesh& mesh, const Placement& at) {
 
 }  // namespace
 
-void addTree(SetMesh& mesh, const Placement& at, std::uint64_t seed) {
+void addTree(SetMesh& mesh, const Placement& at, std::int64_t seed) {
     addPot(mesh, at);
     const double height = 1.45 + 0.3 * noise(seed, 1);
     const Vec3d lean(0.1 * (noise(seed, 2) - 0.5), 0, 0.1 * (noise(seed, 3) - 0.5));
@@ -67,7 +67,7 @@ void addTree(SetMesh& mesh, const Placement& at, std::uint64_t seed) {
         plain({0.16f, 0.115f, 0.075f}));
     const Vec3d crown = at(0, 0.55 + height + 0.1, 0);
     const double radius = 0.58 + 0.12 * noise(seed, 4);
-    for (std::uint64_t i = 0; i < 1150; ++i) {
+    for (std::int64_t i = 0; i < 1150; ++i) {
         const Vec3d d = randomDirection(seed, i);
         // Leaves fill the crown's outer shell, in clumps.
         const double clump = smoothNoise(d * 3.2 + Vec3d(static_cast<double>(seed)));
@@ -80,22 +80,22 @@ void addTree(SetMesh& mesh, const Placement& at, std::uint64_t seed) {
         addLeaf(mesh, root, direction, 0.10 + 0.05 * noise(seed, i, 9), kPi * noise(seed, i, 10),
                 tinted(green, 0.35, noise(seed, i, 11)));
     }
-    for (std::uint64_t i = 0; i < 11; ++i) {
+    for (std::int64_t i = 0; i < 11; ++i) {
         const Vec3d d = randomDirection(seed + 99, i);
         addSphere(mesh, crown + Vec3d(d.x, d.y * 0.9 - 0.1, d.z) * (radius * 0.93), 0.042, 8,
                   tinted({0.78f, 0.27f, 0.025f}, 0.15, noise(seed, i, 12)));
     }
 }
 
-void addHedge(SetMesh& mesh, const Placement& at, double length, std::uint64_t seed) {
+void addHedge(SetMesh& mesh, const Placement& at, double length, std::int64_t seed) {
     const Paint stone = weathered(kStone, 0.14, 0.5);
     const double half = length / 2;
     addBox(mesh, at, {-half, -0.03, -0.24}, {half, 0.34, 0.24}, weathered(kSlab, 0.15, 0.5));
     addSlab(mesh, at, {-half - 0.04, 0.33, -0.28}, {half + 0.04, 0.40, 0.28}, 0.015, stone);
-    const auto leaves = static_cast<std::uint64_t>(length * 600);
+    const auto leaves = static_cast<std::int64_t>(length * 600);
     addBox(mesh, at, {-half + 0.16, 0.38, -0.13}, {half - 0.16, 0.64, 0.13},
            plain({0.03f, 0.06f, 0.02f}));
-    for (std::uint64_t i = 0; i < leaves; ++i) {
+    for (std::int64_t i = 0; i < leaves; ++i) {
         const double t = 2 * noise(seed, i, 1) - 1;
         const double x = i % 9 == 0 ? std::copysign(half - 0.05, t) : t * (half - 0.06);
         const double angle = kPi * (1.35 * noise(seed, i, 2) - 0.175);

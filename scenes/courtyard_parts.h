@@ -91,9 +91,9 @@ void addFountain(SetMesh& mesh);
 void addStair(SetMesh& mesh);
 void addBench(SetMesh& mesh, const Placement& at);
 /// Citrus tree in a pot; `seed` makes each one different.
-void addTree(SetMesh& mesh, const Placement& at, std::uint64_t seed);
+void addTree(SetMesh& mesh, const Placement& at, std::int64_t seed);
 /// Low box with a clipped hedge.
-void addHedge(SetMesh& mesh, const Placement& at, double length, std::uint64_t seed);
+void addHedge(SetMesh& mesh, const Placement& at, double length, std::int64_t seed);
 void addRoom(SetMesh& mesh);
 
 }  // namespace shadowcache::scenes::courtyard

@@ -47,9 +47,9 @@ void addTiles(SetMesh& mesh, const Slope& slope) {
         for (int column = 0; column < columns; ++column) {
             const double x = left + (column + 0.5) * (right - left) / columns;
             if (x < low(t) || x > high(t)) continue;
-            const auto key = static_cast<std::uint64_t>(row * 4096 + column);
-            const auto place = static_cast<std::uint64_t>(
-                std::lround(std::abs(slope.at.origin.x * 7 + slope.at.origin.z * 3 + 900)));
+            const auto key = (row * 4096 + column);
+            const auto place =
+                (std::lround(std::abs(slope.at.origin.x * 7 + slope.at.origin.z * 3 + 900)));
             const double u = noise(key, 1, place);
             const Rgb base = u < 0.12  ? Rgb(0.52f, 0.30f, 0.17f)
                              : u < 0.2 ? Rgb(0.27f, 0.13f, 0.085f)
@@ -131,7 +131,7 @@ void addRoof(SetMesh& mesh, const Side& side) {
         const Placement cap{side.at(x - 0.22, ridge - 0.05, kShell), -side.at.z, side.at.y,
                             side.at.x};
         addTile(mesh, {cap.origin, cap.x * 1.25, cap.y * 1.25, cap.z},
-                tinted(kTerracotta, 0.25, noise(static_cast<std::uint64_t>(i), 9)));
+                tinted(kTerracotta, 0.25, noise(i, 9)));
     }
 }
 

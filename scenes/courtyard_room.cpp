@@ -42,13 +42,12 @@ void addShell(SetMesh& mesh, const Placement& at) {
            {kRoomHalf + 0.3, kUpperFloor + 0.1, kRoomDepth + 0.5}, outside);
 
     for (int i = 0; i < 22; ++i)  // floor boards
-        addQuad(
-            mesh,
-            {at(-kInner + i * 2 * kInner / 22, kFloor, 0.0),
-             at(-kInner + i * 2 * kInner / 22, kFloor, kRoomDepth),
-             at(-kInner + (i + 1) * 2 * kInner / 22, kFloor, kRoomDepth),
-             at(-kInner + (i + 1) * 2 * kInner / 22, kFloor, 0.0)},
-            plain(tinted({0.36f, 0.21f, 0.11f}, 0.2, noise(static_cast<std::uint64_t>(i), 41))));
+        addQuad(mesh,
+                {at(-kInner + i * 2 * kInner / 22, kFloor, 0.0),
+                 at(-kInner + i * 2 * kInner / 22, kFloor, kRoomDepth),
+                 at(-kInner + (i + 1) * 2 * kInner / 22, kFloor, kRoomDepth),
+                 at(-kInner + (i + 1) * 2 * kInner / 22, kFloor, 0.0)},
+                plain(tinted({0.36f, 0.21f, 0.11f}, 0.2, noise(i, 41))));
     addQuad(mesh,
             {at(-kInner, kCeiling, 0), at(kInner, kCeiling, 0), at(kInner, kCeiling, kRoomDepth),
              at(-kInner, kCeiling, kRoomDepth)},
@@ -81,8 +80,7 @@ void addDoorLeaf(SetMesh& mesh, const Placement& hinge, double width, double hei
         const double x0 = width * i / 4 + 0.004;
         const double x1 = width * (i + 1) / 4 - 0.004;
         addBox(mesh, hinge, {side > 0 ? x0 : -x1, 0.01, -0.025},
-               {side > 0 ? x1 : -x0, height, 0.02},
-               plain(tinted(kShutter, 0.25, noise(static_cast<std::uint64_t>(i), 31))));
+               {side > 0 ? x1 : -x0, height, 0.02}, plain(tinted(kShutter, 0.25, noise(i, 31))));
     }
     for (const double y : {0.25, 0.5 * height, height - 0.25})
         addBox(mesh, hinge, {side > 0 ? 0.02 : -width + 0.02, y - 0.05, -0.05},
@@ -154,11 +152,11 @@ void addShelf(SetMesh& mesh, const Placement& at) {
                             {0.35f, 0.25f, 0.12f},
                             {0.10f, 0.16f, 0.08f},
                             {0.46f, 0.38f, 0.26f}};
-    for (std::uint64_t shelf = 0; shelf < 5; ++shelf) {
+    for (std::int64_t shelf = 0; shelf < 5; ++shelf) {
         const double y = 0.12 + 0.46 * static_cast<double>(shelf);
         addBox(mesh, at, {-kWidth + 0.04, y - 0.04, -0.32}, {kWidth - 0.04, y, -0.02}, wood);
         double x = -kWidth + 0.07;
-        for (std::uint64_t i = 0; x < kWidth - 0.14; ++i) {
+        for (std::int64_t i = 0; x < kWidth - 0.14; ++i) {
             const double width = 0.03 + 0.04 * noise(shelf, i, 1);
             if (noise(shelf, i / 5, 2) > 0.2)
                 addBox(mesh, at, {x, y, -0.28 + 0.05 * noise(shelf, i, 3)},

@@ -7,8 +7,9 @@
 
 namespace shadowcache::scenes {
 
-double noise(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
-    return toUnit(hashWords(a, b, c));
+double noise(std::int64_t a, std::int64_t b, std::int64_t c) {
+    const auto word = [](std::int64_t v) { return static_cast<std::uint64_t>(v); };
+    return toUnit(hashWords(word(a), word(b), word(c)));
 }
 
 double smoothNoise(const Vec3d& p) {
@@ -20,9 +21,7 @@ double smoothNoise(const Vec3d& p) {
         const int dx = corner & 1;
         const int dy = (corner >> 1) & 1;
         const int dz = corner >> 2;
-        const auto word = [](double c, int d) {
-            return static_cast<std::uint64_t>(static_cast<std::int64_t>(c) + d);
-        };
+        const auto word = [](double c, int d) { return static_cast<std::int64_t>(c) + d; };
         sum += (dx ? f.x : 1 - f.x) * (dy ? f.y : 1 - f.y) * (dz ? f.z : 1 - f.z) *
                noise(word(cell.x, dx), word(cell.y, dy), word(cell.z, dz));
     }

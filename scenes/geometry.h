@@ -12,7 +12,7 @@
 namespace shadowcache::scenes {
 
 /// Numbers in [0, 1) that depend on nothing but the arguments: the sets look the same everywhere.
-double noise(std::uint64_t a, std::uint64_t b = 0, std::uint64_t c = 0);
+double noise(std::int64_t a, std::int64_t b = 0, std::int64_t c = 0);
 
 /// Smooth noise in [0, 1) over space; features are about one unit wide.
 double smoothNoise(const Vec3d& p);

@@ -6,12 +6,12 @@
 
 /// Writes one of the bundled sets: shadowcache-make-set courtyard|scatter -o set.ply
 int main(int argc, char** argv) try {
-    using namespace shadowcache::scenes;
+    namespace scenes = shadowcache::scenes;
     CLI::App app("Writes a bundled set as PLY (+Y up, metres) and a camera that moves through it.");
     std::string name;
     std::string output;
     std::string camera;
-    std::uint64_t triangles = 1'000'000;
+    std::int64_t triangles = 1'000'000;
     app.add_option("set", name, "courtyard or scatter")
         ->required()
         ->check(CLI::IsMember({"courtyard", "scatter"}));
@@ -22,12 +22,13 @@ int main(int argc, char** argv) try {
     CLI11_PARSE(app, argc, argv);
 
     if (name == "scatter") {
-        writeScatter(output, triangles);
-        if (!camera.empty()) writeCamera(camera, scatterWalk(triangles), 24, 12, 0.9);
+        scenes::writeScatter(output, triangles);
+        if (!camera.empty())
+            scenes::writeCamera(camera, scenes::scatterWalk(triangles), 24, 12, 0.9);
     } else {
-        const SetMesh mesh = makeCourtyard();
-        writePly(output, mesh);
-        if (!camera.empty()) writeCamera(camera, courtyardWalk(), 24, 12, 0.96);
+        const scenes::SetMesh mesh = scenes::makeCourtyard();
+        scenes::writePly(output, mesh);
+        if (!camera.empty()) scenes::writeCamera(camera, scenes::courtyardWalk(), 24, 12, 0.96);
     }
     return 0;
 } catch (const std::exception& e) {

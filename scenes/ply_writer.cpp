@@ -40,7 +40,7 @@ PlyWriter::PlyWriter(const std::filesystem::path& path, std::uint64_t vertices,
 
 void PlyWriter::vertex(const Vec3f& position, const Rgb& color) {
     char bytes[15];
-    std::memcpy(bytes, &position, 12);
+    std::memcpy(bytes, &position.x, 12);
     bytes[12] = static_cast<char>(toSrgb(color.x));
     bytes[13] = static_cast<char>(toSrgb(color.y));
     bytes[14] = static_cast<char>(toSrgb(color.z));
@@ -49,7 +49,7 @@ void PlyWriter::vertex(const Vec3f& position, const Rgb& color) {
 
 void PlyWriter::triangle(const Vec3i& corners) {
     char bytes[13] = {3};
-    std::memcpy(bytes + 1, &corners, 12);
+    std::memcpy(bytes + 1, &corners.x, 12);
     put(bytes, sizeof bytes);
 }
 

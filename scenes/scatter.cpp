@@ -8,21 +8,21 @@
 namespace shadowcache::scenes {
 namespace {
 
-constexpr std::uint64_t kPieceTriangles = 1280;  // of one rock, or of one tuft of as many blades
-constexpr double kPieceArea = 0.8;               // square metres of ground to each piece
+constexpr std::int64_t kPieceTriangles = 1280;  // of one rock, or of one tuft of as many blades
+constexpr double kPieceArea = 0.8;              // square metres of ground to each piece
 constexpr int kBlades = static_cast<int>(kPieceTriangles / 2);
 
 struct Layout {
-    std::uint64_t pieces;
-    std::uint64_t ground;  ///< cells along a side of the ground
-    std::uint64_t blades;  ///< single triangles that make the number exact
-    double side;           ///< metres
+    std::int64_t pieces;
+    std::int64_t ground;  ///< cells along a side of the ground
+    std::int64_t blades;  ///< single triangles that make the number exact
+    double side;          ///< metres
 };
 
-Layout layout(std::uint64_t triangles) {
+Layout layout(std::int64_t triangles) {
     Layout l{};
-    l.ground = static_cast<std::uint64_t>(std::sqrt(0.1 * static_cast<double>(triangles) / 2));
-    const std::uint64_t rest = triangles - 2 * l.ground * l.ground;
+    l.ground = static_cast<std::int64_t>(std::sqrt(0.1 * static_cast<double>(triangles) / 2));
+    const std::int64_t rest = triangles - 2 * l.ground * l.ground;
     l.pieces = rest / kPieceTriangles;
     l.blades = rest % kPieceTriangles;
     l.side = std::sqrt(static_cast<double>(l.pieces) * kPieceArea);
@@ -33,13 +33,13 @@ double groundHeight(double x, double z) {
     return 0.5 * smoothNoise({x / 4, 0, z / 4}) + 0.08 * smoothNoise({x, 7, z});
 }
 
-Vec3d pieceCenter(const Layout& l, std::uint64_t piece) {
+Vec3d pieceCenter(const Layout& l, std::int64_t piece) {
     const double x = (noise(piece, 1) - 0.5) * l.side;
     const double z = (noise(piece, 2) - 0.5) * l.side;
     return {x, groundHeight(x, z), z};
 }
 
-void addGround(SetMesh& mesh, const Layout& l, std::uint64_t row) {
+void addGround(SetMesh& mesh, const Layout& l, std::int64_t row) {
     const double step = l.side / static_cast<double>(l.ground);
     addPatch(
         mesh, 1, static_cast<int>(l.ground),
@@ -52,7 +52,7 @@ void addGround(SetMesh& mesh, const Layout& l, std::uint64_t row) {
 }
 
 /// A rough sphere of 17 x 40 cells: 1280 triangles, as the poles' cells have but one each.
-void addRock(SetMesh& mesh, const Layout& l, std::uint64_t piece) {
+void addRock(SetMesh& mesh, const Layout& l, std::int64_t piece) {
     const Vec3d center = pieceCenter(l, piece);
     const double size = 0.12 + 0.35 * std::pow(noise(piece, 3), 3);
     const Vec3d shift(static_cast<double>(piece % 1000) * 3, 0, 0);
@@ -71,7 +71,7 @@ void addRock(SetMesh& mesh, const Layout& l, std::uint64_t piece) {
         paint);
 }
 
-void addBlade(SetMesh& mesh, const Vec3d& root, std::uint64_t a, std::uint64_t b, int parts) {
+void addBlade(SetMesh& mesh, const Vec3d& root, std::int64_t a, std::int64_t b, int parts) {
     const double angle = 2 * kPi * noise(a, b, 5);
     const Vec3d side(std::cos(angle), 0, std::sin(angle));
     const double height = 0.10 + 0.16 * noise(a, b, 6);
@@ -88,9 +88,9 @@ void addBlade(SetMesh& mesh, const Vec3d& root, std::uint64_t a, std::uint64_t b
     }
 }
 
-void addTuft(SetMesh& mesh, const Layout& l, std::uint64_t piece) {
+void addTuft(SetMesh& mesh, const Layout& l, std::int64_t piece) {
     const Vec3d center = pieceCenter(l, piece);
-    for (std::uint64_t i = 0; i < kBlades; ++i) {
+    for (std::int64_t i = 0; i < kBlades; ++i) {
         const double r = 0.45 * std::sqrt(noise(piece, i, 10));
         const double angle = 2 * kPi * noise(piece, i, 11);
         const double x = center.x + r * std::cos(angle);
@@ -109,48 +109,49 @@ void forEachPart(const Layout& l, const Use& use) {
         part.colors.clear();
         part.triangles.clear();
     };
-    for (std::uint64_t row = 0; row < l.ground; ++row) {
+    for (std::int64_t row = 0; row < l.ground; ++row) {
         addGround(part, l, row);
         flush();
     }
-    for (std::uint64_t piece = 0; piece < l.pieces; ++piece) {
+    for (std::int64_t piece = 0; piece < l.pieces; ++piece) {
         piece % 4 == 0 ? addRock(part, l, piece) : addTuft(part, l, piece);
         flush();
     }
-    for (std::uint64_t i = 0; i < l.blades; ++i)
+    for (std::int64_t i = 0; i < l.blades; ++i)
         addBlade(part, pieceCenter(l, l.pieces + i), l.pieces, i, 1);
     flush();
 }
 
 }  // namespace
 
-void writeScatter(const std::filesystem::path& path, std::uint64_t triangles) {
+void writeScatter(const std::filesystem::path& path, std::int64_t triangles) {
     if (triangles < kScatterMin || triangles > kScatterMax)
         throw Error("--triangles: found " + std::to_string(triangles) + ", expected " +
                     std::to_string(kScatterMin) + " to " + std::to_string(kScatterMax));
     const Layout l = layout(triangles);
-    const std::uint64_t rocks = (l.pieces + 3) / 4;
-    const std::uint64_t vertices = 2 * l.ground * (l.ground + 1) + rocks * 18 * 41 +
-                                   (l.pieces - rocks) * kBlades * 4 + l.blades * 3;
-    PlyWriter writer(path, vertices, triangles);
+    const std::int64_t rocks = (l.pieces + 3) / 4;
+    const std::int64_t vertices = 2 * l.ground * (l.ground + 1) + rocks * 18 * 41 +
+                                  (l.pieces - rocks) * kBlades * 4 + l.blades * 3;
+    PlyWriter writer(path, static_cast<std::uint64_t>(vertices),
+                     static_cast<std::uint64_t>(triangles));
     forEachPart(l, [&](const SetMesh& part) {
         for (std::size_t i = 0; i < part.positions.size(); ++i)
             writer.vertex(part.positions[i], part.colors[i]);
     });
-    int base = 0;
-    std::uint64_t written = 0;
+    std::int64_t base = 0;
+    std::int64_t written = 0;
     forEachPart(l, [&](const SetMesh& part) {
-        for (const Vec3i& t : part.triangles) writer.triangle(t + Vec3i(base));
-        base += static_cast<int>(part.positions.size());
-        written += part.triangles.size();
+        for (const Vec3i& t : part.triangles) writer.triangle(t + Vec3i(static_cast<int>(base)));
+        base += static_cast<std::int64_t>(part.positions.size());
+        written += static_cast<std::int64_t>(part.triangles.size());
     });
     writer.finish();
-    if (written != triangles || static_cast<std::uint64_t>(base) != vertices)
+    if (written != triangles || base != vertices)
         throwFileError(path, std::to_string(written) + " triangles made, expected " +
                                  std::to_string(triangles));
 }
 
-std::vector<CameraKey> scatterWalk(std::uint64_t triangles) {
+std::vector<CameraKey> scatterWalk(std::int64_t triangles) {
     const double side = layout(triangles).side;
     const double reach = std::min(0.3 * side, 8.0);
     return {{{-reach, 2.2, reach}, {0, 0.2, 0}},

@@ -15,17 +15,17 @@ SetMesh makeCourtyard();
 std::vector<CameraKey> courtyardWalk();
 
 /// Fewest and most triangles of the scattered set.
-inline constexpr std::uint64_t kScatterMin = 10'000;
-inline constexpr std::uint64_t kScatterMax = 10'000'000;
+inline constexpr std::int64_t kScatterMin = 10'000;
+inline constexpr std::int64_t kScatterMax = 10'000'000;
 
 /// Writes a set of exactly `triangles` triangles (kScatterMin .. kScatterMax): rocks and grass on
 /// rolling ground, a square whose side grows with the number, so that the density stays. Made and
 /// written piece by piece.
 ///
 /// @throws Error if the number is out of range or the file cannot be written
-void writeScatter(const std::filesystem::path& path, std::uint64_t triangles);
+void writeScatter(const std::filesystem::path& path, std::int64_t triangles);
 
 /// A move over the scattered set.
-std::vector<CameraKey> scatterWalk(std::uint64_t triangles);
+std::vector<CameraKey> scatterWalk(std::int64_t triangles);
 
 }  // namespace shadowcache::scenes
