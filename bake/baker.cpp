@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <string>
 
-#include "bake/ray_counter.h"
+#include "bake/item_baker.h"
 #include "common/error.h"
 #include "common/parallel.h"
 #include "common/progress.h"
@@ -15,195 +17,157 @@ namespace shadowcache {
 
 namespace {
 
-/// Rays per region of the first refinement in the first pass, which finds out where rays disagree.
-constexpr int kProbeRays = 2;
-/// A region is refined once more where the nearest occluder is this many spacings away: nearer, the parallax
-/// over one item blurs what finer regions could tell.
-constexpr float kMinOccluderSpacings = 10;
-
-/// Geometry of the base cells, for skipping those below a patch's horizon.
-struct BaseCells {
-    std::vector<Vec3f> axis;
-    std::vector<float> radius;
-
-    explicit BaseCells(const DirectionTiers& tiers) {
-        for (std::uint32_t c = 0; c < tiers.baseCells(); ++c) {
-            const SphericalTriangle t = cellTriangle(tiers.baseLevel(), c);
-            const Vec3d center = cellCenter(tiers.baseLevel(), c);
-            axis.emplace_back(center);
-            const double least = std::min({center.dot(t.a), center.dot(t.b), center.dot(t.c)});
-            radius.push_back(static_cast<float>(std::acos(least)));
-        }
-    }
+/// The voxels of a set that hold surface, and the part of them that this bake is to do.
+struct Voxels {
+    std::vector<std::span<const Fragment>> all;  ///< in the order of their keys
+    std::size_t begin = 0, end = 0;              ///< this shard's
 };
 
-/// Bakes items of one thread's voxels.
-class ItemBaker {
-public:
-    ItemBaker(const Scene& scene, const DirectionTable& directions, const BaseCells& base,
-              const BakeOptions& options, double spacing)
-        : scene_(scene),
-          directions_(directions),
-          base_(base),
-          options_(options),
-          tiers_{options.level},
-          spacing_(static_cast<float>(spacing)),
-          baseCounts_(tiers_.baseCells()),
-          fine_(tiers_.refinements() > 0 ? tiers_.baseCells() * kBlockCells : 0) {}
-
-    void bakeItem(const Patch& patch, const Vec3i& voxel, std::uint64_t seed, CacheItems& out) {
-        RayCounter rays(scene_, directions_, patch, seed);
-        std::fill(baseCounts_.begin(), baseCounts_.end(), Count{});
-        std::fill(fine_.begin(), fine_.end(), Count{});
-        refined_.clear();
-        findCells(patch);
-        if (tiers_.refinements() == 0)
-            for (const std::uint32_t c : cells_)
-                rays.add(tiers_.baseLevel(), c, options_.rays, baseCounts_[c]);
-        else
-            traceFine(rays);
-        rays.flush();
-        traced_ += rays.raysTraced();
-        store(patch, voxel, out);
-    }
-
-    std::uint64_t raysTraced() const { return traced_; }
-
-private:
-    using Block = std::array<Count, kBlockCells>;
-
-    /// The base cells that are not wholly below the patch's horizon.
-    void findCells(const Patch& patch) {
-        const float spread = std::acos(std::clamp(patch.minAgreement, -1.0f, 1.0f));
-        cells_.clear();
-        for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
-            const float angle =
-                std::acos(std::clamp(base_.axis[c].dot(patch.normal), -1.0f, 1.0f));
-            if (angle < static_cast<float>(kPi / 2) + spread + base_.radius[c]) cells_.push_back(c);
-        }
-    }
-
-    Count* fineOf(std::uint32_t cell) { return &fine_[cell * kBlockCells]; }
-
-    void addToFine(RayCounter& rays, std::uint32_t cell, int count) {
-        for (std::uint32_t k = 0; k < kBlockCells; ++k)
-            rays.add(tiers_.baseLevel() + 2, cell * kBlockCells + k, count, fineOf(cell)[k]);
-    }
-
-    Count sumFine(std::uint32_t cell) {
-        Count sum;
-        for (int k = 0; k < kBlockCells; ++k) sum += fineOf(cell)[k];
-        return sum;
-    }
-
-    void traceFine(RayCounter& rays) {
-        const bool adaptive = options_.adaptive;
-        const bool deeper = tiers_.refinements() > 1;
-        const int probe = std::min(kProbeRays, options_.rays);
-        if (adaptive) {
-            // One ray each; a patch no ray leaves needs no more.
-            bool open = false;
-            for (const std::uint32_t c : cells_) addToFine(rays, c, 1);
-            rays.flush();
-            for (const std::uint32_t c : cells_) open = open || sumFine(c).open > 0;
-            if (open && probe > 1)
-                for (const std::uint32_t c : cells_) addToFine(rays, c, probe - 1);
-            rays.flush();
-        }
-        for (const std::uint32_t c : cells_) {
-            if (adaptive && !sumFine(c).mixed()) continue;
-            refined_.push_back({tiers_.blockKey(0, c), c, {}});
-            if (!deeper || adaptive) addToFine(rays, c, adaptive ? options_.rays - probe : options_.rays);
-        }
-        rays.flush();
-        if (deeper) traceFinest(rays);
-    }
-
-    void traceFinest(RayCounter& rays) {
-        const std::size_t coarse = refined_.size();
-        for (std::size_t i = 0; i < coarse; ++i)
-            for (std::uint32_t k = 0; k < kBlockCells; ++k) {
-                const std::uint32_t cell = refined_[i].cell * kBlockCells + k;
-                Count& count = fine_[cell];
-                if (options_.adaptive) {
-                    if (!count.mixed()) continue;
-                    const float nearest = rays.nearestOccluder(tiers_.baseLevel() + 2, cell, count);
-                    if (nearest < kMinOccluderSpacings * spacing_) continue;
-                }
-                refined_.push_back({tiers_.blockKey(1, cell), cell, {}});
-            }
-        // Queued tallies stay where they are: nothing is added to refined_ from here on.
-        for (std::size_t i = coarse; i < refined_.size(); ++i)
-            for (std::uint32_t k = 0; k < kBlockCells; ++k)
-                rays.add(tiers_.finest, refined_[i].cell * kBlockCells + k, finestRays(),
-                         refined_[i].finest[k]);
-        rays.flush();
-        if (!options_.adaptive)
-            for (std::size_t i = coarse; i < refined_.size(); ++i)
-                for (const Count& count : refined_[i].finest) fine_[refined_[i].cell] += count;
-    }
-
-    void store(const Patch& patch, const Vec3i& voxel, CacheItems& out) {
-        out.voxel.push_back(voxel);
-        out.side.push_back(static_cast<std::uint8_t>(patch.side));
-        out.normal.push_back(patch.normal);
-        out.position.push_back(patch.meanPosition);
-        for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
-            Count sum = baseCounts_[c];
-            if (tiers_.refinements() > 0) sum += sumFine(c);
-            out.n.push_back(0);
-            out.d.push_back(0);
-            addCounts(out.n.back(), out.d.back(), sum.open, sum.rays);
-        }
-        for (const Refined& r : refined_) {
-            const bool first = r.key < tiers_.blockKey(1, 0);
-            const Count* counts = first ? fineOf(r.cell) : r.finest.data();
-            CountBlock block{r.key, {}, {}};
-            for (std::size_t k = 0; k < kBlockCells; ++k)
-                addCounts(block.n[k], block.d[k], counts[k].open, counts[k].rays);
-            out.blocks.push_back(block);
-        }
-        out.firstBlock.push_back(static_cast<std::uint32_t>(out.blocks.size()));
-    }
-
-    /// Neighbouring items are pooled, so that the finest regions need fewer rays of each.
-    int finestRays() const {
-        return options_.adaptive ? std::max(1, options_.rays / 4) : options_.rays;
-    }
-
-    struct Refined {
-        std::uint16_t key;
-        std::uint32_t cell;  ///< the refined one
-        Block finest;        ///< second refinement only; the first is in fine_
-    };
-
-    const Scene& scene_;
-    const DirectionTable& directions_;
-    const BaseCells& base_;
-    const BakeOptions& options_;
-    DirectionTiers tiers_;
-    float spacing_;
-    std::vector<std::uint32_t> cells_;
-    std::vector<Count> baseCounts_;
-    std::vector<Count> fine_;
-    std::vector<Refined> refined_;
-    std::uint64_t traced_ = 0;
-};
-
-/// Ranges of fragments that share a voxel, of this shard.
-std::vector<std::span<const Fragment>> splitByVoxel(std::span<const Fragment> fragments,
-                                                    const BakeOptions& options) {
-    std::vector<std::span<const Fragment>> voxels;
+Voxels splitByVoxel(std::span<const Fragment> fragments, const BakeOptions& options) {
+    Voxels voxels;
     for (std::size_t begin = 0; begin < fragments.size();) {
         std::size_t end = begin;
         while (end < fragments.size() && fragments[end].voxelKey == fragments[begin].voxelKey) ++end;
-        if (mixBits(fragments[begin].voxelKey >> 9) % static_cast<std::uint64_t>(options.shards) ==
-            static_cast<std::uint64_t>(options.shard))
-            voxels.push_back(fragments.subspan(begin, end - begin));
+        voxels.all.push_back(fragments.subspan(begin, end - begin));
         begin = end;
     }
+    const auto share = [&](int k) {
+        return voxels.all.size() * static_cast<std::size_t>(k) /
+               static_cast<std::size_t>(options.shards);
+    };
+    voxels.begin = share(options.shard);
+    voxels.end = share(options.shard + 1);
     return voxels;
 }
+
+constexpr std::size_t kChunkSize = 32;
+
+/// A bake under way.
+class Bake {
+public:
+    Bake(const Scene& scene, const BakeOptions& options, const CacheHeader& header)
+        : scene_(scene),
+          options_(options),
+          frame_(scene.mesh(), header.spacing),
+          fragments_(placeFragments(scene.mesh(), frame_)),
+          voxels_(splitByVoxel(fragments_, options)),
+          base_(header.tiers()),
+          probes_(voxels_.all.size()) {}
+
+    void run(BakeResult& result) {
+        const std::size_t count = voxels_.end - voxels_.begin;
+        const bool probing = options_.adaptive && result.header.tiers().refinements() > 0;
+        Progress progress("bake", std::max<std::size_t>(1, count * (probing ? 2 : 1)));
+        if (probing) {
+            const std::vector<std::size_t> needed = withNeighbours();
+            result.rays += forAll(needed.size(), [&](ItemBaker& baker, std::size_t i, std::size_t) {
+                const std::size_t v = needed[i];
+                for (const Patch& patch : patches(v))
+                    probes_[v].push_back(baker.probe(patch, seedOf(v, patch)));
+            }, [&](std::size_t done) { progress.add(done * count / std::max<std::size_t>(1, needed.size())); });
+        }
+        std::vector<CacheItems> parts((count + kChunkSize - 1) / kChunkSize);
+        result.rays += forAll(count, [&](ItemBaker& baker, std::size_t i, std::size_t chunk) {
+            const std::size_t v = voxels_.begin + i;
+            const std::vector<Patch> sides = patches(v);
+            for (std::size_t k = 0; k < sides.size(); ++k) {
+                const Probe none;
+                const Probe& probe = probing ? probes_[v][k] : none;
+                baker.finish(sides[k], voxel(v), seedOf(v, sides[k]), probe,
+                             probing ? mixedAround(v, probe) : std::bitset<Probe::kCells>(),
+                             parts[chunk]);
+            }
+        }, [&](std::size_t done) { progress.add(done); });
+        for (CacheItems& part : parts) {
+            append(result.items, part);
+            part = {};
+        }
+    }
+
+private:
+    Vec3i voxel(std::size_t v) const { return frame_.voxel(voxels_.all[v][0].voxelKey); }
+
+    std::vector<Patch> patches(std::size_t v) const {
+        return makePatches(scene_, frame_, voxels_.all[v], options_.seed);
+    }
+
+    std::uint64_t seedOf(std::size_t v, const Patch& patch) const {
+        return hashWords(options_.seed ^ 0x62616b65, voxels_.all[v][0].voxelKey,
+                         static_cast<std::uint64_t>(patch.side));
+    }
+
+    /// Runs `body(baker, index, chunk)` over [0, count) in parallel.
+    ///
+    /// @return rays traced
+    template <class Body, class Done>
+    std::uint64_t forAll(std::size_t count, const Body& body, const Done& done) {
+        std::vector<std::uint64_t> rays((count + kChunkSize - 1) / kChunkSize);
+        parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
+            throwIfInterrupted();
+            ItemBaker baker(scene_, directions_, base_, options_, frame_.spacing());
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i) body(baker, i, chunk.index);
+            rays[chunk.index] = baker.raysTraced();
+            done(chunk.end - chunk.begin);
+        });
+        return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
+    }
+
+    /// Calls `visit` with the index of each voxel of the 26 around `v` that holds surface.
+    template <class Visit>
+    void visitNeighbours(std::size_t v, const Visit& visit) const {
+        const Vec3i center = voxel(v);
+        for (int k = 0; k < 27; ++k) {
+            if (k == 13) continue;
+            const std::uint64_t key =
+                frame_.key(center + Vec3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+            const auto found = std::lower_bound(
+                voxels_.all.begin(), voxels_.all.end(), key,
+                [](const auto& fragments, std::uint64_t wanted) {
+                    return fragments[0].voxelKey < wanted;
+                });
+            if (found != voxels_.all.end() && (*found)[0].voxelKey == key)
+                visit(static_cast<std::size_t>(found - voxels_.all.begin()));
+        }
+    }
+
+    /// This shard's voxels and all around them, whose probes tell where to look closer.
+    std::vector<std::size_t> withNeighbours() const {
+        std::vector<std::uint8_t> needed(voxels_.all.size(), 0);
+        std::fill(needed.begin() + static_cast<std::ptrdiff_t>(voxels_.begin),
+                  needed.begin() + static_cast<std::ptrdiff_t>(voxels_.end), std::uint8_t{1});
+        if (options_.shards > 1)
+            for (std::size_t v = voxels_.begin; v < voxels_.end; ++v)
+                visitNeighbours(v, [&](std::size_t other) { needed[other] = 1; });
+        std::vector<std::size_t> list;
+        for (std::size_t v = 0; v < needed.size(); ++v)
+            if (needed[v]) list.push_back(v);
+        return list;
+    }
+
+    /// Base cells in which the item or one next to it on the same side of a surface found both sky and
+    /// occluders: a small opening that this item's first rays missed, its neighbours' may have met.
+    std::bitset<Probe::kCells> mixedAround(std::size_t v, const Probe& probe) const {
+        auto open = probe.open, blocked = probe.blocked;
+        const auto add = [&](std::size_t other) {
+            for (const Probe& p : probes_[other]) {
+                if (p.normal.dot(probe.normal) < 0.5f) continue;
+                open |= p.open;
+                blocked |= p.blocked;
+            }
+        };
+        visitNeighbours(v, add);
+        return open & blocked;
+    }
+
+    const Scene& scene_;
+    const BakeOptions& options_;
+    VoxelFrame frame_;
+    std::vector<Fragment> fragments_;
+    Voxels voxels_;
+    DirectionTable directions_;
+    BaseCells base_;
+    std::vector<std::vector<Probe>> probes_;  ///< by voxel, in the order of the sides
+};
 
 }  // namespace
 
@@ -253,35 +217,7 @@ BakeResult bake(const Scene& scene, const BakeOptions& options) {
     result.header.version = kVersion;
     result.header.fingerprint = fingerprint(scene.mesh());
 
-    const VoxelFrame frame(scene.mesh(), result.header.spacing);
-    const std::vector<Fragment> fragments = placeFragments(scene.mesh(), frame);
-    const auto voxels = splitByVoxel(fragments, options);
-    const DirectionTable directions;
-    const BaseCells base(result.header.tiers());
-
-    constexpr std::size_t chunkSize = 32;
-    std::vector<CacheItems> parts((voxels.size() + chunkSize - 1) / chunkSize);
-    std::vector<std::uint64_t> rays(parts.size());
-    Progress progress("bake", std::max<std::size_t>(1, voxels.size()));
-    parallelFor(voxels.size(), chunkSize, [&](const Chunk& chunk) {
-        throwIfInterrupted();
-        ItemBaker baker(scene, directions, base, options, result.header.spacing);
-        for (std::size_t v = chunk.begin; v < chunk.end; ++v) {
-            const std::uint64_t key = voxels[v][0].voxelKey;
-            for (const Patch& patch : makePatches(scene, frame, voxels[v], options.seed))
-                baker.bakeItem(patch, frame.voxel(key),
-                               hashWords(options.seed ^ 0x62616b65, key,
-                                         static_cast<std::uint64_t>(patch.side)),
-                               parts[chunk.index]);
-        }
-        rays[chunk.index] = baker.raysTraced();
-        progress.add(chunk.end - chunk.begin);
-    });
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        append(result.items, parts[i]);
-        parts[i] = {};
-        result.rays += rays[i];
-    }
+    Bake(scene, options, result.header).run(result);
     return result;
 }
 

@@ -101,7 +101,12 @@ struct World {
         EstimatorOptions options;
         options.triangles = 600;
         options.minLevel = 2;
-        estimators = test::everyEstimator({scene, environment, &cache->cache(), options});
+        const EstimatorContext context{scene, environment, &cache->cache(), options};
+        estimators = test::everyEstimator(context);
+        if (chosen.name != "Slab") return;
+        EstimatorContext plain = context;
+        plain.cache = nullptr;
+        estimators.push_back({"paper without a cache", findEstimator("paper").make(plain)});
     }
 };
 
@@ -116,8 +121,12 @@ class Irradiance : public testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(ClosedForms, Irradiance, testing::Range<std::size_t>(0, cases().size()),
                          [](const auto& test) { return cases()[test.param].name; });
 
-TEST_P(Irradiance, OfEveryEstimatorIsTheTruth) {
+// With its control: at 64 samples the same estimates must not agree with 3 % more. Where one texel
+// in five hundred shines, estimators that do not look for it are too noisy for that, and must see
+// 30 %.
+TEST_P(Irradiance, OfEveryEstimatorIsTheTruthAndNotThreePercentMore) {
     const World world(cases()[GetParam()]);
+    const bool sparse = world.chosen.name == "OneTexel";
     const double level =
         test::significance() / static_cast<double>(world.estimators.size() * std::size(kEfforts));
     for (const auto& [name, estimator] : world.estimators)
@@ -128,22 +137,11 @@ TEST_P(Irradiance, OfEveryEstimatorIsTheTruth) {
                 << name << ", " << effort.samples << " samples: mean " << estimates.mean(1)
                 << ", standard error " << std::sqrt(estimates.sampleVariance(1) / effort.count)
                 << ", wanted " << world.truth.y;
+            if (effort.samples < 64) continue;
+            const bool blind = sparse && (name == "uniform" || name == "cosine");
+            EXPECT_LT(test::agreementPValue(estimates, world.truth * (blind ? 1.3f : 1.03f)), level)
+                << name;
         }
-}
-
-// Control: at 64 samples the test above must see a mean that is off by 3 %. Where one texel in five
-// hundred shines, those that do not look for it have too much noise for that, and must see 30 %.
-TEST_P(Irradiance, OfEveryEstimatorIsNotThreePercentMore) {
-    const World world(cases()[GetParam()]);
-    const double level =
-        test::significance() / static_cast<double>(world.estimators.size() * std::size(kEfforts));
-    const bool sparse = cases()[GetParam()].name == "OneTexel";
-    for (const auto& [name, estimator] : world.estimators) {
-        const bool blind = sparse && (name == "uniform" || name == "cosine");
-        const auto estimates = test::runEstimator(*estimator, world.point, 64, 1000);
-        EXPECT_LT(test::agreementPValue(estimates, world.truth * (blind ? 1.3f : 1.03f)), level)
-            << name;
-    }
 }
 
 /// The formula for polygons, on which the truths above rest, against textbook forms.

@@ -155,6 +155,20 @@ double hiddenByConvex(const TriangleMesh& mesh, std::size_t begin, std::size_t e
     return sum;
 }
 
+Rgb tracedIrradiance(const Scene& scene, const ShadingPoint& point, const Image& map,
+                     int gridSize) {
+    double sum[3] = {0, 0, 0};
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            const Rgb& radiance = map.pixels[static_cast<std::size_t>(y * map.width + x)];
+            if (radiance == Rgb(0, 0, 0)) continue;
+            const double seen =
+                tracedTexelIrradiance(scene, point, map.width, map.height, x, y, gridSize);
+            for (int c = 0; c < 3; ++c) sum[c] += seen * static_cast<double>(radiance[c]);
+        }
+    return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
+}
+
 double tracedTexelIrradiance(const Scene& scene, const ShadingPoint& point, int width, int height,
                              int x, int y, int gridSize) {
     const double cosTop = std::cos(kPi * y / height), cosBottom = std::cos(kPi * (y + 1) / height);
@@ -228,9 +242,6 @@ std::vector<NamedEstimator> everyEstimator(const EstimatorContext& context) {
     std::vector<NamedEstimator> all;
     for (const EstimatorEntry& entry : estimatorTable())
         if (context.cache || !entry.needsCache) all.push_back({entry.name, entry.make(context)});
-    EstimatorContext plain = context;
-    plain.cache = nullptr;
-    if (context.cache) all.push_back({"paper without a cache", findEstimator("paper").make(plain)});
     return all;
 }
 

@@ -56,6 +56,9 @@ double hiddenByConvex(const TriangleMesh& mesh, std::size_t begin, std::size_t e
 double tracedTexelIrradiance(const Scene& scene, const ShadingPoint& point, int width, int height,
                              int x, int y, int gridSize);
 
+/// The same from all of a map.
+Rgb tracedIrradiance(const Scene& scene, const ShadingPoint& point, const Image& map, int gridSize);
+
 /// An open cache with its file.
 class TestCache {
 public:
@@ -85,7 +88,7 @@ Estimates runEstimator(const Estimator& estimator, const ShadingPoint& point, in
 /// difference that float arithmetic explains does not count.
 double agreementPValue(const Estimates& estimates, const Rgb& truth);
 
-/// Every entry of estimatorTable(), made for the context, and `paper` without a cache.
+/// Every entry of estimatorTable(), made for the context.
 struct NamedEstimator {
     std::string name;
     std::unique_ptr<Estimator> estimator;

@@ -1,0 +1,170 @@
+#include "bake/item_baker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/sequence.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Rays into each region of the first refinement, in items that see a border between open and blocked.
+constexpr int kProbeRays = 4;
+/// A region is refined once more where the nearest occluder is this many spacings away: nearer, the parallax
+/// over one item blurs what finer regions could tell.
+constexpr float kMinOccluderSpacings = 10;
+
+}  // namespace
+
+BaseCells::BaseCells(const DirectionTiers& tiers) {
+    for (std::uint32_t c = 0; c < tiers.baseCells(); ++c) {
+        const SphericalTriangle t = cellTriangle(tiers.baseLevel(), c);
+        const Vec3d center = cellCenter(tiers.baseLevel(), c);
+        axis.emplace_back(center);
+        const double least = std::min({center.dot(t.a), center.dot(t.b), center.dot(t.c)});
+        radius.push_back(static_cast<float>(std::acos(least)));
+    }
+}
+
+ItemBaker::ItemBaker(const Scene& scene, const DirectionTable& directions, const BaseCells& base,
+                     const BakeOptions& options, double spacing)
+    : scene_(scene),
+      directions_(directions),
+      base_(base),
+      options_(options),
+      tiers_{options.level},
+      spacing_(static_cast<float>(spacing)),
+      baseCounts_(tiers_.baseCells()),
+      fine_(tiers_.refinements() > 0 ? tiers_.baseCells() * kBlockCells : 0) {}
+
+void ItemBaker::findCells(const Patch& patch) {
+    const float spread = std::acos(std::clamp(patch.minAgreement, -1.0f, 1.0f));
+    cells_.clear();
+    for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
+        const float angle = std::acos(std::clamp(base_.axis[c].dot(patch.normal), -1.0f, 1.0f));
+        if (angle < static_cast<float>(kPi / 2) + spread + base_.radius[c]) cells_.push_back(c);
+    }
+}
+
+/// Neighbouring items are pooled, so that the finest regions need fewer rays of each.
+int ItemBaker::finestRays() const {
+    return options_.adaptive ? std::max(1, options_.rays / 4) : options_.rays;
+}
+
+void ItemBaker::addToFine(RayCounter& rays, std::uint32_t cell, int count) {
+    for (std::uint32_t k = 0; k < kBlockCells; ++k)
+        rays.add(tiers_.baseLevel() + 2, cell * kBlockCells + k, count, fineOf(cell)[k]);
+}
+
+Count ItemBaker::sumFine(std::uint32_t cell) {
+    Count sum;
+    for (int k = 0; k < kBlockCells; ++k) sum += fineOf(cell)[k];
+    return sum;
+}
+
+Probe ItemBaker::probe(const Patch& patch, std::uint64_t seed) {
+    RayCounter rays(scene_, directions_, patch, hashWords(seed, 1));
+    std::fill(fine_.begin(), fine_.end(), Count{});
+    findCells(patch);
+    for (const std::uint32_t c : cells_) addToFine(rays, c, 1);
+    rays.flush();
+    traced_ += rays.raysTraced();
+    Probe probe;
+    probe.side = patch.side;
+    probe.normal = patch.normal;
+    for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
+        const Count sum = sumFine(c);
+        probe.base.push_back(sum);
+        probe.open[c] = sum.open > 0;
+        probe.blocked[c] = sum.open < sum.rays;
+    }
+    return probe;
+}
+
+void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, std::uint64_t seed,
+                       const Probe& probe, const std::bitset<Probe::kCells>& mixed,
+                       CacheItems& out) {
+    RayCounter rays(scene_, directions_, patch, hashWords(seed, 2));
+    std::fill(baseCounts_.begin(), baseCounts_.end(), Count{});
+    std::fill(fine_.begin(), fine_.end(), Count{});
+    refined_.clear();
+    if (!probe.base.empty()) std::copy(probe.base.begin(), probe.base.end(), baseCounts_.begin());
+    findCells(patch);
+    if (tiers_.refinements() == 0) {
+        for (const std::uint32_t c : cells_)
+            rays.add(tiers_.baseLevel(), c, options_.rays, baseCounts_[c]);
+    } else if (!options_.adaptive || mixed.any()) {
+        traceFine(rays, mixed);
+    }
+    rays.flush();
+    traced_ += rays.raysTraced();
+    store(patch, voxel, out);
+}
+
+void ItemBaker::traceFine(RayCounter& rays, const std::bitset<Probe::kCells>& mixed) {
+    const bool adaptive = options_.adaptive;
+    const bool deeper = tiers_.refinements() > 1;
+    const int probe = std::min(kProbeRays, options_.rays);
+    if (adaptive) {
+        for (const std::uint32_t c : cells_) addToFine(rays, c, probe);
+        rays.flush();
+    }
+    for (const std::uint32_t c : cells_) {
+        if (adaptive && !mixed[c] && !sumFine(c).mixed()) continue;
+        refined_.push_back({tiers_.blockKey(0, c), c, {}});
+        if (!deeper || adaptive)
+            addToFine(rays, c, adaptive ? options_.rays - probe : options_.rays);
+    }
+    rays.flush();
+    if (deeper) traceFinest(rays);
+}
+
+void ItemBaker::traceFinest(RayCounter& rays) {
+    const std::size_t coarse = refined_.size();
+    for (std::size_t i = 0; i < coarse; ++i)
+        for (std::uint32_t k = 0; k < kBlockCells; ++k) {
+            const std::uint32_t cell = refined_[i].cell * kBlockCells + k;
+            Count& count = fine_[cell];
+            if (options_.adaptive) {
+                if (!count.mixed()) continue;
+                const float nearest = rays.nearestOccluder(tiers_.baseLevel() + 2, cell, count);
+                if (nearest < kMinOccluderSpacings * spacing_) continue;
+            }
+            refined_.push_back({tiers_.blockKey(1, cell), cell, {}});
+        }
+    // Queued tallies stay where they are: nothing is added to refined_ from here on.
+    for (std::size_t i = coarse; i < refined_.size(); ++i)
+        for (std::uint32_t k = 0; k < kBlockCells; ++k)
+            rays.add(tiers_.finest, refined_[i].cell * kBlockCells + k, finestRays(),
+                     refined_[i].finest[k]);
+    rays.flush();
+    if (!options_.adaptive)
+        for (std::size_t i = coarse; i < refined_.size(); ++i)
+            for (const Count& count : refined_[i].finest) fine_[refined_[i].cell] += count;
+}
+
+void ItemBaker::store(const Patch& patch, const Vec3i& voxel, CacheItems& out) {
+    out.voxel.push_back(voxel);
+    out.side.push_back(static_cast<std::uint8_t>(patch.side));
+    out.normal.push_back(patch.normal);
+    out.position.push_back(patch.meanPosition);
+    for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
+        Count sum = baseCounts_[c];
+        if (tiers_.refinements() > 0) sum += sumFine(c);
+        out.n.push_back(0);
+        out.d.push_back(0);
+        addCounts(out.n.back(), out.d.back(), sum.open, sum.rays);
+    }
+    for (const Refined& r : refined_) {
+        const bool first = r.key < tiers_.blockKey(1, 0);
+        const Count* counts = first ? fineOf(r.cell) : r.finest.data();
+        CountBlock block{r.key, {}, {}};
+        for (std::size_t k = 0; k < kBlockCells; ++k)
+            addCounts(block.n[k], block.d[k], counts[k].open, counts[k].rays);
+        out.blocks.push_back(block);
+    }
+    out.firstBlock.push_back(static_cast<std::uint32_t>(out.blocks.size()));
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <bitset>
+#include <vector>
+
+#include "bake/options.h"
+#include "bake/ray_counter.h"
+#include "common/cache_items.h"
+
+namespace shadowcache {
+
+/// Geometry of the base cells, for skipping those below a patch's horizon.
+struct BaseCells {
+    explicit BaseCells(const DirectionTiers& tiers);
+
+    std::vector<Vec3f> axis;
+    std::vector<float> radius;  ///< angle around the axis that holds the cell [rad]
+};
+
+/// What the first rays of an item found, by base cell.
+struct Probe {
+    static constexpr std::size_t kCells = cellCount(1);
+
+    int side = 0;
+    Vec3f normal;
+    std::bitset<kCells> open;     ///< a ray reached the sky
+    std::bitset<kCells> blocked;  ///< a ray did not
+    std::vector<Count> base;      ///< rays so far; empty where nothing can be mixed
+};
+
+/// Traces the rays of items, one after another; one for each thread.
+class ItemBaker {
+public:
+    ItemBaker(const Scene& scene, const DirectionTable& directions, const BaseCells& base,
+              const BakeOptions& options, double spacing);
+
+    /// The first pass: one ray into every region of the first refinement.
+    Probe probe(const Patch& patch, std::uint64_t seed);
+
+    /// Appends the finished item. Base cells in `mixed` are refined, whatever the item's own first rays
+    /// say; without any, the probe is all there is to know.
+    void finish(const Patch& patch, const Vec3i& voxel, std::uint64_t seed, const Probe& probe,
+                const std::bitset<Probe::kCells>& mixed, CacheItems& out);
+
+    std::uint64_t raysTraced() const { return traced_; }
+
+private:
+    /// Counts of the children of one refined cell.
+    struct Refined {
+        std::uint16_t key;
+        std::uint32_t cell;
+        std::array<Count, kBlockCells> finest;  ///< second refinement only; the first is in fine_
+    };
+
+    void findCells(const Patch& patch);
+    int finestRays() const;
+    Count* fineOf(std::uint32_t cell) { return &fine_[cell * kBlockCells]; }
+    void addToFine(RayCounter& rays, std::uint32_t cell, int count);
+    Count sumFine(std::uint32_t cell);
+    void traceFine(RayCounter& rays, const std::bitset<Probe::kCells>& mixed);
+    void traceFinest(RayCounter& rays);
+    void store(const Patch& patch, const Vec3i& voxel, CacheItems& out);
+
+    const Scene& scene_;
+    const DirectionTable& directions_;
+    const BaseCells& base_;
+    const BakeOptions& options_;
+    DirectionTiers tiers_;
+    float spacing_;
+    std::vector<std::uint32_t> cells_;  ///< base cells not wholly below the patch's horizon
+    std::vector<Count> baseCounts_;
+    std::vector<Count> fine_;           ///< of the first refinement
+    std::vector<Refined> refined_;
+    std::uint64_t traced_ = 0;
+};
+
+}  // namespace shadowcache
