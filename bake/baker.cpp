@@ -27,7 +27,8 @@ Voxels splitByVoxel(std::span<const Fragment> fragments, const BakeOptions& opti
     Voxels voxels;
     for (std::size_t begin = 0; begin < fragments.size();) {
         std::size_t end = begin;
-        while (end < fragments.size() && fragments[end].voxelKey == fragments[begin].voxelKey) ++end;
+        while (end < fragments.size() && fragments[end].voxelKey == fragments[begin].voxelKey)
+            ++end;
         voxels.all.push_back(fragments.subspan(begin, end - begin));
         begin = end;
     }
@@ -60,24 +61,32 @@ public:
         Progress progress("bake", std::max<std::size_t>(1, count * (probing ? 2 : 1)));
         if (probing) {
             const std::vector<std::size_t> needed = withNeighbours();
-            result.rays += forAll(needed.size(), [&](ItemBaker& baker, std::size_t i, std::size_t) {
-                const std::size_t v = needed[i];
-                for (const Patch& patch : patches(v))
-                    probes_[v].push_back(baker.probe(patch, seedOf(v, patch)));
-            }, [&](std::size_t done) { progress.add(done * count / std::max<std::size_t>(1, needed.size())); });
+            result.rays += forAll(
+                needed.size(),
+                [&](ItemBaker& baker, std::size_t i, std::size_t) {
+                    const std::size_t v = needed[i];
+                    for (const Patch& patch : patches(v))
+                        probes_[v].push_back(baker.probe(patch, seedOf(v, patch)));
+                },
+                [&](std::size_t done) {
+                    progress.add(done * count / std::max<std::size_t>(1, needed.size()));
+                });
         }
         std::vector<CacheItems> parts((count + kChunkSize - 1) / kChunkSize);
-        result.rays += forAll(count, [&](ItemBaker& baker, std::size_t i, std::size_t chunk) {
-            const std::size_t v = voxels_.begin + i;
-            const std::vector<Patch> sides = patches(v);
-            for (std::size_t k = 0; k < sides.size(); ++k) {
-                const Probe none;
-                const Probe& probe = probing ? probes_[v][k] : none;
-                baker.finish(sides[k], voxel(v), seedOf(v, sides[k]), probe,
-                             probing ? mixedAround(v, probe) : std::bitset<Probe::kCells>(),
-                             parts[chunk]);
-            }
-        }, [&](std::size_t done) { progress.add(done); });
+        result.rays += forAll(
+            count,
+            [&](ItemBaker& baker, std::size_t i, std::size_t chunk) {
+                const std::size_t v = voxels_.begin + i;
+                const std::vector<Patch> sides = patches(v);
+                for (std::size_t k = 0; k < sides.size(); ++k) {
+                    const Probe none;
+                    const Probe& probe = probing ? probes_[v][k] : none;
+                    baker.finish(sides[k], voxel(v), seedOf(v, sides[k]), probe,
+                                 probing ? mixedAround(v, probe) : std::bitset<Probe::kCells>(),
+                                 parts[chunk]);
+                }
+            },
+            [&](std::size_t done) { progress.add(done); });
         for (CacheItems& part : parts) {
             append(result.items, part);
             part = {};
@@ -120,11 +129,10 @@ private:
             if (k == 13) continue;
             const std::uint64_t key =
                 frame_.key(center + Vec3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-            const auto found = std::lower_bound(
-                voxels_.all.begin(), voxels_.all.end(), key,
-                [](const auto& fragments, std::uint64_t wanted) {
-                    return fragments[0].voxelKey < wanted;
-                });
+            const auto found = std::lower_bound(voxels_.all.begin(), voxels_.all.end(), key,
+                                                [](const auto& fragments, std::uint64_t wanted) {
+                                                    return fragments[0].voxelKey < wanted;
+                                                });
             if (found != voxels_.all.end() && (*found)[0].voxelKey == key)
                 visit(static_cast<std::size_t>(found - voxels_.all.begin()));
         }
@@ -144,8 +152,9 @@ private:
         return list;
     }
 
-    /// Base cells in which the item or one next to it on the same side of a surface found both sky and
-    /// occluders: a small opening that this item's first rays missed, its neighbours' may have met.
+    /// Base cells in which the item or one next to it on the same side of a surface found both sky
+    /// and occluders: a small opening that this item's first rays missed, its neighbours' may have
+    /// met.
     std::bitset<Probe::kCells> mixedAround(std::size_t v, const Probe& probe) const {
         auto open = probe.open, blocked = probe.blocked;
         const auto add = [&](std::size_t other) {

@@ -9,10 +9,14 @@ namespace shadowcache {
 
 namespace {
 
-/// Rays into each region of the first refinement, in items that see a border between open and blocked.
-constexpr int kProbeRays = 4;
-/// A region is refined once more where the nearest occluder is this many spacings away: nearer, the parallax
-/// over one item blurs what finer regions could tell.
+/// Rays into each region of the first refinement in an item that sees some sky, or whose neighbours
+/// do;
+constexpr int kProbeRays = 2;
+/// and where a neighbour saw both sky and occluders in the base cell, so that a small opening may
+/// hide.
+constexpr int kSuspectRays = 6;
+/// A region is refined once more where the nearest occluder is this many spacings away: nearer, the
+/// parallax over one item blurs what finer regions could tell.
 constexpr float kMinOccluderSpacings = 10;
 
 }  // namespace
@@ -55,6 +59,12 @@ int ItemBaker::finestRays() const {
 void ItemBaker::addToFine(RayCounter& rays, std::uint32_t cell, int count) {
     for (std::uint32_t k = 0; k < kBlockCells; ++k)
         rays.add(tiers_.baseLevel() + 2, cell * kBlockCells + k, count, fineOf(cell)[k]);
+}
+
+Count ItemBaker::sumWithProbe(std::uint32_t cell) {
+    Count sum = baseCounts_[cell];
+    sum += sumFine(cell);
+    return sum;
 }
 
 Count ItemBaker::sumFine(std::uint32_t cell) {
@@ -105,16 +115,19 @@ void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, std::uint64_t see
 void ItemBaker::traceFine(RayCounter& rays, const std::bitset<Probe::kCells>& mixed) {
     const bool adaptive = options_.adaptive;
     const bool deeper = tiers_.refinements() > 1;
-    const int probe = std::min(kProbeRays, options_.rays);
+    const auto atMost = [&](int count) { return std::min(count, options_.rays); };
     if (adaptive) {
-        for (const std::uint32_t c : cells_) addToFine(rays, c, probe);
+        for (const std::uint32_t c : cells_)
+            addToFine(rays, c, atMost(mixed[c] ? kSuspectRays : kProbeRays));
         rays.flush();
     }
     for (const std::uint32_t c : cells_) {
-        if (adaptive && !mixed[c] && !sumFine(c).mixed()) continue;
+        if (adaptive && !sumWithProbe(c).mixed()) continue;
         refined_.push_back({tiers_.blockKey(0, c), c, {}});
         if (!deeper || adaptive)
-            addToFine(rays, c, adaptive ? options_.rays - probe : options_.rays);
+            addToFine(
+                rays, c,
+                options_.rays - (adaptive ? atMost(mixed[c] ? kSuspectRays : kProbeRays) : 0));
     }
     rays.flush();
     if (deeper) traceFinest(rays);
@@ -150,8 +163,7 @@ void ItemBaker::store(const Patch& patch, const Vec3i& voxel, CacheItems& out) {
     out.normal.push_back(patch.normal);
     out.position.push_back(patch.meanPosition);
     for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
-        Count sum = baseCounts_[c];
-        if (tiers_.refinements() > 0) sum += sumFine(c);
+        const Count sum = tiers_.refinements() > 0 ? sumWithProbe(c) : baseCounts_[c];
         out.n.push_back(0);
         out.d.push_back(0);
         addCounts(out.n.back(), out.d.back(), sum.open, sum.rays);

@@ -37,8 +37,8 @@ public:
     /// The first pass: one ray into every region of the first refinement.
     Probe probe(const Patch& patch, std::uint64_t seed);
 
-    /// Appends the finished item. Base cells in `mixed` are refined, whatever the item's own first rays
-    /// say; without any, the probe is all there is to know.
+    /// Appends the finished item. Base cells in `mixed` get more rays, whatever the item's own
+    /// first ones say; without any, the probe is all there is to know.
     void finish(const Patch& patch, const Vec3i& voxel, std::uint64_t seed, const Probe& probe,
                 const std::bitset<Probe::kCells>& mixed, CacheItems& out);
 
@@ -57,6 +57,8 @@ private:
     Count* fineOf(std::uint32_t cell) { return &fine_[cell * kBlockCells]; }
     void addToFine(RayCounter& rays, std::uint32_t cell, int count);
     Count sumFine(std::uint32_t cell);
+    /// Rays of both passes.
+    Count sumWithProbe(std::uint32_t cell);
     void traceFine(RayCounter& rays, const std::bitset<Probe::kCells>& mixed);
     void traceFinest(RayCounter& rays);
     void store(const Patch& patch, const Vec3i& voxel, CacheItems& out);
@@ -69,7 +71,7 @@ private:
     float spacing_;
     std::vector<std::uint32_t> cells_;  ///< base cells not wholly below the patch's horizon
     std::vector<Count> baseCounts_;
-    std::vector<Count> fine_;           ///< of the first refinement
+    std::vector<Count> fine_;  ///< of the first refinement
     std::vector<Refined> refined_;
     std::uint64_t traced_ = 0;
 };

@@ -34,7 +34,8 @@ void parseShard(const std::string& text, BakeOptions& options) {
 
 void defineOptions(CLI::App& app, Job& job, std::string& up, std::string& shard) {
     app.set_version_flag("--version", std::string("shadowcache-bake ") + kVersion);
-    app.add_option("SET", job.files, "Files of the set: OBJ, PLY, STL, OFF or OM; several make one set")
+    app.add_option("SET", job.files,
+                   "Files of the set: OBJ, PLY, STL, OFF or OM; several make one set")
         ->required();
     app.add_option("-o,--output", job.output, "Cache to write (OpenVDB)")->required();
     app.add_option("--spacing", job.bake.spacing,
@@ -53,7 +54,8 @@ void defineOptions(CLI::App& app, Job& job, std::string& up, std::string& shard)
     app.add_option("--up", up, "Up axis of the files: y or z")
         ->check(CLI::IsMember({"y", "z"}))
         ->capture_default_str();
-    app.add_option("--scale", job.mesh.scale, "Metres per unit of the files")->capture_default_str();
+    app.add_option("--scale", job.mesh.scale, "Metres per unit of the files")
+        ->capture_default_str();
     app.add_option("--threads", job.threads, "Threads; 0: one a core")->capture_default_str();
     app.add_option("--stats", job.stats, "Write what it took as JSON");
     app.footer(
@@ -82,11 +84,12 @@ void run(const Job& job) {
     const std::uintmax_t bytes = writeCache(job.output, result.header, result.items);
     const double written = secondsNow();
 
-    std::printf("spacing %g%s, level %d: %zu items, %zu blocks, %.1f M rays in %.1f s, %.1f MB -> %s\n",
-                result.header.spacing, job.bake.spacing > 0 ? "" : " (chosen from the set's size)",
-                result.header.level, result.items.size(), result.items.blocks.size(),
-                static_cast<double>(result.rays) * 1e-6, baked - built,
-                static_cast<double>(bytes) * 1e-6, job.output.c_str());
+    std::printf(
+        "spacing %g%s, level %d: %zu items, %zu blocks, %.1f M rays in %.1f s, %.1f MB -> %s\n",
+        result.header.spacing, job.bake.spacing > 0 ? "" : " (chosen from the set's size)",
+        result.header.level, result.items.size(), result.items.blocks.size(),
+        static_cast<double>(result.rays) * 1e-6, baked - built, static_cast<double>(bytes) * 1e-6,
+        job.output.c_str());
     if (job.stats.empty()) return;
     JsonFile stats;
     stats.set("version", std::string(kVersion));
@@ -110,7 +113,8 @@ void run(const Job& job) {
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
-    CLI::App app("Bakes the visibility of a static set into a sparse OpenVDB file.", "shadowcache-bake");
+    CLI::App app("Bakes the visibility of a static set into a sparse OpenVDB file.",
+                 "shadowcache-bake");
     Job job;
     std::string up = "y", shard;
     defineOptions(app, job, up, shard);

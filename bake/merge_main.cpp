@@ -3,9 +3,9 @@
 #include <exception>
 #include <vector>
 
+#include "bake/merge.h"
 #include "common/error.h"
 #include "common/version.h"
-#include "bake/merge.h"
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;

@@ -9,12 +9,12 @@ namespace shadowcache {
 
 /// What the bake of a set may choose.
 struct BakeOptions {
-    double spacing = 0;     ///< side of a voxel, world units; 0: chooseSpacing
-    int level = 5;          ///< finest direction level, 0 .. 5
-    int rays = 16;          ///< rays per region where rays disagree, 1 .. 255
-    bool adaptive = true;   ///< finer regions and more rays only where rays disagree
+    double spacing = 0;    ///< side of a voxel, world units; 0: chooseSpacing
+    int level = 5;         ///< finest direction level, 0 .. 5
+    int rays = 16;         ///< rays per region where rays disagree, 1 .. 255
+    bool adaptive = true;  ///< finer regions and more rays only where rays disagree
     std::uint64_t seed = 1;
-    int shard = 0;          ///< of `shards`: bakes only the voxels that fall to it
+    int shard = 0;  ///< of `shards`: bakes only the voxels that fall to it
     int shards = 1;
 };
 

@@ -19,7 +19,8 @@ Vec3d samplePolygon(const Polygon& polygon, double u, double v) {
             .cross(polygon.corner[i] - polygon.corner[0])
             .length();
     };
-    for (int i = 2; i < polygon.count; ++i) total += sizes[static_cast<std::size_t>(i)] = fanArea(i);
+    for (int i = 2; i < polygon.count; ++i)
+        total += sizes[static_cast<std::size_t>(i)] = fanArea(i);
     double x = u * total;
     int i = 2;
     while (i + 1 < polygon.count && x >= sizes[static_cast<std::size_t>(i)])
@@ -36,8 +37,8 @@ struct Piece {
     Vec3f normal;  ///< to the side
 };
 
-Patch makePatch(const Scene& scene, const VoxelFrame& frame, std::span<const Piece> pieces, int side,
-                std::uint64_t seed) {
+Patch makePatch(const Scene& scene, const VoxelFrame& frame, std::span<const Piece> pieces,
+                int side, std::uint64_t seed) {
     Patch patch;
     patch.side = side;
     const Vec3d center = frame.center(frame.voxel(pieces[0].fragment->voxelKey));
@@ -60,9 +61,9 @@ Patch makePatch(const Scene& scene, const VoxelFrame& frame, std::span<const Pie
             polygon = clipToVoxel(scene.mesh(), triangle, center, frame.spacing() / 2);
             polygonOf = at;
         }
-        const Vec3d p = polygon.count >= 3
-                            ? samplePolygon(polygon, toUnit(hashWords(h, 1)), toUnit(hashWords(h, 2)))
-                            : Vec3d(center);
+        const Vec3d p = polygon.count >= 3 ? samplePolygon(polygon, toUnit(hashWords(h, 1)),
+                                                           toUnit(hashWords(h, 2)))
+                                           : Vec3d(center);
         const auto k = static_cast<std::size_t>(i);
         patch.originNormal[k] = pieces[at].normal;
         patch.origin[k] = scene.rayOrigin(Vec3f(p), triangle, pieces[at].normal);
@@ -90,9 +91,9 @@ std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
     std::vector<Patch> patches;
     for (int side = 0; side < 6; ++side)
         if (const auto& pieces = sides[static_cast<std::size_t>(side)]; !pieces.empty())
-            patches.push_back(
-                makePatch(scene, frame, pieces, side,
-                          hashWords(seed, fragments[0].voxelKey, static_cast<std::uint64_t>(side))));
+            patches.push_back(makePatch(
+                scene, frame, pieces, side,
+                hashWords(seed, fragments[0].voxelKey, static_cast<std::uint64_t>(side))));
     return patches;
 }
 

@@ -10,15 +10,16 @@
 
 namespace shadowcache {
 
-/// Where the rays of one item start: many points spread evenly over one side of the surface in a voxel.
+/// Where the rays of one item start: many points spread evenly over one side of the surface in a
+/// voxel.
 struct Patch {
     static constexpr int kOrigins = 64;
 
     int side = 0;
-    Vec3f normal;                              ///< unit mean normal, by area
-    Vec3f meanPosition;                        ///< relative to the voxel's centre, in spacings
-    float minAgreement = 1;                    ///< least cosine between `normal` and an origin's normal
-    std::array<Vec3f, kOrigins> origin;        ///< moved off the surface, relative to the mesh's origin
+    Vec3f normal;                        ///< unit mean normal, by area
+    Vec3f meanPosition;                  ///< relative to the voxel's centre, in spacings
+    float minAgreement = 1;              ///< least cosine between `normal` and an origin's normal
+    std::array<Vec3f, kOrigins> origin;  ///< moved off the surface, relative to the mesh's origin
     std::array<Vec3f, kOrigins> originNormal;  ///< unit, to the patch's side
 };
 

@@ -11,7 +11,7 @@ namespace shadowcache {
 
 namespace {
 
-constexpr int kLeafBits = 17;   // 8^3 leaves along an axis
+constexpr int kLeafBits = 17;  // 8^3 leaves along an axis
 constexpr int kMaxVoxels = 1 << (kLeafBits + 3);
 
 Vec3i floorVector(const Vec3d& v) {
@@ -49,8 +49,8 @@ Polygon wholeTriangle(const TriangleMesh& mesh, std::uint32_t triangle) {
     return polygon;
 }
 
-/// Cuts `polygon` into slabs of voxels along `axis`, then each slab along the next one, so that the work
-/// follows the triangle and not its bounding box.
+/// Cuts `polygon` into slabs of voxels along `axis`, then each slab along the next one, so that the
+/// work follows the triangle and not its bounding box.
 void addSlabs(const Polygon& polygon, const VoxelFrame& frame, int axis, Vec3i voxel,
               std::uint32_t triangle, std::vector<Fragment>& out) {
     if (polygon.count == 0) return;
@@ -85,9 +85,9 @@ VoxelFrame::VoxelFrame(const TriangleMesh& mesh, double spacing)
     const double farthest = std::max({std::abs(low.x), std::abs(low.y), std::abs(low.z),
                                       std::abs(high.x), std::abs(high.y), std::abs(high.z)});
     if (most > kMaxVoxels - 16 || farthest > 2e9)
-        throw Error("spacing " + std::to_string(spacing) + " is too small for this set: wanted at least " +
-                    std::to_string(spacing *
-                                   std::max(most / (kMaxVoxels - 16), farthest / 2e9)));
+        throw Error("spacing " + std::to_string(spacing) +
+                    " is too small for this set: wanted at least " +
+                    std::to_string(spacing * std::max(most / (kMaxVoxels - 16), farthest / 2e9)));
     const Vec3i v = floorVector(low);
     base_ = {(v.x & ~7) - 8, (v.y & ~7) - 8, (v.z & ~7) - 8};
 }
@@ -129,7 +129,8 @@ Polygon clipToVoxel(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3
 double area(const Polygon& polygon) {
     Vec3d sum(0, 0, 0);
     for (int i = 2; i < polygon.count; ++i)
-        sum += (polygon.corner[i - 1] - polygon.corner[0]).cross(polygon.corner[i] - polygon.corner[0]);
+        sum += (polygon.corner[i - 1] - polygon.corner[0])
+                   .cross(polygon.corner[i] - polygon.corner[0]);
     return sum.length() / 2;
 }
 

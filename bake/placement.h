@@ -12,13 +12,14 @@ namespace shadowcache {
 struct Fragment {
     std::uint64_t voxelKey;  ///< order of voxels in the file (VoxelFrame::key)
     std::uint32_t triangle;
-    float area;              ///< of the triangle's part in the voxel, > 0
+    float area;  ///< of the triangle's part in the voxel, > 0
 };
 
 /// The grid of voxels over a mesh: voxel v is centred at v * spacing in world space.
 class VoxelFrame {
 public:
-    /// @throws Error if the mesh spans more than 2^20 voxels along an axis, naming the least spacing
+    /// @throws Error if the mesh spans more than 2^20 voxels along an axis, naming the least
+    /// spacing
     VoxelFrame(const TriangleMesh& mesh, double spacing);
 
     double spacing() const { return spacing_; }
@@ -35,7 +36,8 @@ private:
     Vec3i base_;  ///< a multiple of 8 below every voxel
 };
 
-/// Convex polygon of a triangle clipped to a voxel: three corners, and one more for each of six planes.
+/// Convex polygon of a triangle clipped to a voxel: three corners, and one more for each of six
+/// planes.
 struct Polygon {
     Vec3d corner[9];
     int count = 0;

@@ -9,21 +9,23 @@
 
 namespace shadowcache {
 
-/// Directions spread over the cells of the direction mesh, ready made: drawing one is a table look-up.
+/// Directions spread over the cells of the direction mesh, ready made: drawing one is a table
+/// look-up.
 class DirectionTable {
 public:
     static constexpr int kLevel = 7;
 
     DirectionTable();
 
-    /// Direction in cell `cell` of `level` (<= kLevel): stratum `i` of `count` of its descendants, `random`
-    /// decides which.
+    /// Direction in cell `cell` of `level` (<= kLevel): stratum `i` of `count` of its descendants,
+    /// `random` decides which.
     const Vec3f& direction(int level, std::uint32_t cell, int i, int count,
                            std::uint32_t random) const noexcept {
         const std::uint32_t size = 1u << (2 * (kLevel - level));
-        const auto below = static_cast<std::uint32_t>(
-            (static_cast<std::uint64_t>(i) * size + (static_cast<std::uint64_t>(random) * size >> 32)) /
-            static_cast<std::uint64_t>(count));
+        const auto below =
+            static_cast<std::uint32_t>((static_cast<std::uint64_t>(i) * size +
+                                        (static_cast<std::uint64_t>(random) * size >> 32)) /
+                                       static_cast<std::uint64_t>(count));
         return centers_[(cell << (2 * (kLevel - level))) + below];
     }
 
@@ -50,15 +52,15 @@ public:
     RayCounter(const Scene& scene, const DirectionTable& directions, const Patch& patch,
                std::uint64_t seed);
 
-    /// Queues `count` rays into cell `cell` of `level`, tallied in `tally` once flush() returns. Rays below the
-    /// horizon of the point they start from are left out.
+    /// Queues `count` rays into cell `cell` of `level`, tallied in `tally` once flush() returns.
+    /// Rays below the horizon of the point they start from are left out.
     void add(int level, std::uint32_t cell, int count, Count& tally);
 
     /// Traces what is queued.
     void flush();
 
-    /// Traces up to eight rays into a cell now and returns the least distance to an occluder, infinite if
-    /// none was met.
+    /// Traces up to eight rays into a cell now and returns the least distance to an occluder,
+    /// infinite if none was met.
     float nearestOccluder(int level, std::uint32_t cell, Count& tally);
 
     std::uint64_t raysTraced() const { return traced_; }

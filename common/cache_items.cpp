@@ -16,9 +16,12 @@ void addCounts(std::uint8_t& n, std::uint8_t& d, unsigned moreN, unsigned moreD)
         const unsigned half = halvings ? 1u << (halvings - 1) : 0;
         sumN = (sumN + half) >> halvings;
         sumD = sumD >> halvings;
-        if (none) sumN = 0;
-        else if (all) sumN = sumD;
-        else sumN = std::clamp(sumN, 1u, sumD - 1);
+        if (none)
+            sumN = 0;
+        else if (all)
+            sumN = sumD;
+        else
+            sumN = std::clamp(sumN, 1u, sumD - 1);
     }
     n = static_cast<std::uint8_t>(sumN);
     d = static_cast<std::uint8_t>(sumD);
@@ -68,7 +71,8 @@ void appendItem(CacheItems& to, const CacheItems& from, std::size_t i, std::size
     counts(to.d, from.d);
 }
 
-/// Appends the blocks of item i of `a` and item j of `b` in the order of their keys, equal keys added.
+/// Appends the blocks of item i of `a` and item j of `b` in the order of their keys, equal keys
+/// added.
 void appendBlocks(CacheItems& to, const CacheItems& a, std::size_t i, const CacheItems& b,
                   std::size_t j) {
     std::uint32_t p = a.firstBlock[i], q = b.firstBlock[j];

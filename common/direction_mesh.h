@@ -7,9 +7,9 @@
 namespace shadowcache {
 
 /// The icosahedral hierarchy of direction cells: level l cuts the sphere into 20 * 4^l spherical
-/// triangles. Cell i of level l has the children 4i .. 4i+3 at level l+1, so the descendants of a cell are
-/// contiguous at every level. Corners of children are the normalised midpoints of the parent's sides.
-/// Orientation and order are part of the cache's file format: never change them.
+/// triangles. Cell i of level l has the children 4i .. 4i+3 at level l+1, so the descendants of a
+/// cell are contiguous at every level. Corners of children are the normalised midpoints of the
+/// parent's sides. Orientation and order are part of the cache's file format: never change them.
 inline constexpr int kMaxDirectionLevel = 9;
 
 constexpr std::uint32_t cellCount(int level) {

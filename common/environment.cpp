@@ -84,11 +84,12 @@ void Environment::sortTexels() {
     std::vector<std::uint32_t> keys(count);
     parallelFor(height_, 8, [&](const Chunk& rows) {
         for (std::size_t y = rows.begin; y < rows.end; ++y) {
-            const double polar = kPi * (static_cast<double>(y) + 0.5) / static_cast<double>(height_);
+            const double polar =
+                kPi * (static_cast<double>(y) + 0.5) / static_cast<double>(height_);
             for (std::size_t x = 0; x < width_; ++x) {
-                const double longitude = kPi + rotation_ -
-                                         kTwoPi * (static_cast<double>(x) + 0.5) /
-                                             static_cast<double>(width_);
+                const double longitude =
+                    kPi + rotation_ -
+                    kTwoPi * (static_cast<double>(x) + 0.5) / static_cast<double>(width_);
                 keys[y * width_ + x] =
                     locateCell(kOrderLevel, {std::sin(polar) * std::sin(longitude), std::cos(polar),
                                              std::sin(polar) * std::cos(longitude)});
@@ -127,11 +128,13 @@ void Environment::sumCells() {
                 const double dy = kPi / static_cast<double>(height_);
                 const double dx = kTwoPi / static_cast<double>(width_);
                 const double right = kPi + rotation_ - dx * static_cast<double>(x);
-                const RectangleMoment m = integrateRectangle(
-                    dy * static_cast<double>(y), dy * static_cast<double>(y + 1), right - dx, right);
+                const RectangleMoment m =
+                    integrateRectangle(dy * static_cast<double>(y), dy * static_cast<double>(y + 1),
+                                       right - dx, right);
                 const Rgb& radiance = sorted_[i].radiance;
                 for (unsigned k = 0; k < 3; ++k)
-                    flux_[kLevel][c][k] += m.vector * static_cast<double>(radiance[static_cast<int>(k)]);
+                    flux_[kLevel][c][k] +=
+                        m.vector * static_cast<double>(radiance[static_cast<int>(k)]);
                 weights[i - first] = static_cast<double>(luminance(radiance)) * m.solidAngle;
                 power_[kLevel][c] += weights[i - first];
             }
@@ -153,9 +156,9 @@ void Environment::sumCells() {
 }
 
 void Environment::accumulate(std::size_t cell, const std::vector<double>& weights) {
-    // Every lit texel owns at least one of the cell's 2^32 steps, and its density is that of the steps it
-    // owns, so none is lost beside a sun. Dark texels own none: they begin where the next lit one does,
-    // those after the last lit one at the very end.
+    // Every lit texel owns at least one of the cell's 2^32 steps, and its density is that of the
+    // steps it owns, so none is lost beside a sun. Dark texels own none: they begin where the next
+    // lit one does, those after the last lit one at the very end.
     const auto lit = static_cast<double>(
         std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0; }));
     const double steps = (4294967294.0 - lit) * (1 - 1e-12);
@@ -172,9 +175,9 @@ void Environment::accumulate(std::size_t cell, const std::vector<double>& weight
 }
 
 void Environment::tabulate() {
-    const double texelRadius = 0.5 * kPi *
-                               std::hypot(1.0 / static_cast<double>(height_),
-                                          2.0 / static_cast<double>(width_));
+    const double texelRadius =
+        0.5 * kPi *
+        std::hypot(1.0 / static_cast<double>(height_), 2.0 / static_cast<double>(width_));
     for (int level = 0; level <= kLevel; ++level) {
         const auto l = static_cast<std::size_t>(level);
         moments_[l].assign((cellCount(level) + 15) / 16, CellMoments{});
@@ -194,7 +197,8 @@ void Environment::tabulate() {
             m.power[i] = static_cast<float>(power_[l][c]);
         }
     }
-    // Lit cells keep a chance that survives the rounding of the running sum beside a very bright one.
+    // Lit cells keep a chance that survives the rounding of the running sum beside a very bright
+    // one.
     const std::vector<double>& power = power_[kLevel];
     cellCdf_.assign(power.size() + 1, 0.0);
     for (std::size_t c = 0; c < power.size(); ++c)
@@ -222,9 +226,9 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
     if (last - first > 1) {
         std::uint32_t from = first, to = last;
         if (last - first == cellCount(kLevel)) {
-            const auto g = std::min(
-                static_cast<std::size_t>(x / end * static_cast<double>(guide_.size() - 1)),
-                guide_.size() - 2);
+            const auto g =
+                std::min(static_cast<std::size_t>(x / end * static_cast<double>(guide_.size() - 1)),
+                         guide_.size() - 2);
             from = guide_[g];
             to = guide_[g + 1] + 1;
         }
@@ -237,12 +241,11 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
     const double inCell = std::clamp((x - cellCdf_[c]) / cellSize, 0.0, 1.0);
 
     const auto texels = texelsOf(c);
-    const auto step =
-        static_cast<std::uint32_t>(std::min(inCell * 4294967296.0, 4294967294.0));
+    const auto step = static_cast<std::uint32_t>(std::min(inCell * 4294967296.0, 4294967294.0));
     const auto base = sorted_.begin();
-    const auto found = std::upper_bound(
-        base + texels[0], base + texels[1], step,
-        [](std::uint32_t value, const SortedTexel& t) { return value < t.begin; });
+    const auto found =
+        std::upper_bound(base + texels[0], base + texels[1], step,
+                         [](std::uint32_t value, const SortedTexel& t) { return value < t.begin; });
     const auto rank = static_cast<std::uint32_t>(found - base - 1);
     const double share = texelShare(rank, texels[1]);
 
@@ -256,7 +259,8 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
     const float d = texelWidth * jitterX;
     const float sinD = d * (1 - d * d / 6), cosD = 1 - d * d / 2;
     EnvironmentSample sample;
-    sample.direction = {sinPolar * (columnSin_[column] * cosD - columnCos_[column] * sinD), cosPolar,
+    sample.direction = {sinPolar * (columnSin_[column] * cosD - columnCos_[column] * sinD),
+                        cosPolar,
                         sinPolar * (columnCos_[column] * cosD + columnSin_[column] * sinD)};
     sample.radiance = sorted_[rank].radiance;
     sample.density = static_cast<float>((cellSize / (end - begin)) * share /
@@ -287,9 +291,9 @@ void Environment::tabulateDensity() {
             const double cellShare = (cellCdf_[c + 1] - cellCdf_[c]) / cellCdf_.back();
             for (std::uint32_t i = texels[0]; i < texels[1]; ++i)
                 if (luminance(sorted_[i].radiance) > 0)
-                    map_[sorted_[i].index].density = static_cast<float>(
-                        cellShare * texelShare(i, texels[1]) /
-                        static_cast<double>(texel(i).solidAngle));
+                    map_[sorted_[i].index].density =
+                        static_cast<float>(cellShare * texelShare(i, texels[1]) /
+                                           static_cast<double>(texel(i).solidAngle));
         }
     });
 }
@@ -319,11 +323,12 @@ Environment::Texel Environment::texel(std::size_t i) const noexcept {
     const double polar = kPi * (static_cast<double>(y) + 0.5) / static_cast<double>(height_);
     const double longitude =
         kPi + rotation_ - kTwoPi * (static_cast<double>(x) + 0.5) / static_cast<double>(width_);
-    return {Vec3f(static_cast<float>(std::sin(polar) * std::sin(longitude)),
-                  static_cast<float>(std::cos(polar)),
-                  static_cast<float>(std::sin(polar) * std::cos(longitude))),
-            sorted_[i].radiance,
-            static_cast<float>(kTwoPi / static_cast<double>(width_)) * (rowCos_[y] - rowCos_[y + 1])};
+    return {
+        Vec3f(static_cast<float>(std::sin(polar) * std::sin(longitude)),
+              static_cast<float>(std::cos(polar)),
+              static_cast<float>(std::sin(polar) * std::cos(longitude))),
+        sorted_[i].radiance,
+        static_cast<float>(kTwoPi / static_cast<double>(width_)) * (rowCos_[y] - rowCos_[y + 1])};
 }
 
 float Environment::maxLuminance(const Vec3d& axis, double angle) const noexcept {
@@ -333,17 +338,17 @@ float Environment::maxLuminance(const Vec3d& axis, double angle) const noexcept 
         return std::min(static_cast<std::size_t>(y), height_ - 1);
     };
     const bool pole = polar - angle <= 0 || polar + angle >= kPi;
-    const double spread =
-        pole ? kPi : std::asin(std::min(1.0, std::sin(angle) / std::sin(polar)));
+    const double spread = pole ? kPi : std::asin(std::min(1.0, std::sin(angle) / std::sin(polar)));
     double turn = (kPi + rotation_ - std::atan2(axis.x, axis.z) - spread) / kTwoPi;
     turn -= std::floor(turn);
     const auto first = static_cast<std::size_t>(turn * static_cast<double>(width_));
-    const std::size_t columns = std::min(
-        width_, static_cast<std::size_t>(spread / kPi * static_cast<double>(width_)) + 2);
+    const std::size_t columns =
+        std::min(width_, static_cast<std::size_t>(spread / kPi * static_cast<double>(width_)) + 2);
     float highest = 0;
     for (std::size_t y = row(polar - angle); y <= row(polar + angle); ++y)
         for (std::size_t x = 0; x < columns; ++x)
-            highest = std::max(highest, luminance(map_[y * width_ + (first + x) % width_].radiance));
+            highest =
+                std::max(highest, luminance(map_[y * width_ + (first + x) % width_].radiance));
     return highest;
 }
 

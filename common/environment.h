@@ -17,19 +17,20 @@ struct EnvironmentSample {
     float density;  ///< [1/sr] with respect to the region that was sampled
 };
 
-/// Sixteen consecutive cells of a level (at level 2 and finer, those with a common ancestor two levels up),
-/// as arrays: what weighing regions reads. Cells past the end of levels 0 and 1 have no power.
+/// Sixteen consecutive cells of a level (at level 2 and finer, those with a common ancestor two
+/// levels up), as arrays: what weighing regions reads. Cells past the end of levels 0 and 1 have no
+/// power.
 struct alignas(64) CellMoments {
     static constexpr int kSize = 16;
-    float axis[3][kSize];       ///< unit vector at the middle of the cell
-    float sinRadius[kSize];     ///< sine of the angle around it that holds all of the cell's texels
-    float flux[3][3][kSize];    ///< [colour][x, y, z]: integral of L(w) w over the cell [radiance sr]
-    float power[kSize];         ///< integral of the luminance over the cell [radiance sr]
+    float axis[3][kSize];     ///< unit vector at the middle of the cell
+    float sinRadius[kSize];   ///< sine of the angle around it that holds all of the cell's texels
+    float flux[3][3][kSize];  ///< [colour][x, y, z]: integral of L(w) w over the cell [radiance sr]
+    float power[kSize];       ///< integral of the luminance over the cell [radiance sr]
 };
 
-/// Distant light from a lat-long map: radiance constant over each texel. Every texel belongs to the cell
-/// that holds its centre, so the integrals over cells are exact sums over texels. World space: +Y is up,
-/// longitude 0 (image centre) is +Z, +pi/2 is +X. Immutable, thread-safe.
+/// Distant light from a lat-long map: radiance constant over each texel. Every texel belongs to the
+/// cell that holds its centre, so the integrals over cells are exact sums over texels. World space:
+/// +Y is up, longitude 0 (image centre) is +Z, +pi/2 is +X. Immutable, thread-safe.
 class Environment {
 public:
     /// Finest level of the direction mesh whose cells are tabulated.
@@ -60,8 +61,9 @@ public:
     /// Integral of the luminance over a cell, level 0 .. kLevel.
     double power(int level, std::uint32_t cell) const noexcept;
 
-    /// Direction in cell `index` of `level` (whose power is positive) with density in proportion to the luminance;
-    /// its density is with respect to that cell. u chooses the texel, jitter (two numbers) the place in it.
+    /// Direction in cell `index` of `level` (whose power is positive) with density in proportion to
+    /// the luminance; its density is with respect to that cell. u chooses the texel, jitter (two
+    /// numbers) the place in it.
     EnvironmentSample sampleCell(int level, std::uint32_t index, double u, float jitterX,
                                  float jitterY) const noexcept;
 

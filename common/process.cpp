@@ -13,7 +13,8 @@ std::uint64_t peakMemoryBytes() {
 }
 
 double secondsNow() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
 }
 
 }  // namespace shadowcache

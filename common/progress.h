@@ -7,8 +7,8 @@
 
 namespace shadowcache {
 
-/// Counts finished work and shows it, with the time left, on standard error when that is a terminal;
-/// silent in a pipe. Thread-safe.
+/// Counts finished work and shows it, with the time left, on standard error when that is a
+/// terminal; silent in a pipe. Thread-safe.
 class Progress {
 public:
     /// @param label what is being done ("bake")
@@ -32,11 +32,12 @@ private:
     std::atomic<std::int64_t> nextPrintMilliseconds_{0};
 };
 
-/// Makes Ctrl-C and SIGTERM ask for a clean end instead of killing the process at once (a second signal
-/// does kill it).
+/// Makes Ctrl-C and SIGTERM ask for a clean end instead of killing the process at once (a second
+/// signal does kill it).
 void installInterruptHandler();
 
-/// @throws Error("interrupted") once a signal has asked for the end. Cheap; long loops call it often.
+/// @throws Error("interrupted") once a signal has asked for the end. Cheap; long loops call it
+/// often.
 void throwIfInterrupted();
 
 }  // namespace shadowcache

@@ -10,14 +10,15 @@ namespace shadowcache {
 /// Where a ray meets the set, relative to the mesh's origin.
 struct Hit {
     bool found = false;
-    Vec3f position;       ///< on the triangle, from its corners
-    Vec3f normal;         ///< unit geometric normal, by the triangle's winding
-    float distance = 0;   ///< along the ray
+    Vec3f position;      ///< on the triangle, from its corners
+    Vec3f normal;        ///< unit geometric normal, by the triangle's winding
+    float distance = 0;  ///< along the ray
     std::uint32_t triangle = 0;
-    float u = 0, v = 0;   ///< barycentric coordinates of the second and third corner
+    float u = 0, v = 0;  ///< barycentric coordinates of the second and third corner
 };
 
-/// Eight shadow rays toward the sky, as arrays; origins relative to the mesh's origin, directions unit.
+/// Eight shadow rays toward the sky, as arrays; origins relative to the mesh's origin, directions
+/// unit.
 struct alignas(32) RayPacket {
     static constexpr int kSize = 8;
     float originX[kSize], originY[kSize], originZ[kSize];
@@ -58,10 +59,11 @@ public:
     /// Unit geometric normal of a triangle.
     Vec3f normal(std::uint32_t triangle) const noexcept;
 
-    /// Origin for rays that leave `position` on `triangle` on the side of the unit vector `side`: moved off
-    /// the surface by an amount scaled to the corners' own ulp, so that no ray meets the triangle it
-    /// starts from. [Wächter & Binder 2019]
-    Vec3f rayOrigin(const Vec3f& position, std::uint32_t triangle, const Vec3f& side) const noexcept;
+    /// Origin for rays that leave `position` on `triangle` on the side of the unit vector `side`:
+    /// moved off the surface by an amount scaled to the corners' own ulp, so that no ray meets the
+    /// triangle it starts from. [Wächter & Binder 2019]
+    Vec3f rayOrigin(const Vec3f& position, std::uint32_t triangle,
+                    const Vec3f& side) const noexcept;
 
 private:
     struct Impl;

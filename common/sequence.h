@@ -34,8 +34,8 @@ constexpr float toUnitFloat(std::uint32_t word) {
 inline constexpr int kSobolDimensions = 4;
 
 /// `out[i]` = 32-bit word of point `first + i` of the Sobol' sequence in `dimension`
-/// (< kSobolDimensions), Owen-scrambled by `seed`. A pure function of its arguments; any two dimensions
-/// with one seed form a (0, 2)-sequence where Sobol' does. Vectorised over i.
+/// (< kSobolDimensions), Owen-scrambled by `seed`. A pure function of its arguments; any two
+/// dimensions with one seed form a (0, 2)-sequence where Sobol' does. Vectorised over i.
 ///
 /// Source: Joe & Kuo 2008 (direction numbers); Burley 2020, "Practical Hash-based Owen Scrambling"
 /// (seeds per dimension must differ; the shuffle of the index, too, comes from `seed`).

@@ -149,8 +149,8 @@ int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
     float sum = 0;
     for (int k = 0; k < 8; ++k) {
         const openvdb::Coord voxel = corner.offsetBy(k & 1, (k >> 1) & 1, k >> 2);
-        const double trilinear = (k & 1 ? f.x : 1 - f.x) * (k & 2 ? f.y : 1 - f.y) *
-                                 (k & 4 ? f.z : 1 - f.z);
+        const double trilinear =
+            (k & 1 ? f.x : 1 - f.x) * (k & 2 ? f.y : 1 - f.y) * (k & 4 ? f.z : 1 - f.z);
         const PointLeaf* leaf = impl_->accessor.probeConstLeaf(voxel);
         if (!leaf) continue;
         const openvdb::Index offset = PointLeaf::coordToOffset(voxel);

@@ -11,26 +11,28 @@ namespace shadowcache {
 
 /// One item near a place, as a view into an open cache.
 struct ItemView {
-    const std::uint8_t* n;         ///< baseCells counts
+    const std::uint8_t* n;  ///< baseCells counts
     const std::uint8_t* d;
-    const std::int16_t* blockKeys; ///< sorted
-    const std::uint8_t* blockN;    ///< kBlockCells counts of the first block
+    const std::int16_t* blockKeys;  ///< sorted
+    const std::uint8_t* blockN;     ///< kBlockCells counts of the first block
     const std::uint8_t* blockD;
-    std::uint32_t blockNStep;      ///< from one block's counts to the next: kBlockCells, or 0 if all are alike
+    std::uint32_t
+        blockNStep;  ///< from one block's counts to the next: kBlockCells, or 0 if all are alike
     std::uint32_t blockDStep;
     std::uint32_t blockCount;
     Vec3f normal;
-    float weight;                  ///< share in the pooled counts; those of one lookup sum to 1
+    float weight;  ///< share in the pooled counts; those of one lookup sum to 1
 };
 
-/// An open cache: items found by place and normal through OpenVDB. Lookups are thread-safe through one Reader
-/// a thread.
+/// An open cache: items found by place and normal through OpenVDB. Lookups are thread-safe through
+/// one Reader a thread.
 class ShadowCache {
 public:
     /// Most items that one lookup pools.
     static constexpr int kMaxItems = 16;
 
-    /// @throws Error naming the file and the cause: missing, truncated, foreign, of another format version
+    /// @throws Error naming the file and the cause: missing, truncated, foreign, of another format
+    /// version
     explicit ShadowCache(const std::filesystem::path& path);
     ~ShadowCache();
     ShadowCache(const ShadowCache&) = delete;

@@ -184,8 +184,8 @@ PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
     return grids;
 }
 
-/// Grids that any volume tool shows: the open share of the sky above each voxel's surfaces, and where
-/// the open part lies on average.
+/// Grids that any volume tool shows: the open share of the sky above each voxel's surfaces, and
+/// where the open part lies on average.
 struct VolumeGrids {
     openvdb::FloatGrid::Ptr openness;
     openvdb::Vec3SGrid::Ptr direction;
@@ -217,7 +217,8 @@ VolumeGrids buildVolumeGrids(const CacheHeader& header, const CacheItems& items)
             for (std::size_t c = 0; c < cells; ++c) {
                 const unsigned d = items.d[i * cells + c];
                 if (d == 0) continue;
-                const float share = static_cast<float>(items.n[i * cells + c]) / static_cast<float>(d);
+                const float share =
+                    static_cast<float>(items.n[i * cells + c]) / static_cast<float>(d);
                 open += static_cast<double>(share);
                 counted += 1;
                 sum += centers[c] * share;
@@ -252,7 +253,8 @@ openvdb::MetaMap toMetadata(const CacheHeader& header, const CacheItems& items) 
 template <class T>
 T metaValue(const openvdb::MetaMap& meta, const char* key, const fs::path& path) {
     const auto value = meta.getMetadata<openvdb::TypedMetadata<T>>(key);
-    if (!value) throwFileError(path, std::string("a shadow cache without its metadata '") + key + "'");
+    if (!value)
+        throwFileError(path, std::string("a shadow cache without its metadata '") + key + "'");
     return value->value();
 }
 
@@ -314,7 +316,8 @@ const Array& attribute(const PointLeaf& leaf, const char* name, openvdb::Index s
 }
 
 template const ByteArray& attribute(const PointLeaf&, const char*, openvdb::Index, const fs::path&);
-template const ShortArray& attribute(const PointLeaf&, const char*, openvdb::Index, const fs::path&);
+template const ShortArray& attribute(const PointLeaf&, const char*, openvdb::Index,
+                                     const fs::path&);
 template const IntArray& attribute(const PointLeaf&, const char*, openvdb::Index, const fs::path&);
 template const VectorArray& attribute(const PointLeaf&, const char*, openvdb::Index,
                                       const fs::path&);
@@ -356,8 +359,10 @@ void appendLeaf(const PointLeaf& leaf, const PointLeaf* blocks, std::size_t base
             if (block + more > key.size())
                 throwFileError(path, "damaged: an item's blocks lie outside the file's");
             for (const std::size_t end = block + more; block < end; ++block) {
-                CountBlock b{static_cast<std::uint16_t>(key.get(static_cast<openvdb::Index>(block))),
-                             {}, {}};
+                CountBlock b{
+                    static_cast<std::uint16_t>(key.get(static_cast<openvdb::Index>(block))),
+                    {},
+                    {}};
                 for (std::size_t c = 0; c < kBlockCells; ++c) {
                     b.n[c] = countAt(bn, block * kBlockCells + c);
                     b.d[c] = countAt(bd, block * kBlockCells + c);
@@ -388,8 +393,8 @@ CacheGrids readGrids(const fs::path& path) {
         grids.blocks = takeGrid<PointGrid>(file, kBlockGrid, path);
         return grids;
     } catch (const openvdb::Exception& e) {
-        throwFileError(path, std::string("not a readable OpenVDB file, or cut short (") + e.what() +
-                                 ")");
+        throwFileError(path,
+                       std::string("not a readable OpenVDB file, or cut short (") + e.what() + ")");
     } catch (const std::bad_alloc&) {
         throwFileError(path, "cut short or damaged (it asks for more memory than there is)");
     }
@@ -401,14 +406,17 @@ CacheItems readCache(const fs::path& path, CacheHeader& header) {
     const std::size_t baseCells = header.tiers().baseCells();
     CacheItems items;
     for (auto leaf = grids.items->tree().cbeginLeaf(); leaf; ++leaf)
-        appendLeaf(*leaf, grids.blocks->tree().probeConstLeaf(leaf->origin()), baseCells, path, items);
+        appendLeaf(*leaf, grids.blocks->tree().probeConstLeaf(leaf->origin()), baseCells, path,
+                   items);
     return items;
 }
 
-std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header, const CacheItems& items) {
+std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
+                          const CacheItems& items) {
     initializeOpenVdb();
     std::error_code ignored;
-    if (fs::is_directory(path, ignored)) throwFileError(path, "a directory, wanted a file to write");
+    if (fs::is_directory(path, ignored))
+        throwFileError(path, "a directory, wanted a file to write");
     const PointGrids points = buildPointGrids(header, items);
     const VolumeGrids volumes = buildVolumeGrids(header, items);
     fs::path part = path;

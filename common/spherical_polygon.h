@@ -6,7 +6,8 @@
 
 namespace shadowcache {
 
-/// What is left of a spherical triangle above a horizon: none, one or two triangles that do not overlap.
+/// What is left of a spherical triangle above a horizon: none, one or two triangles that do not
+/// overlap.
 struct ClippedTriangle {
     std::array<SphericalTriangle, 2> pieces;
     int count = 0;
@@ -19,8 +20,9 @@ struct ClippedTriangle {
 /// Source: [paper, appendix A].
 ClippedTriangle clipToHemisphere(const SphericalTriangle& t, const Vec3d& n) noexcept;
 
-/// Integral of the direction over `t` as a vector [sr]; its dot product with n is the cosine-weighted
-/// area when `t` lies wholly above the horizon of n. [Arvo 1995, "Applications of irradiance tensors"]
+/// Integral of the direction over `t` as a vector [sr]; its dot product with n is the
+/// cosine-weighted area when `t` lies wholly above the horizon of n. [Arvo 1995, "Applications of
+/// irradiance tensors"]
 Vec3d vectorArea(const SphericalTriangle& t) noexcept;
 
 }  // namespace shadowcache

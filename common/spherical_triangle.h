@@ -4,8 +4,8 @@
 
 namespace shadowcache {
 
-/// Spherical triangle with unit-vector corners in counter-clockwise order seen from outside; each side
-/// shorter than a half circle.
+/// Spherical triangle with unit-vector corners in counter-clockwise order seen from outside; each
+/// side shorter than a half circle.
 struct SphericalTriangle {
     Vec3d a, b, c;
 };

@@ -1,5 +1,6 @@
-// The cache as a control variate: what the counts predict is integrated exactly over the regions, and rays are
-// spent on the difference, where the counts are least sure. The mathematics: docs/estimator.md.
+// The cache as a control variate: what the counts predict is integrated exactly over the regions,
+// and rays are spent on the difference, where the counts are least sure. The mathematics:
+// docs/estimator.md.
 
 #include <algorithm>
 #include <cmath>
@@ -59,8 +60,8 @@ private:
                    static_cast<float>(predicted[2]));
     }
 
-    /// Shares the samples out: regions due many get strata of their own, the rest share a few. Decided by the
-    /// weights alone.
+    /// Shares the samples out: regions due many get strata of their own, the rest share a few.
+    /// Decided by the weights alone.
     void drawSamples(const ShadingPoint& point, int samples, CacheWorkspace& w) const {
         const double total = w.weights.spreadSum();
         const double ownTotal = takeOwnRegions(total * kOwnStrata / samples, w);
@@ -182,7 +183,8 @@ private:
         return sum;
     }
 
-    /// One ray into region `r` at place `u` of its light; `share` is 1 / (samples * probability) of the region.
+    /// One ray into region `r` at place `u` of its light; `share` is 1 / (samples * probability) of
+    /// the region.
     void addSample(const ShadingPoint& point, const Region& r, double u, double share, int index,
                    CacheWorkspace& w) const {
         const std::uint64_t h = hashWords(point.seed, 80, static_cast<std::uint64_t>(index));

@@ -35,8 +35,7 @@ class Uniform final : public Estimator {
             const Vec3f direction =
                 aroundNormal(point.normal, toUnitFloat(u[i]), toUnitFloat(v[i]));
             const float cosine = std::max(0.0f, direction.dot(point.normal));
-            const float weight =
-                2 * static_cast<float>(kPi) * cosine / static_cast<float>(samples);
+            const float weight = 2 * static_cast<float>(kPi) * cosine / static_cast<float>(samples);
             w.samples.add(direction, context_.environment.radiance(direction) * weight);
         }
         w.samples.endGroup();
@@ -44,8 +43,8 @@ class Uniform final : public Estimator {
     }
 };
 
-/// Half or all of the samples of `mis`: `environmentSamples` from the map, `cosineSamples` from the cosine,
-/// weighted by the balance heuristic. [Veach & Guibas 1995]
+/// Half or all of the samples of `mis`: `environmentSamples` from the map, `cosineSamples` from the
+/// cosine, weighted by the balance heuristic. [Veach & Guibas 1995]
 Rgb prepareMixture(const EstimatorContext& context, const ShadingPoint& point,
                    int environmentSamples, int cosineSamples, Workspace& w) {
     const Environment& environment = context.environment;
@@ -57,8 +56,8 @@ Rgb prepareMixture(const EstimatorContext& context, const ShadingPoint& point,
     for (int i = 0; i < environmentSamples; ++i) {
         const auto k = static_cast<std::size_t>(i);
         const auto jitter = static_cast<std::uint32_t>(hashWords(point.seed, 78, k) >> 32);
-        const EnvironmentSample s = environment.sample(refine(u[k], point.seed, i),
-                                                       toUnitFloat(v[k]), toUnitFloat(jitter));
+        const EnvironmentSample s =
+            environment.sample(refine(u[k], point.seed, i), toUnitFloat(v[k]), toUnitFloat(jitter));
         const float cosine = s.direction.dot(n);
         if (cosine <= 0) {
             w.samples.addZero();

@@ -32,7 +32,8 @@ RelativeError relativeError(const Image& image, const Image& reference) {
     }
     std::sort(errors.begin(), errors.end());
     const auto quantile = [&](double q) {
-        return errors[std::min(count - 1, static_cast<std::size_t>(q * static_cast<double>(count)))];
+        return errors[std::min(count - 1,
+                               static_cast<std::size_t>(q * static_cast<double>(count)))];
     };
     result.p50 = quantile(0.5);
     result.p99 = quantile(0.99);
@@ -54,7 +55,8 @@ std::vector<Rgb> tileMeans(const Image& image, int tile) {
                                              static_cast<std::size_t>(image.width) +
                                          static_cast<std::size_t>(u)][k]);
             const double scale = 1.0 / (tile * tile);
-            means.emplace_back(static_cast<float>(sum[0] * scale), static_cast<float>(sum[1] * scale),
+            means.emplace_back(static_cast<float>(sum[0] * scale),
+                               static_cast<float>(sum[1] * scale),
                                static_cast<float>(sum[2] * scale));
         }
     return means;

@@ -4,9 +4,10 @@
 
 namespace shadowcache {
 
-/// Squared relative error of an image: (x - ref)^2 / (ref^2 + 0.01 mean(ref)^2) over pixels and RGB.
+/// Squared relative error of an image: (x - ref)^2 / (ref^2 + 0.01 mean(ref)^2) over pixels and
+/// RGB.
 struct RelativeError {
-    double mean = 0;  ///< relMSE
+    double mean = 0;                             ///< relMSE
     double p50 = 0, p99 = 0, p999 = 0, max = 0;  ///< over pixels (mean of the three colours)
 };
 

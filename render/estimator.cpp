@@ -23,8 +23,8 @@ constexpr EstimatorEntry kEstimators[] = {
     {"mis", "half environment, half cosine, balance heuristic", 1, false, makeMis},
     {"paper", "piecewise-constant importance over a triangulated map, times cached visibility", 1,
      false, makePaper},
-    {"cache", "cached visibility as a control variate (needs --cache; the default with one)", 0, true,
-     makeCache},
+    {"cache", "cached visibility as a control variate (needs --cache; the default with one)", 0,
+     true, makeCache},
 };
 
 }  // namespace

@@ -17,33 +17,33 @@ enum class Sequence { sobol, random };
 
 struct EstimatorOptions {
     Sequence sequence = Sequence::sobol;
-    int triangles = 5000;         ///< `paper`: M, 20 .. 100000
-    int minLevel = 3;             ///< `paper`: least level of the triangulation
-    int maxLevel = 6;             ///< `paper`: highest level, 0 .. 7
-    double alpha = 0.7;           ///< `paper`: trust in the cache, [0, 1)
-    int threshold = 3;            ///< `paper`: fewest pooled rays of a region that count
+    int triangles = 5000;  ///< `paper`: M, 20 .. 100000
+    int minLevel = 3;      ///< `paper`: least level of the triangulation
+    int maxLevel = 6;      ///< `paper`: highest level, 0 .. 7
+    double alpha = 0.7;    ///< `paper`: trust in the cache, [0, 1)
+    int threshold = 3;     ///< `paper`: fewest pooled rays of a region that count
 };
 
 /// What every estimator works with; all outlive it.
 struct EstimatorContext {
     const Scene& scene;
     const Environment& environment;
-    const ShadowCache* cache;     ///< may be null
+    const ShadowCache* cache;  ///< may be null
     EstimatorOptions options;
 };
 
 /// A place to light.
 struct ShadingPoint {
-    Vec3f rayOrigin;      ///< off the surface, relative to the mesh's origin
-    Vec3d position;       ///< world space
-    Vec3f normal;         ///< unit, on the viewer's side
-    std::uint64_t seed;   ///< of all random numbers of this point
+    Vec3f rayOrigin;     ///< off the surface, relative to the mesh's origin
+    Vec3d position;      ///< world space
+    Vec3f normal;        ///< unit, on the viewer's side
+    std::uint64_t seed;  ///< of all random numbers of this point
 };
 
 /// Irradiance from the environment and what it took.
 struct Estimate {
     Rgb irradiance{0, 0, 0};
-    float variance = 0;   ///< of the irradiance's luminance, estimated from the samples themselves
+    float variance = 0;  ///< of the irradiance's luminance, estimated from the samples themselves
     std::uint32_t rays = 0;
 };
 
@@ -57,8 +57,8 @@ public:
     std::size_t size() const { return direction_.size(); }
     const Vec3f& direction(std::size_t i) const { return direction_[i]; }
 
-    /// Ends a group of samples that estimate the same thing; the variance is estimated from differences
-    /// within groups.
+    /// Ends a group of samples that estimate the same thing; the variance is estimated from
+    /// differences within groups.
     void endGroup() { groupEnds_.push_back(size()); }
 
     /// Traces all rays from `point`; the sum of the contributions is added to `estimate`.
@@ -80,7 +80,8 @@ struct Workspace {
     std::uint64_t setupNanoseconds = 0;
     std::uint64_t traceNanoseconds = 0;
 
-    /// The first `count` numbers of dimension `dimension`; valid until the next call with that dimension.
+    /// The first `count` numbers of dimension `dimension`; valid until the next call with that
+    /// dimension.
     std::span<const std::uint32_t> numbers(Sequence sequence, std::uint64_t seed, int dimension,
                                            int count);
 

@@ -64,9 +64,9 @@ std::vector<Channel> channels(const Film& film, const std::vector<std::string>& 
         }
         if (!found) throw Error("--aov " + name + ": wanted one of " + known);
         for (std::size_t k = 0; k < found->parts.size(); ++k)
-            out.push_back(makeChannel(
-                film, name + "." + found->parts[k],
-                [&](const Pixel& p) { return found->value(p, static_cast<int>(k)); }));
+            out.push_back(makeChannel(film, name + "." + found->parts[k], [&](const Pixel& p) {
+                return found->value(p, static_cast<int>(k));
+            }));
     }
     return out;
 }

@@ -9,14 +9,14 @@ namespace shadowcache {
 
 /// What the renderer knows of one pixel, averaged over its camera rays.
 struct Pixel {
-    Rgb color{0, 0, 0};        ///< outgoing radiance, or the sky's
+    Rgb color{0, 0, 0};  ///< outgoing radiance, or the sky's
     Rgb irradiance{0, 0, 0};
     Rgb albedo{0, 0, 0};
-    Vec3f normal{0, 0, 0};     ///< world space, toward the viewer
-    Vec3f position{0, 0, 0};   ///< world space
-    float depth = 0;           ///< distance from the camera; 0: the sky
-    float variance = 0;        ///< of the irradiance's luminance, estimated from the samples
-    float rays = 0;            ///< shadow rays traced
+    Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
+    Vec3f position{0, 0, 0};  ///< world space
+    float depth = 0;          ///< distance from the camera; 0: the sky
+    float variance = 0;       ///< of the irradiance's luminance, estimated from the samples
+    float rays = 0;           ///< shadow rays traced
 };
 
 struct Film {

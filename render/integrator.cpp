@@ -14,7 +14,8 @@ namespace shadowcache {
 
 namespace {
 
-/// Side of the square of pixels that one thread renders in a run: neighbours read the same cache items.
+/// Side of the square of pixels that one thread renders in a run: neighbours read the same cache
+/// items.
 constexpr int kTile = 8;
 
 Rgb albedoAt(const TriangleMesh& mesh, const Hit& hit, const Rgb& fallback) {
@@ -135,7 +136,8 @@ Film render(const Estimator& estimator, const EstimatorContext& context, const C
         trace += workspace->traceNanoseconds;
         progress.add(chunk.end - chunk.begin);
     });
-    stats.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    stats.seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
     stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();
     stats.cameraRays += film.pixels.size() * static_cast<std::uint64_t>(options.cameraRays);

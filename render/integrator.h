@@ -9,17 +9,19 @@ namespace shadowcache {
 /// What rendering took.
 struct RenderStats {
     double seconds = 0;
-    double setupSeconds = 0;  ///< of it in the estimator's set-up, summed over threads and divided by them
+    double setupSeconds =
+        0;  ///< of it in the estimator's set-up, summed over threads and divided by them
     double traceSeconds = 0;  ///< of it in tracing shadow rays and adding them up, likewise
     std::uint64_t cameraRays = 0;
     std::uint64_t shadowRays = 0;
 };
 
-/// Everything random about a sample is a pure function of (seed, frame, pixel, camera ray, index, dimension).
+/// Everything random about a sample is a pure function of (seed, frame, pixel, camera ray, index,
+/// dimension).
 std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraRay);
 
-/// Renders one frame: direct light of the environment on Lambertian surfaces, the sky where nothing is
-/// hit. The same bits for any number of threads. Shows progress; Ctrl-C ends it with Error.
+/// Renders one frame: direct light of the environment on Lambertian surfaces, the sky where nothing
+/// is hit. The same bits for any number of threads. Shows progress; Ctrl-C ends it with Error.
 ///
 /// @throws Error on a non-finite estimate, with the line that replays it
 Film render(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,

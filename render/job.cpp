@@ -37,7 +37,8 @@ Environment loadEnvironment(const RenderJob& job) {
         return Environment({1, 1, {*color}}, 0, Rgb(0.2126f, 0.7152f, 0.0722f));
     const RadianceImage map = readRadiance(job.environment);
     if (map.image.width != 2 * map.image.height)
-        std::fprintf(stderr, "shadowcache-render: warning: %s: %dx%d texels, a lat-long map is 2:1\n",
+        std::fprintf(stderr,
+                     "shadowcache-render: warning: %s: %dx%d texels, a lat-long map is 2:1\n",
                      job.environment.c_str(), map.image.width, map.image.height);
     if (map.notFinite + map.negative > 0)
         std::printf("map: %zu texels not finite and %zu negative, set to 0\n", map.notFinite,
@@ -72,7 +73,8 @@ struct Timing {
 Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache, const RenderStats& stats,
                        int frame) {
     Metadata metadata{{"shadowcache:version", kVersion}};
-    for (const auto& [name, value] : job.settings) metadata.emplace_back("shadowcache:" + name, value);
+    for (const auto& [name, value] : job.settings)
+        metadata.emplace_back("shadowcache:" + name, value);
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
     metadata.emplace_back("shadowcache:seconds", std::to_string(stats.seconds));
     if (cache) {
@@ -123,11 +125,12 @@ void writeStats(const RenderJob& job, const TriangleMesh& mesh, const ShadowCach
 Image readReference(const std::filesystem::path& path) {
     const ExrFile file = readExr(path);
     Image image{file.width, file.height, {}};
-    image.pixels.resize(static_cast<std::size_t>(file.width) * static_cast<std::size_t>(file.height));
+    image.pixels.resize(static_cast<std::size_t>(file.width) *
+                        static_cast<std::size_t>(file.height));
     const std::string names = "RGB";
     for (int k = 0; k < 3; ++k) {
-        const auto found = std::find_if(
-            file.channels.begin(), file.channels.end(), [&](const Channel& c) {
+        const auto found =
+            std::find_if(file.channels.begin(), file.channels.end(), [&](const Channel& c) {
                 return c.name == names.substr(static_cast<std::size_t>(k), 1);
             });
         if (found == file.channels.end())
@@ -151,7 +154,8 @@ std::vector<int> parseFrames(const std::string& text) {
         const int last = matched && match[2].matched ? std::stoi(match[2]) : first;
         const int step = matched && match[3].matched ? std::stoi(match[3]) : 1;
         if (!matched || last < first || step < 1)
-            throw Error("--frames " + text + ": wanted A, A-B or A-BxSTEP with A <= B, several joined by commas");
+            throw Error("--frames " + text +
+                        ": wanted A, A-B or A-BxSTEP with A <= B, several joined by commas");
         for (int f = first; f <= last; f += step) frames.push_back(f);
     }
     if (frames.empty()) throw Error("--frames: empty, wanted A, A-B or A-BxSTEP");
@@ -189,7 +193,8 @@ void run(const RenderJob& job) {
         !job.estimator.empty() ? job.estimator : (job.cache.empty() ? "mis" : "cache");
     const EstimatorEntry& entry = findEstimator(name);
     if (entry.needsCache && job.cache.empty())
-        throw Error("--estimator " + name + " needs --cache: bake the set with shadowcache-bake first");
+        throw Error("--estimator " + name +
+                    " needs --cache: bake the set with shadowcache-bake first");
     if (job.render.samples < entry.minSamples)
         throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
                     " wants at least " + std::to_string(entry.minSamples));
@@ -220,7 +225,8 @@ void run(const RenderJob& job) {
         const Camera camera = cameraOf(job, track ? &*track : nullptr, frame);
         const Film film = render(*estimator, context, camera, frame, job.render, stats);
         writeFrame(job, film, cache.get(), stats, frame);
-        if (!job.reference.empty()) error = relativeError(colorImage(film), readReference(job.reference));
+        if (!job.reference.empty())
+            error = relativeError(colorImage(film), readReference(job.reference));
     }
     std::printf("%s: %zu frame%s, %d samples, %.1f M shadow rays in %.2f s", name.c_str(),
                 job.frames.size(), job.frames.size() > 1 ? "s" : "", job.render.samples,

@@ -15,13 +15,13 @@ struct RenderJob {
     std::vector<std::filesystem::path> files;
     MeshOptions mesh;
 
-    std::string environment;   ///< a file, or "R,G,B"
+    std::string environment;  ///< a file, or "R,G,B"
     double environmentRotation = 0;
 
     std::filesystem::path cache;
     bool staleOk = false;
 
-    std::string estimator;     ///< empty: `cache` with a cache, `mis` without
+    std::string estimator;  ///< empty: `cache` with a cache, `mis` without
     EstimatorOptions estimatorOptions;
     RenderOptions render;
 
@@ -38,7 +38,8 @@ struct RenderJob {
     std::filesystem::path reference;
     std::filesystem::path stats;
     int threads = 0;
-    std::vector<std::pair<std::string, std::string>> settings;  ///< every option as given or defaulted
+    std::vector<std::pair<std::string, std::string>>
+        settings;  ///< every option as given or defaulted
 };
 
 /// Does it. @throws Error

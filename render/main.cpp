@@ -20,7 +20,8 @@ struct Arguments {
 
 void defineScene(CLI::App& app, RenderJob& job, Arguments& arguments) {
     const std::string group = "Scene";
-    app.add_option("SET", job.files, "Files of the set: OBJ, PLY, STL, OFF or OM; several make one set")
+    app.add_option("SET", job.files,
+                   "Files of the set: OBJ, PLY, STL, OFF or OM; several make one set")
         ->required();
     app.add_option("--env", job.environment, "Lat-long map (EXR or HDR), or one radiance R,G,B")
         ->required()
@@ -46,7 +47,8 @@ void defineScene(CLI::App& app, RenderJob& job, Arguments& arguments) {
 void defineCamera(CLI::App& app, RenderJob& job, Arguments& arguments) {
     const std::string group = "Camera";
     auto* camera = app.add_option("--camera", job.cameraFile, "Camera move (JSON)")->group(group);
-    app.add_option("--frames", arguments.frames, "Frames of the move: A, A-B, A-BxSTEP, joined by commas [1]")
+    app.add_option("--frames", arguments.frames,
+                   "Frames of the move: A, A-B, A-BxSTEP, joined by commas [1]")
         ->needs(camera)
         ->group(group);
     auto* eye = app.add_option("--eye", arguments.eye, "Place of the camera: X,Y,Z")
@@ -64,7 +66,9 @@ void defineCamera(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->check(CLI::Range(0.01, 179.0))
         ->capture_default_str()
         ->group(group);
-    app.add_option("--size", arguments.size, "Picture in pixels: WxH")->capture_default_str()->group(group);
+    app.add_option("--size", arguments.size, "Picture in pixels: WxH")
+        ->capture_default_str()
+        ->group(group);
 }
 
 void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
@@ -72,7 +76,8 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
     std::string names;
     for (const EstimatorEntry& entry : estimatorTable())
         names += std::string("\n  ") + entry.name + ": " + entry.summary;
-    app.add_option("--estimator", job.estimator, "How the light is estimated:" + names)->group(group);
+    app.add_option("--estimator", job.estimator, "How the light is estimated:" + names)
+        ->group(group);
     app.add_option("--cache", job.cache, "Cache of the set, from shadowcache-bake")->group(group);
     app.add_flag("--stale-ok", job.staleOk, "Use a cache of another set: unbiased all the same")
         ->group(group);
@@ -91,7 +96,8 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->capture_default_str()
         ->group(group);
     const std::string paper = "Estimator `paper`";
-    app.add_option("--triangles", job.estimatorOptions.triangles, "M, triangles of the map, 20 to 100000")
+    app.add_option("--triangles", job.estimatorOptions.triangles,
+                   "M, triangles of the map, 20 to 100000")
         ->capture_default_str()
         ->group(paper);
     app.add_option("--alpha", job.estimatorOptions.alpha, "Trust in the cache, 0 to below 1")
@@ -101,7 +107,8 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
                    "Fewest pooled rays of a region that count")
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--max-level", job.estimatorOptions.maxLevel, "Finest level of the triangles, to 7")
+    app.add_option("--max-level", job.estimatorOptions.maxLevel,
+                   "Finest level of the triangles, to 7")
         ->capture_default_str()
         ->group(paper);
 }
@@ -123,7 +130,9 @@ void defineOutput(CLI::App& app, RenderJob& job) {
                    "EXR to compare with; the relative error goes to standard output and --stats")
         ->group(group);
     app.add_option("--stats", job.stats, "Write what it took as JSON")->group(group);
-    app.add_option("--threads", job.threads, "Threads; 0: one a core")->capture_default_str()->group(group);
+    app.add_option("--threads", job.threads, "Threads; 0: one a core")
+        ->capture_default_str()
+        ->group(group);
 }
 
 /// Turns the arguments' texts into the job's values.
@@ -137,7 +146,8 @@ void complete(RenderJob& job, const Arguments& arguments) {
     }
     if (!arguments.frames.empty()) job.frames = parseFrames(arguments.frames);
     char rest = 0;
-    if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &job.render.width, &job.render.height, &rest) != 2)
+    if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &job.render.width, &job.render.height,
+                    &rest) != 2)
         throw CLI::ValidationError("--size", "'" + arguments.size + "': wanted WxH, as in 960x540");
     if (arguments.albedo.size() == 2)
         throw CLI::ValidationError("--albedo", "two values: wanted one, or R,G,B");
@@ -145,7 +155,8 @@ void complete(RenderJob& job, const Arguments& arguments) {
         job.render.albedo[static_cast<int>(k)] =
             arguments.albedo[arguments.albedo.size() == 3 ? k : 0];
     job.mesh.zUp = arguments.up == "z";
-    job.estimatorOptions.sequence = arguments.sequence == "random" ? Sequence::random : Sequence::sobol;
+    job.estimatorOptions.sequence =
+        arguments.sequence == "random" ? Sequence::random : Sequence::sobol;
     job.estimatorOptions.minLevel =
         std::min(job.estimatorOptions.minLevel, job.estimatorOptions.maxLevel);
 }
@@ -171,7 +182,8 @@ void recordSettings(const CLI::App& app, RenderJob& job) {
 int main(int argc, char** argv) try {
     using namespace shadowcache;
     CLI::App app(
-        "Renders a static set under an HDRI: unbiased direct light, with few shadow rays where a cache tells "
+        "Renders a static set under an HDRI: unbiased direct light, with few shadow rays where a "
+        "cache tells "
         "where they matter.",
         "shadowcache-render");
     RenderJob job;
@@ -183,9 +195,12 @@ int main(int argc, char** argv) try {
     defineOutput(app, job);
     app.footer(
         "Examples:\n"
-        "  shadowcache-render room.obj --env sky.exr --cache room.vdb --eye 1,1.6,3 --look-at 0,1,0 -o still.exr --png\n"
-        "  shadowcache-render set.ply --env sun.hdr --cache set.vdb --camera move.json --frames 1-24 -o shot.####.exr\n"
-        "  shadowcache-render set.ply --env 1,1,1 --eye 1,1,1 --look-at 0,0,0 --estimator mis --samples 256 -o a.exr");
+        "  shadowcache-render room.obj --env sky.exr --cache room.vdb --eye 1,1.6,3 --look-at "
+        "0,1,0 -o still.exr --png\n"
+        "  shadowcache-render set.ply --env sun.hdr --cache set.vdb --camera move.json --frames "
+        "1-24 -o shot.####.exr\n"
+        "  shadowcache-render set.ply --env 1,1,1 --eye 1,1,1 --look-at 0,0,0 --estimator mis "
+        "--samples 256 -o a.exr");
     try {
         app.parse(argc, argv);
         complete(job, arguments);

@@ -1,5 +1,6 @@
-// The estimator of the paper: importance constant over the triangles of an adaptive triangulation of the map,
-// tabulated diffuse convolutions, clipping to the hemisphere, cached visibility. [paper 4]
+// The estimator of the paper: importance constant over the triangles of an adaptive triangulation
+// of the map, tabulated diffuse convolutions, clipping to the hemisphere, cached visibility. [paper
+// 4]
 
 #include <algorithm>
 #include <cmath>
@@ -105,14 +106,16 @@ CellVisibility average(const PooledBlock& block, int i, int count) {
         sum.rays += v.rays;
         ++known;
     }
-    return known ? CellVisibility{sum.ratio / static_cast<float>(known), sum.rays} : CellVisibility{};
+    return known ? CellVisibility{sum.ratio / static_cast<float>(known), sum.rays}
+                 : CellVisibility{};
 }
 
 /// The finest counts of a cell that the pooled items have.
 CellVisibility visibilityOf(const PooledVisibility& pooled, int level, std::uint32_t cell) {
     const int base = pooled.tiers().baseLevel();
     if (level < base)
-        return average(pooled.base(4 * cell / kBlockCells), static_cast<int>(4 * cell % kBlockCells), 4);
+        return average(pooled.base(4 * cell / kBlockCells),
+                       static_cast<int>(4 * cell % kBlockCells), 4);
     std::uint32_t at = ancestorCell(cell, level, base);
     CellVisibility found =
         lookUp(pooled.base(at / kBlockCells), static_cast<int>(at % kBlockCells));
@@ -174,14 +177,14 @@ private:
         const auto v = w.numbers(context_.options.sequence, point.seed, 1, samples);
         for (std::size_t j = 0; j < u.size(); ++j) {
             // The lower bits come from a hash: 32 bits would be few for a large table.
-            const double x =
-                (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, j))) * 0x1p-32 * total;
-            auto i = static_cast<std::size_t>(
-                std::upper_bound(w.cdf.begin(), w.cdf.end(), x) - w.cdf.begin());
+            const double x = (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, j))) *
+                             0x1p-32 * total;
+            auto i = static_cast<std::size_t>(std::upper_bound(w.cdf.begin(), w.cdf.end(), x) -
+                                              w.cdf.begin());
             i = std::min(i, w.pieces.size() - 1);
             const Piece& piece = w.pieces[i];
-            const double coordinate =
-                std::clamp((x - (w.cdf[i] - piece.weight)) / piece.weight, 0.0, 0x1.fffffffffffffp-1);
+            const double coordinate = std::clamp((x - (w.cdf[i] - piece.weight)) / piece.weight,
+                                                 0.0, 0x1.fffffffffffffp-1);
             const Vec3f direction(
                 sampleDirection(piece.corners, coordinate, static_cast<double>(toUnitFloat(v[j]))));
             const float cosine = direction.dot(point.normal);
@@ -190,9 +193,8 @@ private:
                 continue;
             }
             const double density = piece.weight / (total * piece.area);
-            w.samples.add(direction,
-                          context_.environment.radiance(direction) *
-                              (cosine / static_cast<float>(density * samples)));
+            w.samples.add(direction, context_.environment.radiance(direction) *
+                                         (cosine / static_cast<float>(density * samples)));
         }
         w.samples.endGroup();
         return {0, 0, 0};
@@ -213,8 +215,8 @@ private:
             const double height = n.dot(t.axis), sine = std::sin(t.radius);
             if (height <= -sine || (t.power <= 0 && t.floor <= 0)) continue;
             constexpr double leastCosine = 0.05;
-            const double light = std::max(static_cast<double>(w.convolution[i]),
-                                          t.floor * t.area * leastCosine);
+            const double light =
+                std::max(static_cast<double>(w.convolution[i]), t.floor * t.area * leastCosine);
             const double weight = light * visibility(w, t);
             if (height >= sine) {
                 addPiece({t.corners, t.area, weight}, w);

@@ -63,12 +63,12 @@ void PooledVisibility::addBlocks(const ItemView& item) {
             used_.push_back(key);
         }
         const auto s = static_cast<std::size_t>(slot);
-        addCounts16(blocks_[s], item.blockN + k * item.blockNStep, item.blockD + k * item.blockDStep,
-                    item.weight);
+        addCounts16(blocks_[s], item.blockN + k * item.blockNStep,
+                    item.blockD + k * item.blockDStep, item.weight);
         counted_[s] += item.weight;
         if (key < tiers_.baseCells() && item.d[key] > 0)
-            countedOpen_[s] += item.weight * static_cast<float>(item.n[key]) /
-                               static_cast<float>(item.d[key]);
+            countedOpen_[s] +=
+                item.weight * static_cast<float>(item.n[key]) / static_cast<float>(item.d[key]);
     }
 }
 

@@ -11,10 +11,10 @@ namespace shadowcache {
 
 /// Visibility of sixteen cells pooled over cache items.
 struct alignas(64) PooledBlock {
-    float open[kBlockCells];   ///< sum over the items of weight * n / d
-    float weight[kBlockCells]; ///< sum of the weights of the items that counted rays there, <= 1
-    float rays[kBlockCells];   ///< sum of weight * d
-    float rays2[kBlockCells];  ///< sum of weight^2 * d
+    float open[kBlockCells];    ///< sum over the items of weight * n / d
+    float weight[kBlockCells];  ///< sum of the weights of the items that counted rays there, <= 1
+    float rays[kBlockCells];    ///< sum of weight * d
+    float rays2[kBlockCells];   ///< sum of weight^2 * d
 
     /// Visible share of cell i, in [0, 1]; weight[i] must be positive.
     float ratio(int i) const { return open[i] / weight[i]; }
@@ -22,8 +22,8 @@ struct alignas(64) PooledBlock {
     float effectiveRays(int i) const { return rays2[i] > 0 ? rays[i] * rays[i] / rays2[i] : 0.0f; }
 };
 
-/// The cache items around one place as one tree of visibility: base cells, and finer blocks where any item
-/// has them. Reused from place to place.
+/// The cache items around one place as one tree of visibility: base cells, and finer blocks where
+/// any item has them. Reused from place to place.
 class PooledVisibility {
 public:
     explicit PooledVisibility(const DirectionTiers& tiers);
@@ -41,7 +41,8 @@ public:
         return slot < 0 ? nullptr : &blocks_[static_cast<std::size_t>(slot)];
     }
 
-    /// Marks of the cells 16 block .. 16 block + 15 of tier 0 or 1: negative where children() is null.
+    /// Marks of the cells 16 block .. 16 block + 15 of tier 0 or 1: negative where children() is
+    /// null.
     const std::int16_t* childSlots(int tier, std::uint32_t block) const {
         return slots_.data() + tiers_.blockKey(tier, block * kBlockCells);
     }

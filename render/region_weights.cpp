@@ -48,8 +48,7 @@ void estimateVisibility(const PooledBlock* counts, float parentVisibility, float
         return;
     }
     for (int i = 0; i < kBlockCells; ++i) {
-        const float rays =
-            counts->rays[i] * counts->rays[i] / std::max(counts->rays2[i], 1e-30f);
+        const float rays = counts->rays[i] * counts->rays[i] / std::max(counts->rays2[i], 1e-30f);
         const float c = std::min(counts->open[i] / std::max(counts->weight[i], 1e-30f), 1.0f);
         out.c[i] = c;
         out.posterior[i] = (c * rays + kPriorRays * parentPosterior) / (rays + kPriorRays);
@@ -99,8 +98,8 @@ void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock*
     for (int i = 0; i < kBlockCells; ++i) {
         const bool above = sky.height[i] >= m.sinRadius[i];
         const bool dark = m.power[i] <= 0 || sky.height[i] <= -m.sinRadius[i];
-        // A cell the horizon cuts is split where something is seen in it; where nothing is, the finer cells
-        // would say the same.
+        // A cell the horizon cuts is split where something is seen in it; where nothing is, the
+        // finer cells would say the same.
         const bool cut = !above && v.c[i] > 0;
         const bool finer = slots && slots[i] >= 0;
         const bool splits = !dark && divisible && (finer || cut);

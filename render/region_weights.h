@@ -8,8 +8,8 @@
 
 namespace shadowcache {
 
-/// Sixteen consecutive cells of one level, as a group of regions to draw samples from. Cells that are no
-/// regions (below the horizon, dark, or split further) have no spread.
+/// Sixteen consecutive cells of one level, as a group of regions to draw samples from. Cells that
+/// are no regions (below the horizon, dark, or split further) have no spread.
 struct RegionGroup {
     std::uint32_t firstCell;
     int level;
@@ -23,14 +23,14 @@ class RegionWeights {
 public:
     RegionWeights(const Environment& environment, const DirectionTiers& tiers);
 
-    /// Splits the hemisphere around `normal` into regions by the pooled counts: the control variate's
-    /// integral goes to predicted(), the groups to groups().
+    /// Splits the hemisphere around `normal` into regions by the pooled counts: the control
+    /// variate's integral goes to predicted(), the groups to groups().
     void weigh(const PooledVisibility& pooled, const Vec3f& normal);
 
     /// Sum over the regions of c_r (n . V_r): the irradiance the cache predicts.
     const double* predicted() const { return predicted_; }
-    /// Sum of all spreads: the standard deviation of one sample drawn in proportion to them, as far as
-    /// the counts tell.
+    /// Sum of all spreads: the standard deviation of one sample drawn in proportion to them, as far
+    /// as the counts tell.
     double spreadSum() const { return spreadSum_; }
 
     std::size_t size() const { return groups_.size(); }

@@ -69,7 +69,8 @@ std::vector<std::vector<Sums>> sumLevels(const Environment& environment, int fin
     for (int l = own - 1; l >= 0; --l)
         for (std::size_t c = 0; c < cellCount(l); ++c)
             for (std::size_t k = 4 * c; k < 4 * c + 4; ++k)
-                levels[static_cast<std::size_t>(l)][c] += levels[static_cast<std::size_t>(l) + 1][k];
+                levels[static_cast<std::size_t>(l)][c] +=
+                    levels[static_cast<std::size_t>(l) + 1][k];
     return levels;
 }
 
@@ -80,12 +81,13 @@ MapTriangle makeTriangle(const Environment& environment, int level, std::uint32_
     t.cell = cell;
     t.corners = cellTriangle(level, cell);
     t.axis = cellCenter(level, cell);
-    t.radius = std::acos(std::min({t.axis.dot(t.corners.a), t.axis.dot(t.corners.b),
-                                   t.axis.dot(t.corners.c)}));
+    t.radius = std::acos(
+        std::min({t.axis.dot(t.corners.a), t.axis.dot(t.corners.b), t.axis.dot(t.corners.c)}));
     t.area = solidAngle(t.corners);
     t.flux = sums.flux;
     t.power = sums.power;
-    // Texels overlap triangles that do not hold their centres; a lit one must keep the density positive.
+    // Texels overlap triangles that do not hold their centres; a lit one must keep the density
+    // positive.
     constexpr double share = 1e-3;
     t.floor = share * static_cast<double>(environment.maxLuminance(t.axis, t.radius));
     return t;
@@ -131,9 +133,9 @@ std::vector<MapTriangle> triangulate(const Environment& environment, int count, 
     std::vector<MapTriangle> triangles(leaves.size());
     parallelFor(leaves.size(), 256, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-            triangles[i] = makeTriangle(
-                environment, leaves[i].level, leaves[i].cell,
-                levels[static_cast<std::size_t>(leaves[i].level)][leaves[i].cell]);
+            triangles[i] =
+                makeTriangle(environment, leaves[i].level, leaves[i].cell,
+                             levels[static_cast<std::size_t>(leaves[i].level)][leaves[i].cell]);
     });
     return triangles;
 }

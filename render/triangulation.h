@@ -12,17 +12,18 @@ struct MapTriangle {
     int level;
     std::uint32_t cell;
     SphericalTriangle corners;
-    Vec3d axis;        ///< unit, at the middle
-    double radius;     ///< angle around the axis that holds the triangle [rad]
-    double area;       ///< [sr]
-    Vec3d flux;        ///< integral of luminance times direction over its texels
-    double power;      ///< integral of the luminance over its texels
-    double floor;      ///< least average luminance to assume: positive wherever a texel that overlaps is lit
+    Vec3d axis;     ///< unit, at the middle
+    double radius;  ///< angle around the axis that holds the triangle [rad]
+    double area;    ///< [sr]
+    Vec3d flux;     ///< integral of luminance times direction over its texels
+    double power;   ///< integral of the luminance over its texels
+    double floor;   ///< least average luminance to assume: positive wherever a texel that overlaps
+                    ///< is lit
 };
 
-/// Splits the icosahedron to `minLevel`, then, always the triangle over which the luminance varies most,
-/// until there are `count` (>= 20) triangles or none below `maxLevel` (0 .. 7); starts coarser where
-/// `count` is less than minLevel has. [paper 4.4]
+/// Splits the icosahedron to `minLevel`, then, always the triangle over which the luminance varies
+/// most, until there are `count` (>= 20) triangles or none below `maxLevel` (0 .. 7); starts
+/// coarser where `count` is less than minLevel has. [paper 4.4]
 std::vector<MapTriangle> triangulate(const Environment& environment, int count, int minLevel,
                                      int maxLevel);
 

@@ -31,7 +31,7 @@ std::vector<Spot> spots() {
              {-0.7f, 0.7f, 1.6f},
              {0, -1, 0}},
             {"AtThePole", {0.01, 1, 0.02}, {-0.45f, 0.2f, 0.1f}},
-            {"AtAVertex", {0, 0, 0}, {-0.5f, 0.2f, 0.6f}}};
+            {"AtAVertex", {0, 0, 0}, {-1.1f, 0.2f, 0.6f}}};
 }
 
 /// Floor, a roof with an edge near the places, and a slope.
@@ -69,7 +69,7 @@ TEST_P(HostileLight, IsEstimatedWithoutBias) {
     bakeOptions.spacing = 0.3;
     const test::TestCache cache(bake(scene, bakeOptions));
     EstimatorOptions options;
-    options.triangles = 300;
+    options.triangles = 1500;
     const auto estimators = test::everyEstimator({scene, environment, &cache.cache(), options});
     const ShadingPoint point = test::pointAlong(scene, spot.from, spot.along);
     const Rgb truth = test::tracedIrradiance(scene, point, map, 1500);
@@ -96,7 +96,7 @@ TEST(BlackLight, IsBlackExactly) {
     bakeOptions.spacing = 0.5;
     const test::TestCache cache(bake(scene, bakeOptions));
     EstimatorOptions options;
-    options.triangles = 20;
+    options.triangles = 1500;
     const ShadingPoint point = test::pointAlong(scene, {-0.7f, 0.2f, 0.1f}, {0, -1, 0});
     for (const auto& [name, estimator] :
          test::everyEstimator({scene, environment, &cache.cache(), options})) {

@@ -99,8 +99,7 @@ struct World {
         point = test::pointAlong(scene, chosen.from, chosen.along);
         truth = chosen.truth(scene, point);
         EstimatorOptions options;
-        options.triangles = 600;
-        options.minLevel = 2;
+        options.triangles = 1500;
         const EstimatorContext context{scene, environment, &cache->cache(), options};
         estimators = test::everyEstimator(context);
         if (chosen.name != "Slab") return;

@@ -120,7 +120,7 @@ TEST_P(Lies, ChangeNoMean) {
     if (chosen.tell) told.items = lie(told.items, told.header.tiers(), chosen.tell);
     const test::TestCache cache(told);
     EstimatorOptions options;
-    options.triangles = 300;
+    options.triangles = 1500;
     const EstimatorContext context{scene, environment, &cache.cache(), options};
     const Vec3f places[] = {{1.3f, 0.3f, 0.7f}, {0.1f, 0.3f, -1}, {-1.1f, 0.5f, 0.2f}};
     const double level = test::significance() / (2 * 2 * std::size(places));

@@ -4,8 +4,8 @@
 
 namespace shadowcache::test {
 
-/// Level of one statistical test, from the suite's budget of 1e-4 false alarms: a test passes while its
-/// p-value is above it, and its control must come out below.
+/// Level of one statistical test, from the suite's budget of 1e-4 false alarms: a test passes while
+/// its p-value is above it, and its control must come out below.
 double significance();
 
 /// Upper tail of the chi-squared distribution.

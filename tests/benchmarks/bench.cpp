@@ -69,8 +69,8 @@ Rendered renderFrame(const EstimatorContext& context, const Set& set, const std:
     options.samples = samples;
     options.seed = seed;
     Rendered rendered;
-    rendered.image = colorImage(render(*made, context, cameraAtFrame(set.cameras, frame), frame,
-                                       options, rendered.stats));
+    rendered.image = colorImage(
+        render(*made, context, cameraAtFrame(set.cameras, frame), frame, options, rendered.stats));
     return rendered;
 }
 
@@ -89,8 +89,8 @@ Reference makeReference(const EstimatorContext& context, const Set& set, int fra
     std::vector<Channel> channels{{"R", {}}, {"G", {}}, {"B", {}}};
     for (const Rgb& p : reference.image.pixels)
         for (int k = 0; k < 3; ++k) channels[static_cast<std::size_t>(k)].values.push_back(p[k]);
-    writeExr(settings.work / (tag + "-reference.exr"), settings.width, settings.height, channels, {},
-             PixelType::full);
+    writeExr(settings.work / (tag + "-reference.exr"), settings.width, settings.height, channels,
+             {}, PixelType::full);
     return reference;
 }
 

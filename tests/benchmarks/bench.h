@@ -18,7 +18,7 @@ namespace shadowcache::bench {
 
 /// What every benchmark may be told.
 struct Settings {
-    std::filesystem::path data;           ///< folder with scene/, env/ and reference/
+    std::filesystem::path data;                ///< folder with scene/, env/ and reference/
     std::filesystem::path work = "out/bench";  ///< caches and references, reused when they fit
     std::vector<std::string> scenes{"kitchen", "atrium", "grove", "dragon"};
     std::vector<std::string> maps{"courtyard", "sunrise", "circus_arena"};

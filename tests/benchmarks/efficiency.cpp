@@ -59,18 +59,20 @@ void efficiency(const Settings& settings) {
     JsonFile json;
     double logVsMis = 0, logVsPaper = 0;
     int count = 0;
-    std::printf("%-10s %-14s %5s | %9s %7s %8s | %9s %7s %8s | %9s %7s %8s %8s %6s | %8s | %6s %6s | %7s\n",
-                "scene", "map", "frame", "mis relMSE", "s", "p99", "paper", "s", "p99", "cache", "s",
-                "p99", "max", "setup", "0 rays", "/mis", "/paper", "ref/err");
+    std::printf(
+        "%-10s %-14s %5s | %9s %7s %8s | %9s %7s %8s | %9s %7s %8s %8s %6s | %8s | %6s %6s | %7s\n",
+        "scene", "map", "frame", "mis relMSE", "s", "p99", "paper", "s", "p99", "cache", "s", "p99",
+        "max", "setup", "0 rays", "/mis", "/paper", "ref/err");
     for (const std::string& sceneName : settings.scenes) {
         const auto set = loadSet(settings, sceneName);
         const BakedCache baked = bakeCache(settings, *set, settings.bake, "adaptive");
         const double items = static_cast<double>(baked.cache->itemCount());
-        std::printf("%s: %zu triangles, spacing %g, %.0f items, bake %.1f s, %.0f rays/item, file %.0f "
-                    "bytes/item, memory %.0f bytes/item\n",
-                    sceneName.c_str(), set->mesh.triangles.size(), baked.cache->header().spacing,
-                    items, baked.seconds, baked.rays / items, baked.fileBytes / items,
-                    static_cast<double>(baked.cache->memoryBytes()) / items);
+        std::printf(
+            "%s: %zu triangles, spacing %g, %.0f items, bake %.1f s, %.0f rays/item, file %.0f "
+            "bytes/item, memory %.0f bytes/item\n",
+            sceneName.c_str(), set->mesh.triangles.size(), baked.cache->header().spacing, items,
+            baked.seconds, baked.rays / items, baked.fileBytes / items,
+            static_cast<double>(baked.cache->memoryBytes()) / items);
         json.set(sceneName + ".bake.seconds", baked.seconds);
         json.set(sceneName + ".bake.rays", baked.rays);
         json.set(sceneName + ".bake.items", items);
@@ -79,8 +81,7 @@ void efficiency(const Settings& settings) {
             const auto environment = loadMap(settings, mapName);
             const EstimatorContext context{*set->scene, *environment, baked.cache.get(), {}};
             for (const int frame : settings.frames) {
-                const std::string tag =
-                    sceneName + "-" + mapName + "-" + std::to_string(frame);
+                const std::string tag = sceneName + "-" + mapName + "-" + std::to_string(frame);
                 const Reference reference =
                     makeReference(context, *set, frame, 4096, settings, tag);
                 const Measured mis = measure(context, *set, "mis", frame, settings.samples,
@@ -94,15 +95,16 @@ void efficiency(const Settings& settings) {
                 const double vsMis = cache.efficiency() / mis.efficiency();
                 const double vsPaper = cache.efficiency() / paper.efficiency();
                 // Set-up in shadow rays: the zero-ray render against the time of one ray.
-                const double setupRays = preview.seconds / (mis.trace / mis.rays) /
-                                         (settings.width * settings.height);
-                std::printf("%-10s %-14s %5d | %9.4g %7.3f %8.3g | %9.4g %7.3f %8.3g | %9.4g %7.3f %8.3g "
-                            "%8.3g %6.1f | %8.3g | %6.1f %6.1f | %7.1g\n",
-                            sceneName.c_str(), mapName.c_str(), frame, mis.error.mean, mis.seconds,
-                            mis.error.p99, paper.error.mean, paper.seconds, paper.error.p99,
-                            cache.error.mean, cache.seconds, cache.error.p99, cache.error.max,
-                            setupRays, std::sqrt(preview.error.mean), vsMis, vsPaper,
-                            reference.ownError / cache.error.mean);
+                const double setupRays =
+                    preview.seconds / (mis.trace / mis.rays) / (settings.width * settings.height);
+                std::printf(
+                    "%-10s %-14s %5d | %9.4g %7.3f %8.3g | %9.4g %7.3f %8.3g | %9.4g %7.3f %8.3g "
+                    "%8.3g %6.1f | %8.3g | %6.1f %6.1f | %7.1g\n",
+                    sceneName.c_str(), mapName.c_str(), frame, mis.error.mean, mis.seconds,
+                    mis.error.p99, paper.error.mean, paper.seconds, paper.error.p99,
+                    cache.error.mean, cache.seconds, cache.error.p99, cache.error.max, setupRays,
+                    std::sqrt(preview.error.mean), vsMis, vsPaper,
+                    reference.ownError / cache.error.mean);
                 std::fflush(stdout);
                 const std::string key =
                     sceneName + "." + mapName + ".frame" + std::to_string(frame);

@@ -11,10 +11,13 @@ int main(int argc, char** argv) try {
     CLI::App app("Measures Shadowcache on real scenes and maps.", "shadowcache-bench");
     bench::Settings settings;
     app.add_option("--data", settings.data, "Folder with scene/ and env/")->required();
-    app.add_option("--work", settings.work, "Where caches and references go")->capture_default_str();
+    app.add_option("--work", settings.work, "Where caches and references go")
+        ->capture_default_str();
     app.add_option("--scenes", settings.scenes, "Scenes")->delimiter(',')->capture_default_str();
     app.add_option("--maps", settings.maps, "Maps")->delimiter(',')->capture_default_str();
-    app.add_option("--frames", settings.frames, "Camera frames")->delimiter(',')->capture_default_str();
+    app.add_option("--frames", settings.frames, "Camera frames")
+        ->delimiter(',')
+        ->capture_default_str();
     app.add_option("--samples", settings.samples, "Samples a pixel")->capture_default_str();
     app.add_option("--repeats", settings.repeats, "Renders to average over")->capture_default_str();
     app.add_option("--spacing", settings.bake.spacing, "Spacing of the bake");
