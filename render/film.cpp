@@ -1,6 +1,7 @@
 #include "render/film.h"
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -39,6 +40,12 @@ Channel makeChannel(const Film& film, const std::string& name,
 }
 
 }  // namespace
+
+bool isFinite(const Pixel& p) {
+    const Rgb all = p.color + p.irradiance;
+    return std::isfinite(all.x) && std::isfinite(all.y) && std::isfinite(all.z) &&
+           std::isfinite(p.variance);
+}
 
 const std::vector<std::string>& aovNames() {
     static const std::vector<std::string> names = [] {

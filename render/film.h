@@ -25,6 +25,9 @@ struct Film {
     std::vector<Pixel> pixels;
 };
 
+/// Whether colour, irradiance and variance are finite numbers.
+bool isFinite(const Pixel& pixel);
+
 /// Names that channels() knows.
 const std::vector<std::string>& aovNames();
 

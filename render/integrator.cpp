@@ -1,8 +1,8 @@
 #include "render/integrator.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <string>
 
 #include "common/error.h"
@@ -27,9 +27,18 @@ Rgb albedoAt(const TriangleMesh& mesh, const Hit& hit, const Rgb& fallback) {
     return a * (1 - hit.u - hit.v) + b * hit.u + c * hit.v;
 }
 
-bool isFinite(const Estimate& e) {
-    return std::isfinite(e.irradiance.x) && std::isfinite(e.irradiance.y) &&
-           std::isfinite(e.irradiance.z) && std::isfinite(e.variance);
+/// A picture with a hole is worse than none: says how many pixels failed and how to replay one.
+void requireFinite(const Film& film, int frame, std::uint64_t seed) {
+    const auto failed = [](const Pixel& p) { return !isFinite(p); };
+    const auto first = std::find_if(film.pixels.begin(), film.pixels.end(), failed);
+    if (first == film.pixels.end()) return;
+    const auto i = first - film.pixels.begin();
+    throw Error("frame " + std::to_string(frame) + ": " +
+                std::to_string(std::count_if(first, film.pixels.end(), failed)) +
+                " pixels without a finite estimate; replay the first with --debug " +
+                std::to_string(i % film.width) + "," + std::to_string(i / film.width) +
+                (frame == 1 ? "" : " --frames " + std::to_string(frame)) + " --seed " +
+                std::to_string(seed));
 }
 
 struct Frame {
@@ -38,6 +47,7 @@ struct Frame {
     const Camera& camera;
     int number;
     const RenderOptions& options;
+    const CameraSampleObserver* observer = nullptr;
 
     Pixel renderPixel(int x, int y, Workspace& workspace, std::uint64_t& shadowRays) const {
         Pixel pixel;
@@ -79,11 +89,8 @@ struct Frame {
         const ShadingPoint point{context.scene.rayOrigin(hit.position, hit.triangle, normal),
                                  mesh.origin + Vec3d(hit.position), normal, seed};
         const Estimate e = estimator.estimate(point, options.samples, workspace);
-        if (!isFinite(e))
-            throw Error("not a finite estimate at frame " + std::to_string(number) +
-                        ": replay it with --debug " + std::to_string(x) + "," + std::to_string(y) +
-                        " --seed " + std::to_string(options.seed));
         const Rgb albedo = albedoAt(mesh, hit, options.albedo);
+        if (observer) (*observer)({point, albedo, e, workspace.samples});
         pixel.color += albedo * e.irradiance * static_cast<float>(1 / kPi);
         pixel.irradiance += e.irradiance;
         pixel.albedo += albedo;
@@ -142,7 +149,17 @@ Film render(const Estimator& estimator, const EstimatorContext& context, const C
     stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();
     stats.cameraRays += film.pixels.size() * static_cast<std::uint64_t>(options.cameraRays);
     stats.shadowRays += shadowRays;
+    requireFinite(film, frame, options.seed);
     return film;
+}
+
+Pixel renderPixel(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
+                  int frame, const RenderOptions& options, int x, int y,
+                  const CameraSampleObserver& observer) {
+    const auto workspace = estimator.makeWorkspace();
+    std::uint64_t rays = 0;
+    return Frame{estimator, context, camera, frame, options, &observer}.renderPixel(
+        x, y, *workspace, rays);
 }
 
 }  // namespace shadowcache

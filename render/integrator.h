@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "render/camera.h"
 #include "render/film.h"
 #include "render/options.h"
@@ -23,8 +25,23 @@ std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraR
 /// Renders one frame: direct light of the environment on Lambertian surfaces, the sky where nothing
 /// is hit. The same bits for any number of threads. Shows progress; Ctrl-C ends it with Error.
 ///
-/// @throws Error on a non-finite estimate, with the line that replays it
+/// @throws Error on non-finite estimates, with their number and the options that replay the first
 Film render(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
             int frame, const RenderOptions& options, RenderStats& stats);
+
+/// One camera ray's place on the set and the estimate there; `samples` are those it was made of.
+struct CameraSample {
+    const ShadingPoint& point;
+    const Rgb& albedo;
+    const Estimate& estimate;
+    const LightSamples& samples;
+};
+using CameraSampleObserver = std::function<void(const CameraSample&)>;
+
+/// The pixel (x, y) of the frame, bit for bit as render() makes it; `observer` sees each camera ray
+/// that meets the set.
+Pixel renderPixel(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
+                  int frame, const RenderOptions& options, int x, int y,
+                  const CameraSampleObserver& observer);
 
 }  // namespace shadowcache

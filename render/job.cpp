@@ -16,6 +16,7 @@
 #include "render/camera.h"
 #include "render/compare.h"
 #include "render/integrator.h"
+#include "render/pixel_report.h"
 
 namespace shadowcache {
 
@@ -64,6 +65,13 @@ std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh&
 Camera cameraOf(const RenderJob& job, const CameraTrack* track, int frame) {
     if (track) return cameraAtFrame(*track, frame);
     return lookAt(*job.eye, *job.lookAt, {0, 1, 0}, job.fovYDegrees * kPi / 180);
+}
+
+void requirePixel(const std::array<int, 2>& pixel, const RenderOptions& picture) {
+    const auto [x, y] = pixel;
+    if (x >= 0 && x < picture.width && y >= 0 && y < picture.height) return;
+    throw Error("--debug " + std::to_string(x) + "," + std::to_string(y) + ": wanted 0,0 to " +
+                std::to_string(picture.width - 1) + "," + std::to_string(picture.height - 1));
 }
 
 struct Timing {
@@ -198,6 +206,7 @@ void run(const RenderJob& job) {
     if (job.render.samples < entry.minSamples)
         throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
                     " wants at least " + std::to_string(entry.minSamples));
+    if (job.debugPixel) requirePixel(*job.debugPixel, job.render);
     for (const int frame : job.frames) framePath(job.output, frame, job.frames.size() > 1);
     channels(Film{}, job.aovs);
     setThreadCount(job.threads);
@@ -219,6 +228,13 @@ void run(const RenderJob& job) {
     const std::unique_ptr<Estimator> estimator = entry.make(context);
     const Timing timing{loaded - start, secondsNow() - loaded};
 
+    if (job.debugPixel) {
+        const auto [x, y] = *job.debugPixel;
+        for (const int frame : job.frames)
+            reportPixel(*estimator, context, cameraOf(job, track ? &*track : nullptr, frame), frame,
+                        job.render, x, y);
+        return;
+    }
     RenderStats stats;
     std::optional<RelativeError> error;
     for (const int frame : job.frames) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -37,6 +38,7 @@ struct RenderJob {
     float exposure = 0;
     std::filesystem::path reference;
     std::filesystem::path stats;
+    std::optional<std::array<int, 2>> debugPixel;  ///< print this pixel's story, write nothing
     int threads = 0;
     std::vector<std::pair<std::string, std::string>>
         settings;  ///< every option as given or defaulted

@@ -16,6 +16,7 @@ struct Arguments {
     std::string up = "y", frames, size = "960x540", sequence = "sobol";
     std::vector<double> eye, target;
     std::vector<float> albedo{0.5f};
+    std::vector<int> debug;
 };
 
 void defineScene(CLI::App& app, RenderJob& job, Arguments& arguments) {
@@ -113,7 +114,7 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->group(paper);
 }
 
-void defineOutput(CLI::App& app, RenderJob& job) {
+void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
     const std::string group = "Output";
     std::string aovs;
     for (const std::string& name : aovNames()) aovs += " " + name;
@@ -130,6 +131,11 @@ void defineOutput(CLI::App& app, RenderJob& job) {
                    "EXR to compare with; the relative error goes to standard output and --stats")
         ->group(group);
     app.add_option("--stats", job.stats, "Write what it took as JSON")->group(group);
+    app.add_option("--debug", arguments.debug,
+                   "Write nothing, but print how the pixel X,Y comes about")
+        ->delimiter(',')
+        ->expected(2)
+        ->group(group);
     app.add_option("--threads", job.threads, "Threads; 0: one a core")
         ->capture_default_str()
         ->group(group);
@@ -154,6 +160,7 @@ void complete(RenderJob& job, const Arguments& arguments) {
     for (std::size_t k = 0; k < 3; ++k)
         job.render.albedo[static_cast<int>(k)] =
             arguments.albedo[arguments.albedo.size() == 3 ? k : 0];
+    if (!arguments.debug.empty()) job.debugPixel = {arguments.debug[0], arguments.debug[1]};
     job.mesh.zUp = arguments.up == "z";
     job.estimatorOptions.sequence =
         arguments.sequence == "random" ? Sequence::random : Sequence::sobol;
@@ -192,7 +199,7 @@ int main(int argc, char** argv) try {
     defineScene(app, job, arguments);
     defineCamera(app, job, arguments);
     defineEstimator(app, job, arguments);
-    defineOutput(app, job);
+    defineOutput(app, job, arguments);
     app.footer(
         "Examples:\n"
         "  shadowcache-render room.obj --env sky.exr --cache room.vdb --eye 1,1.6,3 --look-at "
