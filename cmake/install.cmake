@@ -4,11 +4,8 @@ include(CMakePackageConfigHelpers)
 
 set(SHADOWCACHE_CONFIG_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/shadowcache")
 
-foreach(program IN ITEMS shadowcache-bake shadowcache-render shadowcache-info shadowcache-merge)
-    if(TARGET ${program})
-        install(TARGETS ${program} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
-    endif()
-endforeach()
+install(TARGETS shadowcache-bake shadowcache-render shadowcache-info shadowcache-merge
+    RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 set_target_properties(shadowcache_common PROPERTIES EXPORT_NAME common)
 target_compile_features(shadowcache_common PUBLIC cxx_std_20)
 install(TARGETS shadowcache_common EXPORT shadowcache_targets

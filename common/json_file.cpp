@@ -28,6 +28,12 @@ void JsonFile::set(const std::string& key, std::uint64_t value) {
 void JsonFile::set(const std::string& key, const std::string& value) {
     impl_->at(key) = value;
 }
+void JsonFile::set(const std::string& key, const std::vector<double>& values) {
+    impl_->at(key) = values;
+}
+void JsonFile::set(const std::string& key, const std::vector<std::uint64_t>& values) {
+    impl_->at(key) = values;
+}
 
 std::string JsonFile::text() const {
     return impl_->root.dump(2) + "\n";

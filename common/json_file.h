@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace shadowcache {
 
@@ -16,6 +17,8 @@ public:
     void set(const std::string& key, double value);
     void set(const std::string& key, std::uint64_t value);
     void set(const std::string& key, const std::string& value);
+    void set(const std::string& key, const std::vector<double>& values);
+    void set(const std::string& key, const std::vector<std::uint64_t>& values);
 
     /// Indented text.
     std::string text() const;

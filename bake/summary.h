@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/cache_items.h"
+
+namespace shadowcache {
+
+/// Regions with rays, and those of them in which all rays agreed.
+struct RegionTally {
+    std::uint64_t counted = 0;
+    std::uint64_t pure = 0;
+
+    void add(unsigned n, unsigned d) {
+        counted += d > 0;
+        pure += d > 0 && (n == 0 || n == d);
+    }
+    double pureShare() const {
+        return counted ? static_cast<double>(pure) / static_cast<double>(counted) : 0.0;
+    }
+};
+
+/// What a cache holds, in figures.
+struct CacheSummary {
+    static constexpr std::size_t kBins = 10;
+
+    Vec3d low{0, 0, 0}, high{0, 0, 0};  ///< box of the voxels, world space
+    std::uint64_t voxels = 0;
+    RegionTally base, finer;                      ///< coarsest regions; those of blocks
+    std::array<std::uint64_t, kBins> openness{};  ///< items by the open share of their regions
+    std::vector<std::pair<std::string, std::uint64_t>> bytes;  ///< by attribute, uncompressed
+};
+
+CacheSummary summarize(const CacheHeader& header, const CacheItems& items);
+
+}  // namespace shadowcache
