@@ -1,13 +1,11 @@
 #include "bake/baker.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <span>
 #include <string>
 
 #include "bake/item_baker.h"
-#include "common/error.h"
 #include "common/parallel.h"
 #include "common/progress.h"
 #include "common/sequence.h"
@@ -179,41 +177,6 @@ private:
 };
 
 }  // namespace
-
-void validate(const BakeOptions& options) {
-    const auto refuse = [](const std::string& name, const auto& value, const std::string& wanted) {
-        throw Error("--" + name + " " + std::to_string(value) + ": wanted " + wanted);
-    };
-    if (!(options.spacing >= 0) || std::isinf(options.spacing))
-        refuse("spacing", options.spacing, "a length above 0");
-    if (options.level < 0 || options.level > kMaxCacheLevel)
-        refuse("level", options.level, "0 to " + std::to_string(kMaxCacheLevel));
-    if (options.rays < 1 || options.rays > 255) refuse("rays", options.rays, "1 to 255");
-    if (options.shards < 1 || options.shard < 0 || options.shard >= options.shards)
-        throw Error("--shard " + std::to_string(options.shard + 1) + "/" +
-                    std::to_string(options.shards) + ": wanted K/N with 1 <= K <= N");
-}
-
-double chooseSpacing(const TriangleMesh& mesh) {
-    double surface = 0;
-    Imath::Box3d box;
-    for (const Vec3i& t : mesh.triangles) {
-        const Vec3d a(mesh.positions[static_cast<std::size_t>(t.x)]);
-        const Vec3d b(mesh.positions[static_cast<std::size_t>(t.y)]);
-        const Vec3d c(mesh.positions[static_cast<std::size_t>(t.z)]);
-        surface += (b - a).cross(c - a).length() / 2;
-        box.extendBy(a);
-        box.extendBy(b);
-        box.extendBy(c);
-    }
-    constexpr double items = 40000;
-    const double bySurface = std::sqrt(surface / items);
-    const double byExtent = box.size().length() / 400;
-    // Two digits are enough, and easier to write down.
-    const double spacing = std::min(bySurface, byExtent);
-    const double unit = std::pow(10, std::floor(std::log10(spacing)) - 1);
-    return std::max(1.0, std::round(spacing / unit)) * unit;
-}
 
 BakeResult bake(const Scene& scene, const BakeOptions& options) {
     validate(options);

@@ -1,12 +1,15 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <regex>
 #include <string>
 #include <vector>
 
 #include "bake/baker.h"
+#include "common/atomic_file.h"
 #include "common/error.h"
 #include "common/json_file.h"
+#include "common/option_checks.h"
 #include "common/parallel.h"
 #include "common/process.h"
 #include "common/progress.h"
@@ -26,78 +29,85 @@ struct Job {
 
 /// "K/N" -> shard K - 1 of N.
 void parseShard(const std::string& text, BakeOptions& options) {
-    char rest = 0;
-    if (std::sscanf(text.c_str(), "%d/%d%c", &options.shard, &options.shards, &rest) != 2)
-        throw CLI::ValidationError("--shard", "'" + text + "': wanted K/N, as in 2/8");
-    --options.shard;
+    static const std::regex wanted(R"((\d{1,8})/(\d{1,8}))");
+    std::smatch match;
+    if (!std::regex_match(text, match, wanted))
+        throw Error("--shard " + text + ": wanted K/N, as in 2/8");
+    options.shard = std::stoi(match[1]) - 1;
+    options.shards = std::stoi(match[2]);
 }
 
-void defineOptions(CLI::App& app, Job& job, std::string& up, std::string& shard) {
-    app.set_version_flag("--version", std::string("shadowcache-bake ") + kVersion);
+void defineSet(CLI::App& app, Job& job, std::string& up) {
+    const std::string group = "Set";
     app.add_option("SET", job.files,
                    "Files of the set: OBJ, PLY, STL, OFF or OM; several make one set")
         ->required();
-    app.add_option("-o,--output", job.output, "Cache to write (OpenVDB)")->required();
-    app.add_option("--spacing", job.bake.spacing,
-                   "Side of a voxel in metres; smaller is sharper, and costs the inverse square "
-                   "[from the set's size]");
-    app.add_option("--level", job.bake.level,
-                   "Finest direction level, 0 to 5: 20 * 4^level regions over the sphere")
-        ->capture_default_str();
-    app.add_option("--rays", job.bake.rays, "Rays per region where rays disagree, 1 to 255")
-        ->capture_default_str();
-    app.add_flag("!--uniform", job.bake.adaptive,
-                 "Every region at the finest level, not only where rays disagree");
-    app.add_option("--seed", job.bake.seed, "Seed; caches of different seeds merge to a better one")
-        ->capture_default_str();
-    app.add_option("--shard", shard, "Bake part K of N of the set; the parts merge to the whole");
     app.add_option("--up", up, "Up axis of the files: y or z")
         ->check(CLI::IsMember({"y", "z"}))
-        ->capture_default_str();
-    app.add_option("--scale", job.mesh.scale, "Metres per unit of the files")
-        ->capture_default_str();
-    app.add_option("--threads", job.threads, "Threads; 0: one a core")->capture_default_str();
-    app.add_option("--stats", job.stats, "Write what it took as JSON");
-    app.footer(
-        "Bakes, for every place near the set's surfaces, which directions are open to the sky.\n"
-        "The cache knows no light and no camera: bake once, render any shot under any map.\n\n"
-        "Examples:\n"
-        "  shadowcache-bake room.obj -o room.vdb\n"
-        "  shadowcache-bake walls.ply trees.ply -o set.vdb --spacing 0.1 --rays 32\n"
-        "  shadowcache-bake big.ply -o part2.vdb --shard 2/8   (then shadowcache-merge part*.vdb)");
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--scale", job.mesh.scale, "Metres per unit of the files, above 0")
+        ->capture_default_str()
+        ->group(group);
 }
 
-void run(const Job& job) {
-    validate(job.bake);
-    setThreadCount(job.threads);
-    installInterruptHandler();
-    const double start = secondsNow();
-    const TriangleMesh mesh = loadMesh(job.files, job.mesh);
-    std::printf("set: %s\n", describe(mesh.report).c_str());
-    const double loaded = secondsNow();
-    const Scene scene(mesh);
-    const double built = secondsNow();
-    BakeResult result = bake(scene, job.bake);
-    result.header.upAxis = job.mesh.zUp ? "z" : "y";
-    result.header.unit = job.mesh.scale;
-    const double baked = secondsNow();
-    const std::uintmax_t bytes = writeCache(job.output, result.header, result.items);
-    const double written = secondsNow();
+void defineBake(CLI::App& app, Job& job, std::string& shard) {
+    const std::string group = "Bake";
+    app.add_option("--spacing", job.bake.spacing,
+                   "Side of a voxel in metres; smaller is sharper, and costs the inverse square "
+                   "[from the set's size]")
+        ->group(group);
+    app.add_option("--level", job.bake.level,
+                   "Finest direction level, 0 to 5: 20 * 4^level regions over the sphere")
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--rays", job.bake.rays, "Rays per region where rays disagree, 1 to 255")
+        ->capture_default_str()
+        ->group(group);
+    app.add_flag("!--uniform", job.bake.adaptive,
+                 "Every region at the finest level, not only where rays disagree")
+        ->group(group);
+    app.add_option("--seed", job.bake.seed, "Seed; caches of different seeds merge to a better one")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--shard", shard, "Bake part K of N of the set; the parts merge to the whole")
+        ->group(group);
+}
 
-    std::printf(
-        "spacing %g%s, level %d: %zu items, %zu blocks, %.1f M rays in %.1f s, %.1f MB -> %s\n",
-        result.header.spacing, job.bake.spacing > 0 ? "" : " (chosen from the set's size)",
-        result.header.level, result.items.size(), result.items.blocks.size(),
-        static_cast<double>(result.rays) * 1e-6, baked - built, static_cast<double>(bytes) * 1e-6,
-        job.output.c_str());
-    if (job.stats.empty()) return;
+void defineOutput(CLI::App& app, Job& job) {
+    const std::string group = "Output";
+    app.add_option("-o,--output", job.output, "Cache to write (OpenVDB, .vdb)")
+        ->required()
+        ->group(group);
+    app.add_option("--stats", job.stats, "Write what it took as JSON")->group(group);
+    app.add_option("--threads", job.threads, "Threads; 0: one a core")
+        ->capture_default_str()
+        ->group(group);
+}
+
+constexpr const char* kFooter =
+    "Bakes, for every place near the set's surfaces, which directions are open to the sky.\n"
+    "The cache knows no light and no camera: bake once, render any shot under any map.\n\n"
+    "Examples:\n"
+    "  shadowcache-bake room.obj -o room.vdb\n"
+    "  shadowcache-bake walls.ply trees.ply -o set.vdb --spacing 0.1 --rays 32\n"
+    "  shadowcache-bake big.ply -o part2.vdb --shard 2/8   (then shadowcache-merge part*.vdb)";
+
+/// When each part of the work was done.
+struct Times {
+    double start, loaded, built, baked, written;
+};
+
+void writeStats(const Job& job, const TriangleMesh& mesh, const BakeResult& result,
+                std::uintmax_t bytes, const Times& times) {
     JsonFile stats;
     stats.set("version", std::string(kVersion));
     stats.set("triangles", std::uint64_t{mesh.triangles.size()});
-    stats.set("seconds.load", loaded - start);
-    stats.set("seconds.build", built - loaded);
-    stats.set("seconds.bake", baked - built);
-    stats.set("seconds.write", written - baked);
+    stats.set("seconds.load", times.loaded - times.start);
+    stats.set("seconds.build", times.built - times.loaded);
+    stats.set("seconds.bake", times.baked - times.built);
+    stats.set("seconds.write", times.written - times.baked);
     stats.set("rays.bake", result.rays);
     stats.set("cache.items", std::uint64_t{result.items.size()});
     stats.set("cache.blocks", std::uint64_t{result.items.blocks.size()});
@@ -106,6 +116,43 @@ void run(const Job& job) {
     stats.set("cache.level", static_cast<std::uint64_t>(result.header.level));
     stats.set("peak_rss_bytes", peakMemoryBytes());
     stats.write(job.stats);
+}
+
+/// Whatever can be refused is refused before the long work.
+void validate(const Job& job) {
+    validate(job.bake);
+    requireRange("threads", job.threads, 0, kMaxThreads);
+    requireExtension(job.output, ".vdb");
+    requireWritable(job.output);
+    if (!job.stats.empty()) requireWritable(job.stats);
+}
+
+void run(const Job& job) {
+    validate(job);
+    setThreadCount(job.threads);
+    installInterruptHandler();
+    Times times{};
+    times.start = secondsNow();
+    const TriangleMesh mesh = loadMesh(job.files, job.mesh);
+    std::printf("set: %s\n", describe(mesh.report).c_str());
+    throwIfInterrupted();
+    times.loaded = secondsNow();
+    const Scene scene(mesh);
+    times.built = secondsNow();
+    BakeResult result = bake(scene, job.bake);
+    result.header.upAxis = job.mesh.zUp ? "z" : "y";
+    result.header.unit = job.mesh.scale;
+    times.baked = secondsNow();
+    const std::uintmax_t bytes = writeCache(job.output, result.header, result.items);
+    times.written = secondsNow();
+
+    std::printf(
+        "spacing %g%s, level %d: %zu items, %zu blocks, %.1f M rays in %.1f s, %.1f MB -> %s\n",
+        result.header.spacing, job.bake.spacing > 0 ? "" : " (chosen from the set's size)",
+        result.header.level, result.items.size(), result.items.blocks.size(),
+        static_cast<double>(result.rays) * 1e-6, times.baked - times.built,
+        static_cast<double>(bytes) * 1e-6, job.output.c_str());
+    if (!job.stats.empty()) writeStats(job, mesh, result, bytes, times);
 }
 
 }  // namespace
@@ -117,13 +164,13 @@ int main(int argc, char** argv) try {
                  "shadowcache-bake");
     Job job;
     std::string up = "y", shard;
-    defineOptions(app, job, up, shard);
-    try {
-        app.parse(argc, argv);
-        if (!shard.empty()) parseShard(shard, job.bake);
-    } catch (const CLI::ParseError& e) {
-        return app.exit(e);
-    }
+    app.set_version_flag("--version", std::string("shadowcache-bake ") + kVersion);
+    defineSet(app, job, up);
+    defineBake(app, job, shard);
+    defineOutput(app, job);
+    app.footer(kFooter);
+    CLI11_PARSE(app, argc, argv);
+    if (!shard.empty()) parseShard(shard, job.bake);
     job.mesh.zUp = up == "z";
     run(job);
     return 0;

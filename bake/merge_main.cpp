@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "bake/merge.h"
-#include "common/error.h"
+#include "common/atomic_file.h"
+#include "common/option_checks.h"
+#include "common/progress.h"
 #include "common/version.h"
 
 int main(int argc, char** argv) try {
@@ -15,14 +17,19 @@ int main(int argc, char** argv) try {
     app.set_version_flag("--version", std::string("shadowcache-merge ") + kVersion);
     app.add_option("CACHE", inputs, "Caches of one set: other seeds, or the shards of one bake")
         ->required();
-    app.add_option("-o,--output", output, "Cache to write")->required();
+    app.add_option("-o,--output", output, "Cache to write (OpenVDB, .vdb)")->required();
     app.footer(
         "Caches must agree in the set, the spacing and the direction level.\n\n"
-        "Example:\n"
+        "Examples:\n"
+        "  shadowcache-merge part*.vdb -o set.vdb\n"
         "  shadowcache-merge seed1.vdb seed2.vdb -o better.vdb");
     CLI11_PARSE(app, argc, argv);
+    requireExtension(output, ".vdb");
+    requireWritable(output);
+    installInterruptHandler();
     CacheHeader header;
     const CacheItems items = mergeCaches(inputs, header);
+    throwIfInterrupted();
     const auto bytes = writeCache(output, header, items);
     std::printf("%zu items, %.1f MB -> %s\n", items.size(), static_cast<double>(bytes) * 1e-6,
                 output.c_str());

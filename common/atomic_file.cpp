@@ -11,11 +11,21 @@
 
 namespace shadowcache {
 
+void requireWritable(const std::filesystem::path& path) {
+    std::error_code ignored;
+    const auto status = std::filesystem::status(path, ignored);
+    if (std::filesystem::is_directory(status))
+        throwFileError(path, "is a directory, expected a file to write");
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+        throwFileError(path, "is a device or pipe, expected a file to write");
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+    if (access(folder.c_str(), W_OK | X_OK) != 0)
+        throwFileError(path, std::string("cannot be created: ") + std::strerror(errno));
+}
+
 AtomicFile::AtomicFile(const std::filesystem::path& path)
     : path_(path), partPath_(path.string() + ".part-" + std::to_string(getpid())) {
-    if (std::filesystem::is_directory(path_)) {
-        throwFileError(path_, "is a directory, expected a file to write");
-    }
+    requireWritable(path_);
     file_ = std::fopen(partPath_.c_str(), "wb");
     if (!file_) fail("created");
 }

@@ -6,6 +6,12 @@
 
 namespace shadowcache {
 
+/// Refuses a place that no file can be written to, before long work and not after it. What stands
+/// there may be replaced if it is a regular file, but no device or pipe.
+///
+/// @throws Error naming the file and the cause
+void requireWritable(const std::filesystem::path& path);
+
 /// File that appears under its name only when complete: written beside as "NAME.part-PID", renamed
 /// by commit(), removed if commit() is not reached.
 class AtomicFile {

@@ -36,7 +36,9 @@ void JsonFile::set(const std::string& key, const std::vector<std::uint64_t>& val
 }
 
 std::string JsonFile::text() const {
-    return impl_->root.dump(2) + "\n";
+    // Strings may come from a damaged file.
+    constexpr auto replaceBadText = nlohmann::ordered_json::error_handler_t::replace;
+    return impl_->root.dump(2, ' ', false, replaceBadText) + "\n";
 }
 
 void JsonFile::write(const std::filesystem::path& path) const {

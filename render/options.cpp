@@ -1,27 +1,24 @@
 #include "render/options.h"
 
-#include <cmath>
+#include <cstdint>
 #include <sstream>
+#include <string>
 
 #include "common/error.h"
+#include "common/option_checks.h"
 
 namespace shadowcache {
 
-namespace {
-
-template <class T>
-void requireRange(const char* name, T value, T least, T most) {
-    if (value >= least && value <= most) return;
-    std::ostringstream text;
-    text << "--" << name << ' ' << value << ": wanted " << least << " to " << most;
-    throw Error(text.str());
-}
-
-}  // namespace
+// 20 GB of film.
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
 void validate(const RenderOptions& options) {
     requireRange("size (width)", options.width, 1, 65536);
     requireRange("size (height)", options.height, 1, 65536);
+    if (std::int64_t{options.width} * options.height > kMaxPixels)
+        throw Error("--size " + std::to_string(options.width) + "x" +
+                    std::to_string(options.height) + ": wanted at most " +
+                    std::to_string(kMaxPixels) + " pixels");
     requireRange("samples", options.samples, 0, 1 << 20);
     requireRange("camera-rays", options.cameraRays, 1, 65536);
     for (int k = 0; k < 3; ++k) requireRange("albedo", options.albedo[k], 0.0f, 1.0f);
@@ -29,8 +26,8 @@ void validate(const RenderOptions& options) {
 
 void validate(const EstimatorOptions& options) {
     requireRange("triangles", options.triangles, 20, 100000);
-    requireRange("min-level", options.minLevel, 0, 7);
-    requireRange("max-level", options.maxLevel, options.minLevel, 7);
+    requireRange("max-level", options.maxLevel, 0, 7);
+    requireRange("min-level", options.minLevel, 0, options.maxLevel);
     requireRange("threshold", options.threshold, 0, 1000);
     if (!(options.alpha >= 0 && options.alpha < 1)) {
         std::ostringstream text;
