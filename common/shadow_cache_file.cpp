@@ -7,6 +7,7 @@
 #include <mutex>
 #include <system_error>
 
+#include "common/atomic_file.h"
 #include "common/cache_grids.h"
 #include "common/error.h"
 #include "common/parallel.h"
@@ -414,9 +415,8 @@ CacheItems readCache(const fs::path& path, CacheHeader& header) {
 std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
                           const CacheItems& items) {
     initializeOpenVdb();
+    requireWritable(path);
     std::error_code ignored;
-    if (fs::is_directory(path, ignored))
-        throwFileError(path, "a directory, wanted a file to write");
     const PointGrids points = buildPointGrids(header, items);
     const VolumeGrids volumes = buildVolumeGrids(header, items);
     fs::path part = path;
