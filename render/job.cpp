@@ -7,8 +7,10 @@
 #include <regex>
 #include <sstream>
 
+#include "common/atomic_file.h"
 #include "common/error.h"
 #include "common/json_file.h"
+#include "common/option_checks.h"
 #include "common/parallel.h"
 #include "common/process.h"
 #include "common/progress.h"
@@ -64,27 +66,22 @@ std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh&
 
 Camera cameraOf(const RenderJob& job, const CameraTrack* track, int frame) {
     if (track) return cameraAtFrame(*track, frame);
-    return lookAt(*job.eye, *job.lookAt, {0, 1, 0}, job.fovYDegrees * kPi / 180);
-}
-
-void requirePixel(const std::array<int, 2>& pixel, const RenderOptions& picture) {
-    const auto [x, y] = pixel;
-    if (x >= 0 && x < picture.width && y >= 0 && y < picture.height) return;
-    throw Error("--debug " + std::to_string(x) + "," + std::to_string(y) + ": wanted 0,0 to " +
-                std::to_string(picture.width - 1) + "," + std::to_string(picture.height - 1));
+    // A plan has its north, -Z, at the top.
+    const bool vertical = job.eye->x == job.lookAt->x && job.eye->z == job.lookAt->z;
+    const Vec3d up = vertical ? Vec3d(0, 0, -1) : Vec3d(0, 1, 0);
+    return lookAt(*job.eye, *job.lookAt, up, job.fovYDegrees * kPi / 180);
 }
 
 struct Timing {
     double load = 0, build = 0;
 };
 
-Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache, const RenderStats& stats,
-                       int frame) {
+Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache, double seconds, int frame) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
         metadata.emplace_back("shadowcache:" + name, value);
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
-    metadata.emplace_back("shadowcache:seconds", std::to_string(stats.seconds));
+    metadata.emplace_back("shadowcache:seconds", std::to_string(seconds));
     if (cache) {
         std::ostringstream print;
         print << std::hex << cache->header().fingerprint;
@@ -93,11 +90,12 @@ Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache, const Ren
     return metadata;
 }
 
-void writeFrame(const RenderJob& job, const Film& film, const ShadowCache* cache,
-                const RenderStats& stats, int frame) {
+void writeFrame(const RenderJob& job, const Film& film, const ShadowCache* cache, double seconds,
+                int frame) {
     const auto path = framePath(job.output, frame, job.frames.size() > 1);
     writeExr(path, film.width, film.height, channels(film, job.aovs),
-             frameMetadata(job, cache, stats, frame), job.half ? PixelType::half : PixelType::full);
+             frameMetadata(job, cache, seconds, frame),
+             job.half ? PixelType::half : PixelType::full);
     if (!job.png) return;
     auto png = path;
     writePng(png.replace_extension(".png"), colorImage(film), job.exposure);
@@ -130,8 +128,12 @@ void writeStats(const RenderJob& job, const TriangleMesh& mesh, const ShadowCach
 }
 
 /// The R, G and B of a rendered image, negative estimates included.
-Image readReference(const std::filesystem::path& path) {
+Image readReference(const std::filesystem::path& path, const RenderOptions& picture) {
     const ExrFile file = readExr(path);
+    if (file.width != picture.width || file.height != picture.height)
+        throwFileError(path, std::to_string(file.width) + "x" + std::to_string(file.height) +
+                                 " pixels, wanted " + std::to_string(picture.width) + "x" +
+                                 std::to_string(picture.height) + " as rendered");
     Image image{file.width, file.height, {}};
     image.pixels.resize(static_cast<std::size_t>(file.width) *
                         static_cast<std::size_t>(file.height));
@@ -146,6 +148,44 @@ Image readReference(const std::filesystem::path& path) {
         for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i][k] = found->values[i];
     }
     return image;
+}
+
+void validateOutputs(const RenderJob& job) {
+    requireExtension(job.output, ".exr");
+    channels(Film{}, job.aovs);
+    for (const int frame : job.frames) {
+        auto path = framePath(job.output, frame, job.frames.size() > 1);
+        requireWritable(path);
+        if (job.png) requireWritable(path.replace_extension(".png"));
+    }
+    if (!job.stats.empty()) requireWritable(job.stats);
+}
+
+/// Whatever can be refused is refused before the long work.
+///
+/// @return the estimator asked for
+const EstimatorEntry& validate(const RenderJob& job) {
+    validate(job.render);
+    validate(job.estimatorOptions);
+    requireRange("threads", job.threads, 0, kMaxThreads);
+    requireRange("env-rotate", job.environmentRotation, -1e6, 1e6);
+    requireRange("exposure", job.exposure, -64.0f, 64.0f);
+    requireRange("fov-y", job.fovYDegrees, 0.01, 179.0);
+    if (job.debugPixel) {
+        requireRange("debug (x)", (*job.debugPixel)[0], 0, job.render.width - 1);
+        requireRange("debug (y)", (*job.debugPixel)[1], 0, job.render.height - 1);
+    }
+    const std::string name =
+        !job.estimator.empty() ? job.estimator : (job.cache.empty() ? "mis" : "cache");
+    const EstimatorEntry& entry = findEstimator(name);
+    if (entry.needsCache && job.cache.empty())
+        throw Error("--estimator " + name +
+                    " needs --cache: bake the set with shadowcache-bake first");
+    if (job.render.samples < entry.minSamples)
+        throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
+                    " wants at least " + std::to_string(entry.minSamples));
+    validateOutputs(job);
+    return entry;
 }
 
 }  // namespace
@@ -195,29 +235,17 @@ std::filesystem::path framePath(const std::filesystem::path& pattern, int frame,
 }
 
 void run(const RenderJob& job) {
-    validate(job.render);
-    validate(job.estimatorOptions);
-    const std::string name =
-        !job.estimator.empty() ? job.estimator : (job.cache.empty() ? "mis" : "cache");
-    const EstimatorEntry& entry = findEstimator(name);
-    if (entry.needsCache && job.cache.empty())
-        throw Error("--estimator " + name +
-                    " needs --cache: bake the set with shadowcache-bake first");
-    if (job.render.samples < entry.minSamples)
-        throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
-                    " wants at least " + std::to_string(entry.minSamples));
-    if (job.debugPixel) requirePixel(*job.debugPixel, job.render);
-    for (const int frame : job.frames) framePath(job.output, frame, job.frames.size() > 1);
-    channels(Film{}, job.aovs);
+    const EstimatorEntry& entry = validate(job);
     setThreadCount(job.threads);
     installInterruptHandler();
 
     const double start = secondsNow();
     std::optional<CameraTrack> track;
-    if (!job.cameraFile.empty()) {
-        track = readCameraFile(job.cameraFile);
-        for (const int frame : job.frames) cameraAtFrame(*track, frame);
-    }
+    if (!job.cameraFile.empty()) track = readCameraFile(job.cameraFile);
+    const auto camera = [&](int frame) { return cameraOf(job, track ? &*track : nullptr, frame); };
+    for (const int frame : job.frames) camera(frame);
+    std::optional<Image> reference;
+    if (!job.reference.empty()) reference = readReference(job.reference, job.render);
     const TriangleMesh mesh = loadMesh(job.files, job.mesh);
     std::printf("set: %s\n", describe(mesh.report).c_str());
     const auto cache = openCache(job, mesh);
@@ -228,23 +256,22 @@ void run(const RenderJob& job) {
     const std::unique_ptr<Estimator> estimator = entry.make(context);
     const Timing timing{loaded - start, secondsNow() - loaded};
 
-    if (job.debugPixel) {
-        const auto [x, y] = *job.debugPixel;
-        for (const int frame : job.frames)
-            reportPixel(*estimator, context, cameraOf(job, track ? &*track : nullptr, frame), frame,
-                        job.render, x, y);
-        return;
-    }
     RenderStats stats;
     std::optional<RelativeError> error;
     for (const int frame : job.frames) {
-        const Camera camera = cameraOf(job, track ? &*track : nullptr, frame);
-        const Film film = render(*estimator, context, camera, frame, job.render, stats);
-        writeFrame(job, film, cache.get(), stats, frame);
-        if (!job.reference.empty())
-            error = relativeError(colorImage(film), readReference(job.reference));
+        throwIfInterrupted();
+        const double before = stats.seconds;
+        if (job.debugPixel) {
+            const auto [x, y] = *job.debugPixel;
+            reportPixel(*estimator, context, camera(frame), frame, job.render, x, y);
+            continue;
+        }
+        const Film film = render(*estimator, context, camera(frame), frame, job.render, stats);
+        writeFrame(job, film, cache.get(), stats.seconds - before, frame);
+        if (reference) error = relativeError(colorImage(film), *reference);
     }
-    std::printf("%s: %zu frame%s, %d samples, %.1f M shadow rays in %.2f s", name.c_str(),
+    if (job.debugPixel) return;
+    std::printf("%s: %zu frame%s, %d samples, %.1f M shadow rays in %.2f s", entry.name,
                 job.frames.size(), job.frames.size() > 1 ? "s" : "", job.render.samples,
                 static_cast<double>(stats.shadowRays) * 1e-6, stats.seconds);
     if (error) std::printf(", relMSE %.3g", error->mean);

@@ -1,9 +1,14 @@
 #include <CLI/CLI.hpp>
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <exception>
+#include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "common/error.h"
 #include "common/version.h"
 #include "render/film.h"
 #include "render/job.h"
@@ -13,10 +18,8 @@ namespace {
 
 /// What CLI11 fills before it becomes a RenderJob.
 struct Arguments {
-    std::string up = "y", frames, size = "960x540", sequence = "sobol";
-    std::vector<double> eye, target;
-    std::vector<float> albedo{0.5f};
-    std::vector<int> debug;
+    std::string up = "y", frames, size = "960x540", sequence = "sobol", albedo = "0.5";
+    std::string eye, target, debug;
 };
 
 void defineScene(CLI::App& app, RenderJob& job, Arguments& arguments) {
@@ -32,15 +35,14 @@ void defineScene(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->capture_default_str()
         ->group(group);
     app.add_option("--albedo", arguments.albedo,
-                   "Albedo where the set has no vertex colours: one value, or R,G,B [0.5]")
-        ->delimiter(',')
-        ->expected(1, 3)
+                   "Albedo where the set has no vertex colours: one value, or R,G,B, 0 to 1")
+        ->capture_default_str()
         ->group(group);
     app.add_option("--up", arguments.up, "Up axis of the files: y or z")
         ->check(CLI::IsMember({"y", "z"}))
         ->capture_default_str()
         ->group(group);
-    app.add_option("--scale", job.mesh.scale, "Metres per unit of the files")
+    app.add_option("--scale", job.mesh.scale, "Metres per unit of the files, above 0")
         ->capture_default_str()
         ->group(group);
 }
@@ -53,18 +55,15 @@ void defineCamera(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->needs(camera)
         ->group(group);
     auto* eye = app.add_option("--eye", arguments.eye, "Place of the camera: X,Y,Z")
-                    ->delimiter(',')
-                    ->expected(3)
                     ->excludes(camera)
                     ->group(group);
     auto* target = app.add_option("--look-at", arguments.target, "What it looks at: X,Y,Z")
-                       ->delimiter(',')
-                       ->expected(3)
                        ->needs(eye)
                        ->group(group);
     eye->needs(target);
-    app.add_option("--fov-y", job.fovYDegrees, "Vertical angle of view in degrees, with --eye")
-        ->check(CLI::Range(0.01, 179.0))
+    app.add_option("--fov-y", job.fovYDegrees,
+                   "Vertical angle of view in degrees, 0.01 to 179, with --eye")
+        ->needs(eye)
         ->capture_default_str()
         ->group(group);
     app.add_option("--size", arguments.size, "Picture in pixels: WxH")
@@ -90,6 +89,7 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->capture_default_str()
         ->group(group);
     app.add_option("--seed", job.render.seed, "Seed of all random numbers")
+        ->check(CLI::NonNegativeNumber)
         ->capture_default_str()
         ->group(group);
     app.add_option("--sequence", arguments.sequence, "Numbers: sobol (Owen-scrambled) or random")
@@ -118,10 +118,14 @@ void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
     const std::string group = "Output";
     std::string aovs;
     for (const std::string& name : aovNames()) aovs += " " + name;
-    app.add_option("-o,--output", job.output, "EXR to write; #### becomes the frame's number")
+    app.add_option("-o,--output", job.output,
+                   "EXR to write (.exr); #### becomes the frame's number")
         ->required()
         ->group(group);
-    app.add_option("--aov", job.aovs, "More channels, any of:" + aovs)->group(group);
+    app.add_option("--aov", job.aovs, "More channels, any of:" + aovs)
+        ->delimiter(',')
+        ->check(CLI::IsMember(aovNames()))
+        ->group(group);
     app.add_flag("--half", job.half, "16-bit channels instead of 32-bit")->group(group);
     app.add_flag("--png", job.png, "An sRGB PNG beside each EXR")->group(group);
     app.add_option("--exposure", job.exposure, "Stops to brighten the PNG by")
@@ -133,34 +137,58 @@ void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
     app.add_option("--stats", job.stats, "Write what it took as JSON")->group(group);
     app.add_option("--debug", arguments.debug,
                    "Write nothing, but print how the pixel X,Y comes about")
-        ->delimiter(',')
-        ->expected(2)
         ->group(group);
     app.add_option("--threads", job.threads, "Threads; 0: one a core")
         ->capture_default_str()
         ->group(group);
 }
 
+/// "A,B,C" -> finite numbers, as many as `count`.
+std::vector<double> parseNumbers(const char* option, const std::string& text, std::size_t count,
+                                 const char* wanted) {
+    std::vector<double> numbers;
+    std::istringstream parts(text);
+    std::string part;
+    while (std::getline(parts, part, ',')) {
+        double number = 0;
+        if (!CLI::detail::lexical_cast(part, number) || !std::isfinite(number)) break;
+        numbers.push_back(number);
+    }
+    if (numbers.size() != count || !parts.eof())
+        throw Error(std::string(option) + " " + text + ": wanted " + wanted);
+    return numbers;
+}
+
+Vec3d parseVector(const char* option, const std::string& text, const char* wanted) {
+    const std::vector<double> v = parseNumbers(option, text, 3, wanted);
+    return {v[0], v[1], v[2]};
+}
+
+/// "AxB" or "A,B" -> two whole numbers of 0 or more.
+std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted) {
+    static const std::regex pair(R"((\d{1,5})[x,](\d{1,5}))");
+    std::smatch match;
+    if (!std::regex_match(text, match, pair))
+        throw Error(std::string(option) + " " + text + ": wanted " + wanted);
+    return {std::stoi(match[1]), std::stoi(match[2])};
+}
+
 /// Turns the arguments' texts into the job's values.
 void complete(RenderJob& job, const Arguments& arguments) {
-    if (job.cameraFile.empty() && arguments.eye.empty())
-        throw CLI::RequiredError("--camera, or --eye with --look-at,");
-    const auto vector = [](const std::vector<double>& v) { return Vec3d(v[0], v[1], v[2]); };
     if (!arguments.eye.empty()) {
-        job.eye = vector(arguments.eye);
-        job.lookAt = vector(arguments.target);
+        job.eye = parseVector("--eye", arguments.eye, "X,Y,Z");
+        job.lookAt = parseVector("--look-at", arguments.target, "X,Y,Z");
     }
     if (!arguments.frames.empty()) job.frames = parseFrames(arguments.frames);
-    char rest = 0;
-    if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &job.render.width, &job.render.height,
-                    &rest) != 2)
-        throw CLI::ValidationError("--size", "'" + arguments.size + "': wanted WxH, as in 960x540");
-    if (arguments.albedo.size() == 2)
-        throw CLI::ValidationError("--albedo", "two values: wanted one, or R,G,B");
-    for (std::size_t k = 0; k < 3; ++k)
-        job.render.albedo[static_cast<int>(k)] =
-            arguments.albedo[arguments.albedo.size() == 3 ? k : 0];
-    if (!arguments.debug.empty()) job.debugPixel = {arguments.debug[0], arguments.debug[1]};
+    const auto [width, height] = parsePair("--size", arguments.size, "WxH, as in 960x540");
+    job.render.width = width;
+    job.render.height = height;
+    const bool grey = arguments.albedo.find(',') == std::string::npos;
+    job.render.albedo =
+        Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])
+                 : parseVector("--albedo", arguments.albedo, "one value, or R,G,B"));
+    if (!arguments.debug.empty())
+        job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
     job.mesh.zUp = arguments.up == "z";
     job.estimatorOptions.sequence =
         arguments.sequence == "random" ? Sequence::random : Sequence::sobol;
@@ -210,10 +238,12 @@ int main(int argc, char** argv) try {
         "--samples 256 -o a.exr");
     try {
         app.parse(argc, argv);
-        complete(job, arguments);
+        if (job.cameraFile.empty() && arguments.eye.empty())
+            throw CLI::RequiredError("--camera, or --eye with --look-at,");
     } catch (const CLI::ParseError& e) {
         return app.exit(e);
     }
+    complete(job, arguments);
     recordSettings(app, job);
     run(job);
     return 0;
