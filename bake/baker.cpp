@@ -110,9 +110,11 @@ private:
     std::uint64_t forAll(std::size_t count, const Body& body, const Done& done) {
         std::vector<std::uint64_t> rays((count + kChunkSize - 1) / kChunkSize);
         parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
-            throwIfInterrupted();
             ItemBaker baker(scene_, directions_, base_, options_, frame_.spacing());
-            for (std::size_t i = chunk.begin; i < chunk.end; ++i) body(baker, i, chunk.index);
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                throwIfInterrupted();
+                body(baker, i, chunk.index);
+            }
             rays[chunk.index] = baker.raysTraced();
             done(chunk.end - chunk.begin);
         });
