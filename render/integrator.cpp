@@ -125,18 +125,19 @@ Film render(const Estimator& estimator, const EstimatorContext& context, const C
     std::atomic<std::uint64_t> shadowRays{0}, setup{0}, trace{0};
     Progress progress("frame " + std::to_string(frame), tiles);
     parallelFor(tiles, 16, [&](const Chunk& chunk) {
-        throwIfInterrupted();
         const std::unique_ptr<Workspace> workspace = estimator.makeWorkspace();
         std::uint64_t rays = 0;
         for (std::size_t t = chunk.begin; t < chunk.end; ++t) {
             const int x0 = static_cast<int>(t) % tilesX * kTile;
             const int y0 = static_cast<int>(t) / tilesX * kTile;
             for (int y = y0; y < std::min(y0 + kTile, options.height); ++y)
-                for (int x = x0; x < std::min(x0 + kTile, options.width); ++x)
+                for (int x = x0; x < std::min(x0 + kTile, options.width); ++x) {
+                    throwIfInterrupted();
                     film.pixels[static_cast<std::size_t>(y) *
                                     static_cast<std::size_t>(options.width) +
                                 static_cast<std::size_t>(x)] =
                         task.renderPixel(x, y, *workspace, rays);
+                }
         }
         shadowRays += rays;
         setup += workspace->setupNanoseconds;
