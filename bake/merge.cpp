@@ -14,7 +14,7 @@ void requireSame(const std::filesystem::path& path, const char* what, const T& f
                  const T& wanted) {
     if (found == wanted) return;
     std::ostringstream text;
-    text.precision(17);
+    text.precision(15);
     text << what << ' ' << found << " does not merge with " << wanted << " of the first cache";
     throwFileError(path, text.str());
 }

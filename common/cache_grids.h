@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the cache's two .cpp files: the only ones that see OpenVDB.
+// Private to the cache's .cpp files: the only ones that see OpenVDB.
 
 #include <openvdb/openvdb.h>
 #include <openvdb/points/PointDataGrid.h>
@@ -12,6 +12,7 @@
 namespace shadowcache {
 
 /// Names in the file (docs/format.md).
+inline constexpr const char* kFormatKey = "shadowcache_format";
 inline constexpr const char* kItemGrid = "shadowcache_items";
 inline constexpr const char* kBlockGrid = "shadowcache_blocks";
 inline constexpr const char* kOpennessGrid = "openness";
@@ -30,6 +31,9 @@ struct CacheGrids {
     PointGrid::Ptr items;
     PointGrid::Ptr blocks;
 };
+
+/// Registers OpenVDB's types; once is enough.
+void initializeOpenVdb();
 
 /// @throws Error naming the file and the cause
 CacheGrids readGrids(const std::filesystem::path& path);

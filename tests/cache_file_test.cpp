@@ -93,7 +93,8 @@ TEST(AddCounts, KeepsMixedMixedAndPureExact) {
                 EXPECT_EQ(sumN == sumD, trueN == trueD)
                     << n << "/" << d << " " << moreN << "/" << moreD;
                 // To the eighth bit the ratio stays.
-                EXPECT_NEAR(double{sumN} / double{sumD}, static_cast<double>(trueN) / trueD, 1.0 / 127);
+                EXPECT_NEAR(static_cast<double>(sumN) / sumD, static_cast<double>(trueN) / trueD,
+                            1.0 / 127);
                 if (trueD <= 255) {
                     EXPECT_EQ(sumN, trueN);
                     EXPECT_EQ(sumD, trueD);
@@ -207,7 +208,9 @@ TEST(Merge, OfSpatialShardsIsTheOneBakeByteForByte) {
         rays += part.rays;
     }
     EXPECT_EQ(items, whole.items.size());
-    EXPECT_EQ(rays, whole.rays);
+    // Neighbours of other shards are probed by both.
+    EXPECT_GE(rays, whole.rays);
+    EXPECT_LT(rays, 2 * whole.rays);
     for (int turn = 0; turn < 3; ++turn) {
         CacheHeader header;
         const CacheItems merged = mergeCaches(paths, header);
@@ -316,7 +319,7 @@ TEST_F(BadCacheFiles, ThatCannotBeWrittenLeaveNothing) {
     const BakeResult baked = bakeSmall(smallOptions());
     const auto write = [&](const fs::path& path) { writeCache(path, baked.header, baked.items); };
     expectError([&] { write(folder_.path() / "no" / "folder" / "cache.vdb"); }, "cache.vdb",
-                "cannot be written");
+                "cannot be created");
     fs::create_directory(folder_.path() / "folder.vdb");
     expectError([&] { write(folder_.path() / "folder.vdb"); }, "folder.vdb", "directory");
     EXPECT_EQ(filesIn(folder_.path()), 1u);

@@ -1,10 +1,7 @@
 #include <openvdb/io/File.h>
-#include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
-#include <mutex>
 #include <system_error>
 
 #include "common/atomic_file.h"
@@ -19,8 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using openvdb::points::AttributeSet;
 using openvdb::points::PointDataTree;
-
-constexpr const char* kFormatKey = "shadowcache_format";
 
 openvdb::Coord toCoord(const Vec3i& v) {
     return {v.x, v.y, v.z};
@@ -140,10 +135,18 @@ void fillBlockLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& it
     d.compact();
 }
 
+/// The grids' place in world space. OpenVDB refuses voxels below 1.5e-5 units: finer ones are shown
+/// a thousandfold; lookups go by the metadata's spacing.
+openvdb::math::Transform::Ptr makeTransform(double spacing) {
+    constexpr double kLeastVoxel = 2e-5;
+    while (spacing > 0 && spacing < kLeastVoxel) spacing *= 1000;
+    return openvdb::math::Transform::createLinearTransform(spacing);
+}
+
 PointGrid::Ptr makePointGrid(const char* name, double spacing) {
     auto grid = PointGrid::create();
     grid->setName(name);
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(spacing));
+    grid->setTransform(makeTransform(spacing));
     return grid;
 }
 
@@ -204,9 +207,8 @@ VolumeGrids buildVolumeGrids(const CacheHeader& header, const CacheItems& items)
     grids.direction->setName(kOpenDirectionGrid);
     grids.direction->setVectorType(openvdb::VEC_INVARIANT);
     grids.direction->setSaveFloatAsHalf(true);
-    const auto transform = openvdb::math::Transform::createLinearTransform(header.spacing);
-    grids.openness->setTransform(transform->copy());
-    grids.direction->setTransform(transform->copy());
+    grids.openness->setTransform(makeTransform(header.spacing));
+    grids.direction->setTransform(makeTransform(header.spacing));
 
     auto openness = grids.openness->getAccessor();
     auto direction = grids.direction->getAccessor();
@@ -251,166 +253,7 @@ openvdb::MetaMap toMetadata(const CacheHeader& header, const CacheItems& items) 
     return meta;
 }
 
-template <class T>
-T metaValue(const openvdb::MetaMap& meta, const char* key, const fs::path& path) {
-    const auto value = meta.getMetadata<openvdb::TypedMetadata<T>>(key);
-    if (!value)
-        throwFileError(path, std::string("a shadow cache without its metadata '") + key + "'");
-    return value->value();
-}
-
-CacheHeader fromMetadata(const openvdb::MetaMap& meta, const fs::path& path) {
-    if (!meta[kFormatKey])
-        throwFileError(path, "an OpenVDB file, but not a shadow cache (no 'shadowcache_format')");
-    const auto format = metaValue<std::int32_t>(meta, kFormatKey, path);
-    if (format != kCacheFormat)
-        throwFileError(path, "cache format " + std::to_string(format) + ", this program reads " +
-                                 std::to_string(kCacheFormat) +
-                                 (format > kCacheFormat ? " (written by a newer version)" : ""));
-    CacheHeader header;
-    header.level = metaValue<std::int32_t>(meta, "level", path);
-    header.adaptive = metaValue<bool>(meta, "adaptive", path);
-    header.spacing = metaValue<double>(meta, "spacing", path);
-    header.rays = metaValue<std::int32_t>(meta, "rays", path);
-    header.seeds = metaValue<std::string>(meta, "seeds", path);
-    header.upAxis = metaValue<std::string>(meta, "up_axis", path);
-    header.unit = metaValue<double>(meta, "unit", path);
-    header.version = metaValue<std::string>(meta, "version", path);
-    const auto print = metaValue<std::string>(meta, "fingerprint", path);
-    const auto parsed =
-        std::from_chars(print.data(), print.data() + print.size(), header.fingerprint, 16);
-    if (parsed.ec != std::errc() || parsed.ptr != print.data() + print.size())
-        throwFileError(path, "fingerprint '" + print + "', wanted 16 hexadecimal digits");
-    if (header.level < 0 || header.level > kMaxCacheLevel)
-        throwFileError(path, "direction level " + std::to_string(header.level) + ", wanted 0 to 5");
-    if (!(header.spacing > 0))
-        throwFileError(path, "spacing " + std::to_string(header.spacing) + ", wanted above 0");
-    return header;
-}
-
-void initializeOpenVdb() {
-    static std::once_flag once;
-    std::call_once(once, [] { openvdb::initialize(); });
-}
-
-template <class Grid>
-typename Grid::Ptr takeGrid(openvdb::io::File& file, const char* name, const fs::path& path) {
-    if (!file.hasGrid(name)) throwFileError(path, std::string("no grid '") + name + "'");
-    const auto grid = openvdb::gridPtrCast<Grid>(file.readGrid(name));
-    if (!grid) throwFileError(path, std::string("grid '") + name + "' is of another type");
-    return grid;
-}
-
 }  // namespace
-
-template <class Array>
-const Array& attribute(const PointLeaf& leaf, const char* name, openvdb::Index stride,
-                       const fs::path& path) {
-    const std::size_t pos = leaf.attributeSet().find(name);
-    if (pos == AttributeSet::INVALID_POS ||
-        !leaf.constAttributeArray(pos).template isType<Array>() ||
-        leaf.constAttributeArray(pos).stride() != stride)
-        throwFileError(path, std::string("attribute '") + name + "' is missing or of another type");
-    const auto& array = Array::cast(leaf.constAttributeArray(pos));
-    array.loadData();
-    return array;
-}
-
-template const ByteArray& attribute(const PointLeaf&, const char*, openvdb::Index, const fs::path&);
-template const ShortArray& attribute(const PointLeaf&, const char*, openvdb::Index,
-                                     const fs::path&);
-template const IntArray& attribute(const PointLeaf&, const char*, openvdb::Index, const fs::path&);
-template const VectorArray& attribute(const PointLeaf&, const char*, openvdb::Index,
-                                      const fs::path&);
-
-namespace {
-
-std::uint8_t countAt(const ByteArray& array, std::size_t i) {
-    return static_cast<std::uint8_t>(array.constData()[array.isUniform() ? 0 : i]);
-}
-
-/// Appends the items of one leaf, and their blocks.
-void appendLeaf(const PointLeaf& leaf, const PointLeaf* blocks, std::size_t baseCells,
-                const fs::path& path, CacheItems& items) {
-    const auto& position = attribute<VectorArray>(leaf, "P", 1, path);
-    const auto& normal = attribute<VectorArray>(leaf, "normal", 1, path);
-    const auto& side = attribute<ByteArray>(leaf, "side", 1, path);
-    const auto& count = attribute<ShortArray>(leaf, "block_count", 1, path);
-    const auto& n = attribute<ByteArray>(leaf, "n", static_cast<openvdb::Index>(baseCells), path);
-    const auto& d = attribute<ByteArray>(leaf, "d", static_cast<openvdb::Index>(baseCells), path);
-    std::size_t block = 0;
-    for (auto point = leaf.beginIndexAll(); point; ++point) {
-        const openvdb::Index i = *point;
-        const openvdb::Coord voxel = point.getCoord();
-        const openvdb::Vec3f p = position.get(i), v = normal.get(i);
-        items.voxel.emplace_back(voxel.x(), voxel.y(), voxel.z());
-        items.side.push_back(static_cast<std::uint8_t>(side.get(i)));
-        items.normal.emplace_back(v.x(), v.y(), v.z());
-        items.position.emplace_back(p.x(), p.y(), p.z());
-        for (std::size_t c = 0; c < baseCells; ++c) {
-            items.n.push_back(countAt(n, i * baseCells + c));
-            items.d.push_back(countAt(d, i * baseCells + c));
-        }
-        const auto more = static_cast<std::size_t>(std::max<std::int16_t>(0, count.get(i)));
-        if (more > 0) {
-            if (!blocks) throwFileError(path, "damaged: an item's blocks are missing");
-            const auto& key = attribute<ShortArray>(*blocks, "key", 1, path);
-            const auto& bn = attribute<ByteArray>(*blocks, "n", kBlockCells, path);
-            const auto& bd = attribute<ByteArray>(*blocks, "d", kBlockCells, path);
-            if (block + more > key.size())
-                throwFileError(path, "damaged: an item's blocks lie outside the file's");
-            for (const std::size_t end = block + more; block < end; ++block) {
-                CountBlock b{
-                    static_cast<std::uint16_t>(key.get(static_cast<openvdb::Index>(block))),
-                    {},
-                    {}};
-                for (std::size_t c = 0; c < kBlockCells; ++c) {
-                    b.n[c] = countAt(bn, block * kBlockCells + c);
-                    b.d[c] = countAt(bd, block * kBlockCells + c);
-                }
-                items.blocks.push_back(b);
-            }
-        }
-        items.firstBlock.push_back(static_cast<std::uint32_t>(items.blocks.size()));
-    }
-}
-
-}  // namespace
-
-CacheGrids readGrids(const fs::path& path) {
-    initializeOpenVdb();
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) throwFileError(path, "no such file");
-    if (fs::is_directory(path, ignored)) throwFileError(path, "a directory, wanted a cache file");
-    if (fs::file_size(path, ignored) == 0) throwFileError(path, "empty, wanted a cache file");
-    try {
-        openvdb::io::File file(path.string());
-        file.setCopyMaxBytes(0);
-        file.open(false);
-        const openvdb::MetaMap::Ptr meta = file.getMetadata();  // a fresh copy: keep it alive
-        CacheGrids grids;
-        grids.header = fromMetadata(*meta, path);
-        grids.items = takeGrid<PointGrid>(file, kItemGrid, path);
-        grids.blocks = takeGrid<PointGrid>(file, kBlockGrid, path);
-        return grids;
-    } catch (const openvdb::Exception& e) {
-        throwFileError(path,
-                       std::string("not a readable OpenVDB file, or cut short (") + e.what() + ")");
-    } catch (const std::bad_alloc&) {
-        throwFileError(path, "cut short or damaged (it asks for more memory than there is)");
-    }
-}
-
-CacheItems readCache(const fs::path& path, CacheHeader& header) {
-    const CacheGrids grids = readGrids(path);
-    header = grids.header;
-    const std::size_t baseCells = header.tiers().baseCells();
-    CacheItems items;
-    for (auto leaf = grids.items->tree().cbeginLeaf(); leaf; ++leaf)
-        appendLeaf(*leaf, grids.blocks->tree().probeConstLeaf(leaf->origin()), baseCells, path,
-                   items);
-    return items;
-}
 
 std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
                           const CacheItems& items) {
@@ -425,16 +268,13 @@ std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
         {
             openvdb::io::File file(part.string());
             file.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-            file.write(openvdb::GridCPtrVec{points.items, points.blocks, volumes.openness,
-                                            volumes.direction},
+            // The points stand last, where whoever reads them meets the end of a file cut short.
+            file.write(openvdb::GridCPtrVec{volumes.openness, volumes.direction, points.blocks,
+                                            points.items},
                        toMetadata(header, items));
         }
         // OpenVDB does not report a full disk; reading back does.
         readGrids(part);
-        openvdb::io::File file(part.string());
-        file.setCopyMaxBytes(0);
-        file.open(false);
-        takeGrid<openvdb::Vec3SGrid>(file, kOpenDirectionGrid, part);
         fs::rename(part, path);
     } catch (const std::exception& e) {
         const bool exists = fs::exists(part, ignored);
