@@ -20,15 +20,15 @@ namespace {
 /// Triangles' diffuse convolutions I_i(n), tabulated over the normal. [paper 4.2]
 class ConvolutionTable {
 public:
-    static constexpr int kPolar = 32, kAzimuth = 64;
+    static constexpr std::size_t kPolar = 32, kAzimuth = 64;
 
     ConvolutionTable(const Environment& environment, const std::vector<MapTriangle>& triangles)
         : count_(triangles.size()), values_(count_ * kPolar * kAzimuth) {
         parallelFor(kPolar * kAzimuth, 8, [&](const Chunk& chunk) {
             for (std::size_t node = chunk.begin; node < chunk.end; ++node)
                 for (std::size_t i = 0; i < count_; ++i)
-                    values_[node * count_ + i] = static_cast<float>(
-                        convolve(environment, triangles[i], nodeNormal(static_cast<int>(node))));
+                    values_[node * count_ + i] =
+                        static_cast<float>(convolve(environment, triangles[i], nodeNormal(node)));
         });
     }
 
@@ -38,9 +38,10 @@ public:
         double azimuth = std::atan2(static_cast<double>(n.x), static_cast<double>(n.z)) / (2 * kPi);
         azimuth -= std::floor(azimuth);
         const double y = polar / kPi * (kPolar - 1), x = azimuth * kAzimuth;
-        const int y0 = std::min(static_cast<int>(y), kPolar - 2);
-        const int x0 = static_cast<int>(x) % kAzimuth, x1 = (x0 + 1) % kAzimuth;
-        const auto fy = static_cast<float>(y - y0), fx = static_cast<float>(x - std::floor(x));
+        const std::size_t y0 = std::min(static_cast<std::size_t>(y), kPolar - 2);
+        const std::size_t x0 = static_cast<std::size_t>(x) % kAzimuth, x1 = (x0 + 1) % kAzimuth;
+        const auto fy = static_cast<float>(y - static_cast<double>(y0)),
+                   fx = static_cast<float>(x - std::floor(x));
         const float* a = row(y0, x0);
         const float* b = row(y0, x1);
         const float* c = row(y0 + 1, x0);
@@ -51,23 +52,45 @@ public:
     }
 
 private:
-    static Vec3d nodeNormal(int node) {
-        const double polar = kPi * (node / kAzimuth) / (kPolar - 1);
-        const double azimuth = 2 * kPi * (node % kAzimuth) / kAzimuth;
+    static Vec3d nodeNormal(std::size_t node) {
+        const std::size_t row = node / kAzimuth, column = node % kAzimuth;
+        const double polar = kPi * static_cast<double>(row) / (kPolar - 1);
+        const double azimuth = 2 * kPi * static_cast<double>(column) / kAzimuth;
         return {std::sin(polar) * std::sin(azimuth), std::cos(polar),
                 std::sin(polar) * std::cos(azimuth)};
     }
 
     static double convolve(const Environment& environment, const MapTriangle& t, const Vec3d& n) {
+        if (t.level <= Environment::kLevel) return convolveCell(environment, t.level, t.cell, n);
+        // Finer than the order of the texels: one cosine for all of the triangle.
         const double height = n.dot(t.axis), sine = std::sin(t.radius);
         if (height >= sine) return std::max(0.0, n.dot(t.flux));
-        if (height <= -sine) return 0;
-        // Finer than the order of the texels: one cosine for all of the triangle.
-        if (t.level > Environment::kLevel) return t.power * std::max(height, sine / 4);
-        const int shift = 2 * (Environment::kLevel - t.level);
-        const std::uint32_t begin = environment.texelsOf(t.cell << shift)[0];
-        const std::uint32_t end = environment.texelsOf(((t.cell + 1) << shift) - 1)[1];
+        return height <= -sine ? 0 : t.power * std::max(height, sine / 4);
+    }
+
+    /// Whole cells by their moments, texels one by one in the finest cells on the horizon.
+    static double convolveCell(const Environment& environment, int level, std::uint32_t cell,
+                               const Vec3d& n) {
+        const CellMoments& m = environment.cells(level, cell / CellMoments::kSize);
+        const std::uint32_t k = cell % CellMoments::kSize;
+        const Vec3d axis(Vec3f(m.axis[0][k], m.axis[1][k], m.axis[2][k]));
+        const double height = n.dot(axis);
+        const auto sine = static_cast<double>(m.sinRadius[k]);
+        if (height <= -sine || m.power[k] <= 0) return 0;
         double sum = 0;
+        if (height >= sine) {
+            const Rgb& weights = environment.luminanceWeights();
+            for (int c = 0; c < 3; ++c)
+                sum += static_cast<double>(weights[c]) *
+                       n.dot(Vec3d(Vec3f(m.flux[c][0][k], m.flux[c][1][k], m.flux[c][2][k])));
+            return std::max(0.0, sum);
+        }
+        if (level < Environment::kLevel) {
+            for (std::uint32_t child = 4 * cell; child < 4 * cell + 4; ++child)
+                sum += convolveCell(environment, level + 1, child, n);
+            return sum;
+        }
+        const auto [begin, end] = environment.texelsOf(cell);
         for (std::uint32_t i = begin; i < end; ++i) {
             const Environment::Texel texel = environment.texel(i);
             sum += std::max(0.0, n.dot(Vec3d(texel.center))) *
@@ -76,8 +99,8 @@ private:
         return sum;
     }
 
-    const float* row(int y, int x) const {
-        return values_.data() + static_cast<std::size_t>(y * kAzimuth + x) * count_;
+    const float* row(std::size_t y, std::size_t x) const {
+        return values_.data() + (y * kAzimuth + x) * count_;
     }
 
     std::size_t count_;
@@ -214,9 +237,9 @@ private:
             const MapTriangle& t = triangles_[i];
             const double height = n.dot(t.axis), sine = std::sin(t.radius);
             if (height <= -sine || (t.power <= 0 && t.floor <= 0)) continue;
-            constexpr double leastCosine = 0.05;
+            constexpr double kLeastCosine = 0.05;
             const double light =
-                std::max(static_cast<double>(w.convolution[i]), t.floor * t.area * leastCosine);
+                std::max(static_cast<double>(w.convolution[i]), t.floor * t.area * kLeastCosine);
             const double weight = light * visibility(w, t);
             if (height >= sine) {
                 addPiece({t.corners, t.area, weight}, w);

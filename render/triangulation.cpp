@@ -88,8 +88,8 @@ MapTriangle makeTriangle(const Environment& environment, int level, std::uint32_
     t.power = sums.power;
     // Texels overlap triangles that do not hold their centres; a lit one must keep the density
     // positive.
-    constexpr double share = 1e-3;
-    t.floor = share * static_cast<double>(environment.maxLuminance(t.axis, t.radius));
+    constexpr double kShare = 2e-2;
+    t.floor = kShare * static_cast<double>(environment.maxLuminance(t.axis, t.radius));
     return t;
 }
 
