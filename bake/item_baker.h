@@ -54,7 +54,7 @@ private:
 
     void findCells(const Patch& patch);
     int finestRays() const;
-    Count* fineOf(std::uint32_t cell) { return &fine_[cell * kBlockCells]; }
+    Count* fineOf(std::uint32_t cell) { return &fine_[std::size_t{cell} * kBlockCells]; }
     void addToFine(RayCounter& rays, std::uint32_t cell, int count);
     Count sumFine(std::uint32_t cell);
     /// Rays of both passes.

@@ -31,8 +31,8 @@ double chooseSpacing(const TriangleMesh& mesh) {
         box.extendBy(b);
         box.extendBy(c);
     }
-    constexpr double items = 40000;
-    const double bySurface = std::sqrt(surface / items);
+    constexpr double kItems = 40000;
+    const double bySurface = std::sqrt(surface / kItems);
     const double byExtent = box.size().length() / 400;
     // Two digits are enough, and easier to write down.
     const double spacing = std::min(bySurface, byExtent);

@@ -14,18 +14,16 @@ namespace {
 Vec3d samplePolygon(const Polygon& polygon, double u, double v) {
     std::array<double, 9> sizes{};
     double total = 0;
-    const auto fanArea = [&](int i) {
+    const auto fanArea = [&](std::size_t i) {
         return (polygon.corner[i - 1] - polygon.corner[0])
             .cross(polygon.corner[i] - polygon.corner[0])
             .length();
     };
-    for (int i = 2; i < polygon.count; ++i)
-        total += sizes[static_cast<std::size_t>(i)] = fanArea(i);
+    for (std::size_t i = 2; i < polygon.count; ++i) total += sizes[i] = fanArea(i);
     double x = u * total;
-    int i = 2;
-    while (i + 1 < polygon.count && x >= sizes[static_cast<std::size_t>(i)])
-        x -= sizes[static_cast<std::size_t>(i++)];
-    const double size = sizes[static_cast<std::size_t>(i)];
+    std::size_t i = 2;
+    while (i + 1 < polygon.count && x >= sizes[i]) x -= sizes[i++];
+    const double size = sizes[i];
     const double root = std::sqrt(size > 0 ? std::min(1.0, x / size) : 0.5);
     return polygon.corner[0] * (1 - root) + polygon.corner[i - 1] * (root * (1 - v)) +
            polygon.corner[i] * (root * v);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 
 #include "common/error.h"
@@ -27,10 +28,16 @@ Imath::Box3d bounds(const TriangleMesh& mesh) {
     return box;
 }
 
+std::string refusal(double spacing, double least) {
+    std::ostringstream text;
+    text << "spacing " << spacing << " is too small for this set: wanted at least " << least;
+    return text.str();
+}
+
 /// Keeps the part of `polygon` where sign * (corner[axis] - limit) <= 0.
 void clipAxis(Polygon& polygon, int axis, double limit, double sign) {
     Polygon out;
-    for (int i = 0; i < polygon.count; ++i) {
+    for (std::size_t i = 0; i < polygon.count; ++i) {
         const Vec3d& a = polygon.corner[i];
         const Vec3d& b = polygon.corner[(i + 1) % polygon.count];
         const double da = sign * (a[axis] - limit), db = sign * (b[axis] - limit);
@@ -62,7 +69,7 @@ void addSlabs(const Polygon& polygon, const VoxelFrame& frame, int axis, Vec3i v
         return;
     }
     Imath::Box3d box;
-    for (int i = 0; i < polygon.count; ++i) box.extendBy(polygon.corner[i]);
+    for (std::size_t i = 0; i < polygon.count; ++i) box.extendBy(polygon.corner[i]);
     const int first = frame.voxelAt(box.min)[axis], last = frame.voxelAt(box.max)[axis];
     for (int v = first; v <= last; ++v) {
         voxel[axis] = v;
@@ -85,9 +92,7 @@ VoxelFrame::VoxelFrame(const TriangleMesh& mesh, double spacing)
     const double farthest = std::max({std::abs(low.x), std::abs(low.y), std::abs(low.z),
                                       std::abs(high.x), std::abs(high.y), std::abs(high.z)});
     if (most > kMaxVoxels - 16 || farthest > 2e9)
-        throw Error("spacing " + std::to_string(spacing) +
-                    " is too small for this set: wanted at least " +
-                    std::to_string(spacing * std::max(most / (kMaxVoxels - 16), farthest / 2e9)));
+        throw Error(refusal(spacing, spacing * std::max(most / (kMaxVoxels - 16), farthest / 2e9)));
     const Vec3i v = floorVector(low);
     base_ = {(v.x & ~7) - 8, (v.y & ~7) - 8, (v.z & ~7) - 8};
 }
@@ -128,16 +133,16 @@ Polygon clipToVoxel(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3
 
 double area(const Polygon& polygon) {
     Vec3d sum(0, 0, 0);
-    for (int i = 2; i < polygon.count; ++i)
+    for (std::size_t i = 2; i < polygon.count; ++i)
         sum += (polygon.corner[i - 1] - polygon.corner[0])
                    .cross(polygon.corner[i] - polygon.corner[0]);
     return sum.length() / 2;
 }
 
 std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame& frame) {
-    constexpr std::size_t chunkSize = 4096;
-    std::vector<std::vector<Fragment>> parts((mesh.triangles.size() + chunkSize - 1) / chunkSize);
-    parallelFor(mesh.triangles.size(), chunkSize, [&](const Chunk& chunk) {
+    constexpr std::size_t kChunkSize = 4096;
+    std::vector<std::vector<Fragment>> parts((mesh.triangles.size() + kChunkSize - 1) / kChunkSize);
+    parallelFor(mesh.triangles.size(), kChunkSize, [&](const Chunk& chunk) {
         std::vector<Fragment>& out = parts[chunk.index];
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const auto triangle = static_cast<std::uint32_t>(i);

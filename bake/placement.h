@@ -39,8 +39,8 @@ private:
 /// Convex polygon of a triangle clipped to a voxel: three corners, and one more for each of six
 /// planes.
 struct Polygon {
-    Vec3d corner[9];
-    int count = 0;
+    std::array<Vec3d, 9> corner;
+    std::size_t count = 0;
 };
 
 /// Part of a triangle in a voxel of half-size `half` around `center`. [Sutherland & Hodgman 1974]

@@ -17,7 +17,7 @@ DirectionTable::DirectionTable() : centers_(cellCount(kLevel)) {
 
 RayCounter::RayCounter(const Scene& scene, const DirectionTable& directions, const Patch& patch,
                        std::uint64_t seed)
-    : scene_(scene), directions_(directions), patch_(patch), state_(seed), packet_{} {}
+    : scene_(scene), directions_(directions), patch_(patch), state_(seed) {}
 
 bool RayCounter::place(int level, std::uint32_t cell, int i, int count) {
     const std::uint64_t random = mixBits(state_ += 0x9e3779b97f4a7c15ull);

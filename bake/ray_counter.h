@@ -66,12 +66,12 @@ public:
     std::uint64_t raysTraced() const { return traced_; }
 
 private:
+    RayPacket packet_{};
     const Scene& scene_;
     const DirectionTable& directions_;
     const Patch& patch_;
     std::uint64_t state_;
     std::uint64_t traced_ = 0;
-    RayPacket packet_;
     Count* tallies_[RayPacket::kSize] = {};
     int queued_ = 0;
 

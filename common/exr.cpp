@@ -127,7 +127,7 @@ template <class Target>
 void readChannels(Imf::MultiPartInputFile& file, int part, const std::vector<std::string>& names,
                   std::size_t valueStride, const Target& target) {
     const Imath::Box2i window = file.header(part).dataWindow();
-    const auto width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
+    const auto width = static_cast<std::size_t>(window.size().x) + 1;
     Imf::FrameBuffer frame;
     for (const std::string& name : names) {
         const Imf::Channel& channel = file.header(part).channels()[name];

@@ -153,7 +153,7 @@ void dropDegenerate(const Vec3d& origin, Soup& soup) {
             const auto position = [&](std::size_t corner) {
                 return Vec3f(soup.vertices[soup.triangles[i][corner]] - origin);
             };
-            keep[i] = hasArea(position(0), position(1), position(2));
+            keep[i] = hasArea(position(0), position(1), position(2)) ? 1 : 0;
         }
     });
     std::size_t kept = 0;

@@ -77,10 +77,9 @@ private:
         const std::uint64_t faces = counts_[1];
         const std::uint64_t edges = counts_[2];
         const bool topology = chunk.type() == kTopology && chunk.integerBytes() <= 4;
-        if (chunk.named()) {
-            refuse(chunk);
-        } else if (chunk.entity() == kVertex && vector) {
-            skip(vertices, 3 * chunk.floatBytes());
+        if (chunk.named()) refuse(chunk);
+        if (chunk.entity() == kVertex && vector) {
+            skip(vertices, std::uint64_t{3} * chunk.floatBytes());
         } else if (chunk.entity() == kVertex && chunk.type() == kTexcoord &&
                    chunk.dimensions() == 2 && chunk.floatBytes() == 4) {
             skip(vertices, 8);
@@ -89,9 +88,9 @@ private:
         } else if (chunk.entity() == kVertex && topology) {
             skip(vertices, chunk.integerBytes());
         } else if (chunk.entity() == kHalfedge && topology) {
-            skip(2 * edges, 3 * chunk.integerBytes());
+            skip(2 * edges, std::uint64_t{3} * chunk.integerBytes());
         } else if (chunk.entity() == kFace && vector && chunk.type() == kNormal) {
-            skip(faces, 3 * chunk.floatBytes());
+            skip(faces, std::uint64_t{3} * chunk.floatBytes());
         } else if (chunk.entity() == kFace && isColor(chunk)) {
             skip(faces, 3);
         } else if (chunk.entity() == kFace && topology) {
@@ -120,7 +119,7 @@ private:
         } else if (mesh == 'P') {
             for (std::uint32_t i = 0; i < counts_[1]; ++i) skip(number(2), chunk.integerBytes());
         } else {
-            skip(counts_[1], (mesh == 'T' ? 3u : 4u) * chunk.integerBytes());
+            skip(counts_[1], std::uint64_t{mesh == 'T' ? 3u : 4u} * chunk.integerBytes());
         }
     }
 

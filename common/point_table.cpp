@@ -1,7 +1,6 @@
 #include "common/point_table.h"
 
 #include <bit>
-#include <cstring>
 #include <limits>
 
 #include "common/sequence.h"
@@ -16,6 +15,14 @@ std::uint64_t hashPoint(const Vec3f& p) {
     const std::uint64_t xy = (std::uint64_t{std::bit_cast<std::uint32_t>(p.x)} << 32) |
                              std::bit_cast<std::uint32_t>(p.y);
     return mixBits(mixBits(xy) + std::bit_cast<std::uint32_t>(p.z));
+}
+
+/// Bit by bit, so that a NaN is itself.
+bool same(const Vec3f& a, const Vec3f& b) {
+    const auto equal = [](float x, float y) {
+        return std::bit_cast<std::uint32_t>(x) == std::bit_cast<std::uint32_t>(y);
+    };
+    return equal(a.x, b.x) && equal(a.y, b.y) && equal(a.z, b.z);
 }
 
 }  // namespace
@@ -33,7 +40,7 @@ std::uint32_t PointTable::add(const Vec3f& point) {
             points_.push_back(key);
             return slots_[slot];
         }
-        if (std::memcmp(&points_[slots_[slot]], &key, sizeof key) == 0) return slots_[slot];
+        if (same(points_[slots_[slot]], key)) return slots_[slot];
     }
 }
 

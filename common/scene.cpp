@@ -32,13 +32,13 @@ void throwOnError(RTCDevice device) {
 }
 
 void fillRays(const RayPacket& rays, RTCRay8& out) {
-    constexpr std::size_t bytes = sizeof(float) * RayPacket::kSize;
-    std::memcpy(out.org_x, rays.originX, bytes);
-    std::memcpy(out.org_y, rays.originY, bytes);
-    std::memcpy(out.org_z, rays.originZ, bytes);
-    std::memcpy(out.dir_x, rays.directionX, bytes);
-    std::memcpy(out.dir_y, rays.directionY, bytes);
-    std::memcpy(out.dir_z, rays.directionZ, bytes);
+    constexpr std::size_t kBytes = sizeof(float) * RayPacket::kSize;
+    std::memcpy(out.org_x, rays.originX, kBytes);
+    std::memcpy(out.org_y, rays.originY, kBytes);
+    std::memcpy(out.org_z, rays.originZ, kBytes);
+    std::memcpy(out.dir_x, rays.directionX, kBytes);
+    std::memcpy(out.dir_y, rays.directionY, kBytes);
+    std::memcpy(out.dir_z, rays.directionZ, kBytes);
     for (int i = 0; i < RayPacket::kSize; ++i) {
         out.tnear[i] = 0.0f;
         out.time[i] = 0.0f;
@@ -73,8 +73,10 @@ Scene::Scene(const TriangleMesh& mesh) : mesh_(mesh), impl_(std::make_unique<Imp
     void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                             sizeof(Vec3i), mesh.triangles.size());
     if (!corners || !indices) throwOnError(impl_->device);
-    std::memcpy(corners, mesh.positions.data(), mesh.positions.size() * sizeof(Vec3f));
-    std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size() * sizeof(Vec3i));
+    std::uninitialized_copy(mesh.positions.begin(), mesh.positions.end(),
+                            static_cast<Vec3f*>(corners));
+    std::uninitialized_copy(mesh.triangles.begin(), mesh.triangles.end(),
+                            static_cast<Vec3i*>(indices));
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(impl_->scene, geometry);
     rtcReleaseGeometry(geometry);
@@ -147,8 +149,7 @@ void Scene::distances(const RayPacket& rays, int count, float* out) const noexce
     for (unsigned& id : query.hit.geomID) id = RTC_INVALID_GEOMETRY_ID;
     const Lanes lanes(count);
     rtcIntersect8(lanes.valid, impl_->scene, &context, &query);
-    for (int i = 0; i < count; ++i)
-        out[i] = query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? kInfinity : query.ray.tfar[i];
+    std::copy_n(query.ray.tfar, count, out);  // still infinite where nothing was hit
 }
 
 Vec3f Scene::rayOrigin(const Vec3f& position, std::uint32_t triangle,

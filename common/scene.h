@@ -10,8 +10,8 @@ namespace shadowcache {
 /// Where a ray meets the set, relative to the mesh's origin.
 struct Hit {
     bool found = false;
-    Vec3f position;      ///< on the triangle, from its corners
-    Vec3f normal;        ///< unit geometric normal, by the triangle's winding
+    Vec3f position{0};   ///< on the triangle, from its corners
+    Vec3f normal{0};     ///< unit geometric normal, by the triangle's winding
     float distance = 0;  ///< along the ray
     std::uint32_t triangle = 0;
     float u = 0, v = 0;  ///< barycentric coordinates of the second and third corner

@@ -72,7 +72,8 @@ LeafView makeView(const PointLeaf& items, const PointLeaf* blocks, const Directi
         view.normal.emplace_back(v.x(), v.y(), v.z());
         view.firstBlock.push_back(static_cast<std::uint32_t>(first.get(i)));
         if (first.get(i) < 0 || count.get(i) < 0 ||
-            static_cast<std::size_t>(first.get(i) + count.get(i)) > blockTotal)
+            static_cast<std::size_t>(first.get(i)) + static_cast<std::size_t>(count.get(i)) >
+                blockTotal)
             throwFileError(path, "damaged: an item's blocks lie outside the file's");
     }
     view.firstBlock.push_back(static_cast<std::uint32_t>(blockTotal));

@@ -30,7 +30,7 @@ RawMesh readBinary(const std::string& bytes) {
     PointTable table(count / 2);
     for (std::size_t i = 0; i < count; ++i) {
         const char* corners = bytes.data() + kHeaderBytes + i * kTriangleBytes + 12;
-        for (int corner = 0; corner < 3; ++corner) {
+        for (std::size_t corner = 0; corner < 3; ++corner) {
             Vec3f point;
             std::memcpy(static_cast<void*>(&point), corners + corner * 12, sizeof point);
             mesh.faceVertices.push_back(table.add(point));

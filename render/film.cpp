@@ -59,6 +59,7 @@ const std::vector<std::string>& aovNames() {
 std::vector<Channel> channels(const Film& film, const std::vector<std::string>& aovs) {
     std::vector<Channel> out;
     const std::array<const char*, 3> rgb{"R", "G", "B"};
+    out.reserve(rgb.size());
     for (int k = 0; k < 3; ++k)
         out.push_back(makeChannel(film, rgb[static_cast<std::size_t>(k)],
                                   [k](const Pixel& p) { return p.color[k]; }));

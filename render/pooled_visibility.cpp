@@ -40,7 +40,7 @@ void PooledVisibility::pool(std::span<const ItemView> items) {
 
 void PooledVisibility::addBase(const ItemView& item) {
     const std::uint32_t cells = tiers_.baseCells();
-    std::uint32_t b = 0;
+    std::size_t b = 0;
     for (; (b + 1) * kBlockCells <= cells; ++b)
         addCounts16(base_[b], item.n + b * kBlockCells, item.d + b * kBlockCells, item.weight);
     if (b * kBlockCells < cells) {  // 20 cells of level 0
@@ -52,7 +52,7 @@ void PooledVisibility::addBase(const ItemView& item) {
 }
 
 void PooledVisibility::addBlocks(const ItemView& item) {
-    for (std::uint32_t k = 0; k < item.blockCount; ++k) {
+    for (std::size_t k = 0; k < item.blockCount; ++k) {
         const auto key = static_cast<std::uint16_t>(item.blockKeys[k]);
         std::int16_t& slot = slots_[key];
         if (slot < 0) {

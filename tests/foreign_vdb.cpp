@@ -79,8 +79,8 @@ StockReading readWithStockOpenVdb(const std::filesystem::path& path) {
 
 std::string withoutUuids(std::string bytes) {
     // Magic number, versions, the flag for offsets, then 36 characters.
-    constexpr std::size_t begin = 8 + 4 + 4 + 4 + 1, length = 36;
-    if (bytes.size() > begin + length) bytes.erase(begin, length);
+    constexpr std::size_t kBegin = 8 + 4 + 4 + 4 + 1, kLength = 36;
+    if (bytes.size() > kBegin + kLength) bytes.erase(kBegin, kLength);
     return bytes;
 }
 

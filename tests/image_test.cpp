@@ -270,14 +270,14 @@ TEST(Png, EncodesSrgb) {
     int width = 0;
     int height = 0;
     int channels = 0;
-    stbi_uc* bytes = stbi_load(path.c_str(), &width, &height, &channels, 0);
+    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> bytes(
+        stbi_load(path.c_str(), &width, &height, &channels, 0), stbi_image_free);
     ASSERT_NE(bytes, nullptr);
     EXPECT_EQ(width, 2);
     EXPECT_EQ(height, 2);
     EXPECT_EQ(channels, 3);
-    EXPECT_EQ(std::vector<int>(bytes, bytes + 12),
+    EXPECT_EQ(std::vector<int>(bytes.get(), bytes.get() + 12),
               (std::vector<int>{188, 0, 255, 0, 0, 89, 0, 0, 0, 255, 0, 0}));
-    stbi_image_free(bytes);
 }
 
 }  // namespace
