@@ -1,13 +1,11 @@
-#include <openvdb/io/File.h>
-
 #include <algorithm>
 #include <cstdio>
-#include <system_error>
 
 #include "common/atomic_file.h"
 #include "common/cache_grids.h"
 #include "common/error.h"
 #include "common/parallel.h"
+#include "common/vdb_archive.h"
 
 namespace shadowcache {
 
@@ -259,29 +257,11 @@ std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
                           const CacheItems& items) {
     initializeOpenVdb();
     requireWritable(path);
-    std::error_code ignored;
     const PointGrids points = buildPointGrids(header, items);
     const VolumeGrids volumes = buildVolumeGrids(header, items);
-    fs::path part = path;
-    part += ".part";
-    try {
-        {
-            openvdb::io::File file(part.string());
-            file.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-            // The points stand last, where whoever reads them meets the end of a file cut short.
-            file.write(openvdb::GridCPtrVec{volumes.openness, volumes.direction, points.blocks,
-                                            points.items},
-                       toMetadata(header, items));
-        }
-        // OpenVDB does not report a full disk; reading back does.
-        readGrids(part);
-        fs::rename(part, path);
-    } catch (const std::exception& e) {
-        const bool exists = fs::exists(part, ignored);
-        fs::remove(part, ignored);
-        throwFileError(path, exists ? "cannot be written completely (disk full?)"
-                                    : std::string("cannot be written (") + e.what() + ")");
-    }
+    // The points stand last, where whoever reads them meets the end of a file cut short.
+    writeVdb(path, {volumes.openness, volumes.direction, points.blocks, points.items},
+             toMetadata(header, items));
     return fs::file_size(path);
 }
 
