@@ -41,7 +41,8 @@ void defineSet(CLI::App& app, Job& job, std::string& up) {
     const std::string group = "Set";
     app.add_option("SET", job.files,
                    "Files of the set: OBJ, PLY, STL, OFF or OM; several make one set")
-        ->required();
+        ->required()
+        ->take_all();
     app.add_option("--up", up, "Up axis of the files: y or z")
         ->check(CLI::IsMember({"y", "z"}))
         ->capture_default_str()
@@ -164,6 +165,8 @@ int main(int argc, char** argv) try {
                  "shadowcache-bake");
     Job job;
     std::string up = "y", shard;
+    // Of an option given twice the last one counts, so that scripts can add to a command line.
+    app.option_defaults()->take_last();
     app.set_version_flag("--version", std::string("shadowcache-bake ") + kVersion);
     defineSet(app, job, up);
     defineBake(app, job, shard);

@@ -26,7 +26,8 @@ void defineScene(CLI::App& app, RenderJob& job, Arguments& arguments) {
     const std::string group = "Scene";
     app.add_option("SET", job.files,
                    "Files of the set: OBJ, PLY, STL, OFF or OM; several make one set")
-        ->required();
+        ->required()
+        ->take_all();
     app.add_option("--env", job.environment, "Lat-long map (EXR or HDR), or one radiance R,G,B")
         ->required()
         ->group(group);
@@ -124,6 +125,7 @@ void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->group(group);
     app.add_option("--aov", job.aovs, "More channels, any of:" + aovs)
         ->delimiter(',')
+        ->take_all()
         ->check(CLI::IsMember(aovNames()))
         ->group(group);
     app.add_flag("--half", job.half, "16-bit channels instead of 32-bit")->group(group);
@@ -204,7 +206,7 @@ void recordSettings(const CLI::App& app, RenderJob& job) {
         std::string value = option->get_default_str();
         if (option->count() > 0) {
             value.clear();
-            for (const std::string& part : option->results())
+            for (const std::string& part : option->reduced_results())
                 value += (value.empty() ? "" : " ") + part;
         }
         if (!value.empty()) job.settings.emplace_back(name, value);
@@ -223,6 +225,8 @@ int main(int argc, char** argv) try {
         "shadowcache-render");
     RenderJob job;
     Arguments arguments;
+    // Of an option given twice the last one counts: a replay's options go behind the command line.
+    app.option_defaults()->take_last();
     app.set_version_flag("--version", std::string("shadowcache-render ") + kVersion);
     defineScene(app, job, arguments);
     defineCamera(app, job, arguments);

@@ -7,7 +7,8 @@
 /// Writes one of the bundled sets: shadowcache-make-set courtyard|scatter -o set.ply
 int main(int argc, char** argv) try {
     namespace scenes = shadowcache::scenes;
-    CLI::App app("Writes a bundled set as PLY (+Y up, metres) and a camera that moves through it.");
+    CLI::App app("Writes a bundled set as PLY (+Y up, metres) and a camera that moves through it.",
+                 "shadowcache-make-set");
     std::string name;
     std::string output;
     std::string camera;
@@ -19,6 +20,10 @@ int main(int argc, char** argv) try {
     app.add_option("--camera", camera, "camera of 24 frames, a JSON file");
     app.add_option("--triangles", triangles, "triangles of the scattered set")
         ->capture_default_str();
+    app.footer(
+        "Examples:\n"
+        "  shadowcache-make-set courtyard -o courtyard.ply --camera courtyard.json\n"
+        "  shadowcache-make-set scatter --triangles 10000000 -o scatter.ply");
     CLI11_PARSE(app, argc, argv);
 
     if (name == "scatter") {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace shadowcache::test {
+
+/// What came of running a program.
+struct ProgramRun {
+    int status = 0;  ///< exit status, or 128 + the signal that ended it
+    std::string out, err;
+};
+
+/// What a program runs under.
+struct RunLimits {
+    std::optional<std::size_t> fileBytes;    ///< longest file it may write, as a full disk does
+    std::optional<double> interruptSeconds;  ///< when it gets Ctrl-C
+};
+
+/// Runs one of the project's programs ("bake", "render", "info", "merge", "make-set") in `folder`
+/// to its end. Each of its two outputs must fit a pipe (64 kB).
+ProgramRun runProgram(const std::string& name, const std::vector<std::string>& arguments,
+                      const std::filesystem::path& folder, const RunLimits& limits = {});
+
+/// Names of what stands in a folder, sorted.
+std::vector<std::string> filesIn(const std::filesystem::path& folder);
+
+/// The words of a command line.
+std::vector<std::string> words(const std::string& line);
+
+/// Expects that the run failed in one line on standard error that begins with the program's name
+/// and holds both texts.
+void expectRefusal(const ProgramRun& run, const std::string& program, const std::string& first,
+                   const std::string& second = "");
+
+}  // namespace shadowcache::test
