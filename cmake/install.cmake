@@ -13,7 +13,9 @@ install(TARGETS shadowcache_common EXPORT shadowcache_targets
     LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
     INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache")
 install(DIRECTORY common/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common"
-    FILES_MATCHING PATTERN "*.h")
+    FILES_MATCHING PATTERN "*.h"
+    PATTERN "cache_grids.h" EXCLUDE  # OpenVDB's types stay inside
+    PATTERN "vdb_archive.h" EXCLUDE)
 install(FILES "${PROJECT_BINARY_DIR}/generated/common/version.h"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common")
 install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")

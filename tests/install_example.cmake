@@ -1,0 +1,40 @@
+# Installs the build tree into a prefix of its own, builds docs/examples/read_cache against that, and
+# asks a cache that the installed program baked. Needs BUILD, SOURCE, WORK, GENERATOR and COMPILER.
+function(run)
+    execute_process(COMMAND ${ARGN} WORKING_DIRECTORY "${WORK}" RESULT_VARIABLE status
+        OUTPUT_VARIABLE output ERROR_VARIABLE output)
+    if(NOT status EQUAL 0)
+        message(FATAL_ERROR "${ARGN}: status ${status}\n${output}")
+    endif()
+    set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+function(expect wanted)
+    if(NOT output MATCHES "${wanted}")
+        message(FATAL_ERROR "'${wanted}' is not in:\n${output}")
+    endif()
+endfunction()
+
+file(REMOVE_RECURSE "${WORK}")
+file(MAKE_DIRECTORY "${WORK}")
+run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${WORK}/prefix")
+run("${CMAKE_COMMAND}" -S "${SOURCE}/docs/examples/read_cache" -B "${WORK}/build" -G "${GENERATOR}"
+    -D "CMAKE_CXX_COMPILER=${COMPILER}" -D CMAKE_BUILD_TYPE=Release
+    -D "CMAKE_PREFIX_PATH=${WORK}/prefix")
+run("${CMAKE_COMMAND}" --build "${WORK}/build")
+
+# A floor, and a roof over its half x < 0.
+file(WRITE "${WORK}/set.obj"
+    "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 0.2 -2\nv 0 0.2 -2\nv 0 0.2 2\nv -2 0.2 2\n"
+    "f 1 2 3 4\nf 5 6 7 8\n")
+run("${WORK}/prefix/bin/shadowcache-bake" set.obj -o set.vdb --spacing 0.1)
+run("${WORK}/build/read_cache" set.vdb 1.5 0 0.1 0 1 0)
+expect("open to the sky: (9[0-9]|100) %")
+run("${WORK}/build/read_cache" set.vdb -1 0 0.1 0 1 0)
+expect("[1-9][0-9]* items here, open to the sky: [0-9] %")
+run("${WORK}/prefix/bin/shadowcache-info" set.vdb)
+expect("items +[1-9]")
+run("${WORK}/prefix/bin/shadowcache-merge" set.vdb -o merged.vdb)
+run("${WORK}/prefix/bin/shadowcache-render" set.obj --env 1,1,1 --cache merged.vdb --eye 1,1,1
+    --look-at 0,0,0 --size 8x8 -o a.exr)
+file(REMOVE_RECURSE "${WORK}")
