@@ -227,12 +227,12 @@ Estimates runEstimator(const Estimator& estimator, const ShadingPoint& point, in
 
 double agreementPValue(const Estimates& estimates, const Rgb& truth) {
     // A sum of a few thousand floats, and of the moments behind it, is good to 2e-6.
-    constexpr double rounding = 2e-6;
+    constexpr double kRounding = 2e-6;
     double least = 1;
     for (int c = 0; c < 3; ++c) {
         const auto wanted = static_cast<double>(truth[c]);
-        const double nearest = std::clamp(estimates.mean(c), wanted - rounding * std::abs(wanted),
-                                          wanted + rounding * std::abs(wanted));
+        const double nearest = std::clamp(estimates.mean(c), wanted - kRounding * std::abs(wanted),
+                                          wanted + kRounding * std::abs(wanted));
         least = std::min(least, meanPValue(estimates.color[static_cast<std::size_t>(c)], nearest));
     }
     return std::min(1.0, 3 * least);
