@@ -1,4 +1,6 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -73,7 +75,7 @@ void printText(const CacheHeader& header, const CacheItems& items, const CacheSu
         const double share = static_cast<double>(summary.openness[bin]) /
                              static_cast<double>(std::max<std::size_t>(1, items.size()));
         std::printf("  %3zu to %3zu %%  %5.1f %%  %s\n", bin * 10, bin * 10 + 10, 100 * share,
-                    std::string(static_cast<std::size_t>(share * 50 + 0.5), '#').c_str());
+                    std::string(static_cast<std::size_t>(std::lround(share * 50)), '#').c_str());
     }
     std::printf("bytes          %llu in the file; uncompressed:\n",
                 static_cast<unsigned long long>(fileBytes));

@@ -21,9 +21,9 @@ double openShare(const CacheItems& items, std::size_t item, std::size_t cells) {
 
 void findBounds(const CacheHeader& header, const CacheItems& items, CacheSummary& summary) {
     if (items.size() == 0) return;
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    summary.low = Vec3d(infinity);
-    summary.high = Vec3d(-infinity);
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    summary.low = Vec3d(kInfinity);
+    summary.high = Vec3d(-kInfinity);
     for (const Vec3i& voxel : items.voxel)
         for (int k = 0; k < 3; ++k) {
             summary.low[k] = std::min(summary.low[k], (voxel[k] - 0.5) * header.spacing);

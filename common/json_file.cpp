@@ -37,8 +37,8 @@ void JsonFile::set(const std::string& key, const std::vector<std::uint64_t>& val
 
 std::string JsonFile::text() const {
     // Strings may come from a damaged file.
-    constexpr auto replaceBadText = nlohmann::ordered_json::error_handler_t::replace;
-    return impl_->root.dump(2, ' ', false, replaceBadText) + "\n";
+    constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replace;
+    return impl_->root.dump(2, ' ', false, kReplaceBadText) + "\n";
 }
 
 void JsonFile::write(const std::filesystem::path& path) const {

@@ -32,8 +32,11 @@ const std::string& programPath(const std::string& name) {
 std::string drain(int pipe) {
     std::string text;
     char buffer[4096];
-    for (ssize_t count; (count = read(pipe, buffer, sizeof buffer)) > 0;)
+    while (true) {
+        const ssize_t count = read(pipe, buffer, sizeof buffer);
+        if (count <= 0) break;
         text.append(buffer, static_cast<std::size_t>(count));
+    }
     close(pipe);
     return text;
 }
