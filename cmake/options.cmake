@@ -3,6 +3,9 @@ add_library(shadowcache_options INTERFACE)
 target_compile_features(shadowcache_options INTERFACE cxx_std_20)
 target_compile_options(shadowcache_options INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wnon-virtual-dtor
+    # Nobody reads errno or the trap flags of floating point: loops with roots and choices become
+    # SIMD code. Results stay those of IEEE 754.
+    -fno-math-errno -fno-trapping-math
     # GCC 12 sees overlaps in std::string that cannot be (bug 105651).
     $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
     $<$<BOOL:${SHADOWCACHE_WERROR}>:-Werror>

@@ -28,18 +28,28 @@ std::size_t index(std::uint32_t i) {
     return static_cast<std::size_t>(i);
 }
 
-/// Integral of the direction over the lat-long rectangle of polar angles [t0, t1] and longitudes
-/// [p0, p1], and its solid angle.
+/// Integrals of the direction and of its products xx, yy, zz, xy, xz, yz over the lat-long rectangle
+/// of polar angles [t0, t1] and longitudes [p0, p1], and its solid angle.
 struct RectangleMoment {
     Vec3d vector;
+    std::array<double, 6> second;
     double solidAngle;
 };
 RectangleMoment integrateRectangle(double t0, double t1, double p0, double p1) {
     const double sin2 = (t1 - t0) / 2 - (std::sin(2 * t1) - std::sin(2 * t0)) / 4;
     const double sinCos = (std::sin(t1) * std::sin(t1) - std::sin(t0) * std::sin(t0)) / 2;
-    return {{sin2 * (std::cos(p0) - std::cos(p1)), sinCos * (p1 - p0),
-             sin2 * (std::sin(p1) - std::sin(p0))},
-            (std::cos(t0) - std::cos(t1)) * (p1 - p0)};
+    const auto cube = [](double x) { return x * x * x; };
+    const double cosines = std::cos(t0) - std::cos(t1), width = p1 - p0;
+    const double sineSum = std::cos(p0) - std::cos(p1), cosineSum = std::sin(p1) - std::sin(p0);
+    const double cos2Sin = (cube(std::cos(t0)) - cube(std::cos(t1))) / 3;
+    const double sin3 = cosines - cos2Sin;
+    const double sin2Cos = (cube(std::sin(t1)) - cube(std::sin(t0))) / 3;
+    const double wobble = (std::sin(2 * p1) - std::sin(2 * p0)) / 4;
+    const double mixed = (std::sin(p1) * std::sin(p1) - std::sin(p0) * std::sin(p0)) / 2;
+    return {{sin2 * sineSum, sinCos * width, sin2 * cosineSum},
+            {sin3 * (width / 2 - wobble), cos2Sin * width, sin3 * (width / 2 + wobble),
+             sin2Cos * sineSum, sin3 * mixed, sin2Cos * cosineSum},
+            cosines * width};
 }
 
 }  // namespace
@@ -96,14 +106,14 @@ void Environment::sortTexels() {
             }
         }
     });
-    constexpr int shift = 2 * (kOrderLevel - kLevel);
+    constexpr int kShift = 2 * (kOrderLevel - kLevel);
     firstTexel_.assign(cellCount(kLevel) + 1, 0);
-    for (const std::uint32_t key : keys) ++firstTexel_[index(key >> shift) + 1];
+    for (const std::uint32_t key : keys) ++firstTexel_[index(key >> kShift) + 1];
     for (std::size_t i = 1; i < firstTexel_.size(); ++i) firstTexel_[i] += firstTexel_[i - 1];
     sorted_.resize(count);
     std::vector<std::uint32_t> next(firstTexel_.begin(), firstTexel_.end() - 1);
     for (std::size_t i = 0; i < count; ++i)
-        sorted_[next[keys[i] >> shift]++] = {map_[i].radiance, 0, static_cast<std::uint32_t>(i)};
+        sorted_[next[keys[i] >> kShift]++] = {map_[i].radiance, 0, static_cast<std::uint32_t>(i)};
     parallelFor(cellCount(kLevel), 64, [&](const Chunk& cells) {
         for (std::size_t c = cells.begin; c < cells.end; ++c)
             std::sort(sorted_.begin() + firstTexel_[c], sorted_.begin() + firstTexel_[c + 1],
@@ -117,7 +127,7 @@ void Environment::sortTexels() {
 void Environment::sumCells() {
     const std::size_t cellTotal = cellCount(kLevel);
     power_[kLevel].assign(cellTotal, 0.0);
-    flux_[kLevel].assign(cellTotal, {});
+    sums_[kLevel].assign(cellTotal, {});
     parallelFor(cellTotal, 64, [&](const Chunk& cells) {
         std::vector<double> weights;
         for (std::size_t c = cells.begin; c < cells.end; ++c) {
@@ -132,9 +142,12 @@ void Environment::sumCells() {
                     integrateRectangle(dy * static_cast<double>(y), dy * static_cast<double>(y + 1),
                                        right - dx, right);
                 const Rgb& radiance = sorted_[i].radiance;
-                for (unsigned k = 0; k < 3; ++k)
-                    flux_[kLevel][c][k] +=
-                        m.vector * static_cast<double>(radiance[static_cast<int>(k)]);
+                for (unsigned k = 0; k < 3; ++k) {
+                    const auto light = static_cast<double>(radiance[static_cast<int>(k)]);
+                    sums_[kLevel][c].flux[k] += m.vector * light;
+                    for (std::size_t j = 0; j < 6; ++j)
+                        sums_[kLevel][c].second[k][j] += m.second[j] * light;
+                }
                 weights[i - first] = static_cast<double>(luminance(radiance)) * m.solidAngle;
                 power_[kLevel][c] += weights[i - first];
             }
@@ -144,11 +157,15 @@ void Environment::sumCells() {
     for (int level = kLevel - 1; level >= 0; --level) {
         const auto l = static_cast<std::size_t>(level);
         power_[l].assign(cellCount(level), 0.0);
-        flux_[l].assign(cellCount(level), {});
+        sums_[l].assign(cellCount(level), {});
         for (std::size_t c = 0; c < cellCount(level); ++c)
             for (std::size_t child = 4 * c; child < 4 * c + 4; ++child) {
                 power_[l][c] += power_[l + 1][child];
-                for (std::size_t k = 0; k < 3; ++k) flux_[l][c][k] += flux_[l + 1][child][k];
+                for (std::size_t k = 0; k < 3; ++k) {
+                    sums_[l][c].flux[k] += sums_[l + 1][child].flux[k];
+                    for (std::size_t j = 0; j < 6; ++j)
+                        sums_[l][c].second[k][j] += sums_[l + 1][child].second[k][j];
+                }
             }
     }
     totalPower_ = 0;
@@ -191,7 +208,10 @@ void Environment::tabulate() {
             for (std::size_t k = 0; k < 3; ++k) {
                 m.axis[k][i] = static_cast<float>(axis[static_cast<int>(k)]);
                 for (std::size_t j = 0; j < 3; ++j)
-                    m.flux[k][j][i] = static_cast<float>(flux_[l][c][k][static_cast<int>(j)]);
+                    m.flux[k][j][i] =
+                        static_cast<float>(sums_[l][c].flux[k][static_cast<int>(j)]);
+                for (std::size_t j = 0; j < 6; ++j)
+                    m.second[k][j][i] = static_cast<float>(sums_[l][c].second[k][j]);
             }
             m.sinRadius[i] = static_cast<float>(std::sin(radius));
             m.power[i] = static_cast<float>(power_[l][c]);

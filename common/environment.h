@@ -26,6 +26,8 @@ struct alignas(64) CellMoments {
     float sinRadius[kSize];   ///< sine of the angle around it that holds all of the cell's texels
     float flux[3][3][kSize];  ///< [colour][x, y, z]: integral of L(w) w over the cell [radiance sr]
     float power[kSize];       ///< integral of the luminance over the cell [radiance sr]
+    /// [colour][xx, yy, zz, xy, xz, yz]: integral of L(w) w w^T over the cell [radiance sr]
+    float second[3][6][kSize];
 };
 
 /// Distant light from a lat-long map: radiance constant over each texel. Every texel belongs to the
@@ -122,7 +124,12 @@ private:
     std::vector<std::uint32_t> guide_;       ///< where in cellCdf_ to begin
     std::vector<float> rowCos_, columnCos_, columnSin_;  ///< at texel borders
     std::array<std::vector<double>, kLevel + 1> power_;
-    std::array<std::vector<std::array<Vec3d, 3>>, kLevel + 1> flux_;
+    /// What is summed over a cell for each colour.
+    struct Moments {
+        std::array<Vec3d, 3> flux{};
+        std::array<std::array<double, 6>, 3> second{};
+    };
+    std::array<std::vector<Moments>, kLevel + 1> sums_;
     std::array<std::vector<CellMoments>, kLevel + 1> moments_;
 };
 

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "common/parallel.h"
 #include "common/sequence.h"
 #include "render/estimators.h"
+#include "render/horizon.h"
 #include "render/region_weights.h"
+#include "render/sample_budget.h"
 
 namespace shadowcache {
 
@@ -18,12 +22,24 @@ constexpr double kOwnStrata = 1.5;
 
 constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
+/// Rays of the survey at each of its places.
+constexpr int kSurveyRays = 64;
+constexpr std::size_t kSurveyChunk = 32;
+
 /// A region that samples are drawn from.
 struct Region {
     int level;
     std::uint32_t cell;
     float visibility;  ///< c: the control variate's coefficient
     double spread;     ///< predicted standard deviation of one sample: the weight of the region
+};
+
+/// A region as the survey sees it.
+struct SurveyRegion {
+    int level;
+    std::uint32_t cell;
+    float posterior;
+    float weight[2];  ///< predicted standard deviation of a sample; light
 };
 
 struct CacheWorkspace final : Workspace {
@@ -38,6 +54,8 @@ struct CacheWorkspace final : Workspace {
     RegionWeights weights;
     std::vector<ItemView> items;
     std::vector<Region> own;  ///< regions with strata of their own
+    std::vector<SurveyRegion> survey;
+    std::vector<float> surveyed;  ///< posterior of the region of each ray
 };
 
 class CacheEstimator final : public Estimator {
@@ -48,13 +66,117 @@ public:
         return std::make_unique<CacheWorkspace>(*context_.cache, context_.environment);
     }
 
+    std::uint64_t survey(std::span<const ShadingPoint> points, int samples) override {
+        reliability_ = Reliability();
+        std::vector<Reliability> found((points.size() + kSurveyChunk - 1) / kSurveyChunk);
+        std::vector<std::uint64_t> rays(found.size());
+        parallelFor(points.size(), kSurveyChunk, [&](const Chunk& chunk) {
+            const auto workspace = makeWorkspace();
+            auto& w = static_cast<CacheWorkspace&>(*workspace);
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                rays[chunk.index] += surveyPoint(points[i], w, found[chunk.index]);
+        });
+        for (const Reliability& part : found) reliability_.add(part);
+        reliability_.update();
+        if (context_.options.adaptive) planBudget(points, samples);
+        return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
+    }
+
 private:
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override {
-        auto& w = static_cast<CacheWorkspace&>(workspace);
+    Reliability reliability_;
+    SampleBudget budget_;
+
+    void planBudget(std::span<const ShadingPoint> points, int samples) {
+        std::vector<PredictedNoise> noise(points.size());
+        parallelFor(points.size(), kSurveyChunk, [&](const Chunk& chunk) {
+            const auto workspace = makeWorkspace();
+            auto& w = static_cast<CacheWorkspace&>(*workspace);
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                weigh(points[i], w);
+                noise[i] = predictedNoise(w);
+            }
+        });
+        budget_.plan(noise, samples);
+    }
+
+    PredictedNoise predictedNoise(const CacheWorkspace& w) const {
+        const double* p = w.weights.predicted();
+        const Rgb& weights = context_.environment.luminanceWeights();
+        return {w.weights.spreadSum(), static_cast<double>(weights.x) * p[0] +
+                                           static_cast<double>(weights.y) * p[1] +
+                                           static_cast<double>(weights.z) * p[2]};
+    }
+
+    void weigh(const ShadingPoint& point, CacheWorkspace& w) const {
         const int found = w.reader.gather(point.position, point.normal, w.items);
         w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));
-        w.weights.weigh(w.pooled, point.normal);
-        if (samples > 0 && w.weights.spreadSum() > 0) drawSamples(point, samples, w);
+        w.weights.weigh(w.pooled, point.normal, reliability_);
+    }
+
+    /// Compares the counts with a few rays, half of them where the counts are unsure and half where
+    /// the light is.
+    ///
+    /// @return number of rays
+    std::uint64_t surveyPoint(const ShadingPoint& point, CacheWorkspace& w,
+                              Reliability& found) const {
+        weigh(point, w);
+        std::vector<SurveyRegion>& regions = w.survey;
+        regions.clear();
+        double sums[2] = {0, 0};
+        for (std::size_t g = 0; g < w.weights.size(); ++g)
+            for (int i = 0; i < kBlockCells; ++i) {
+                const float spread = w.weights.spread(g)[i];
+                if (!(spread > 0)) continue;
+                const RegionGroup& group = w.weights.group(g);
+                regions.push_back({group.level,
+                                   group.firstCell + static_cast<std::uint32_t>(i),
+                                   w.weights.posterior(g)[i],
+                                   {spread, w.weights.light(g)[i]}});
+                for (int k = 0; k < 2; ++k)
+                    sums[k] += static_cast<double>(regions.back().weight[k]);
+            }
+        w.samples.clear();
+        w.surveyed.clear();
+        for (int k = 0; k < 2 && sums[k] > 0; ++k) drawSurvey(point, k, sums[k], w);
+        Estimate unused;
+        w.samples.trace(context_.scene, point, context_.environment, unused);
+        for (std::size_t i = 0; i < w.samples.size(); ++i)
+            found.add(w.surveyed[i], w.samples.open(i));
+        return unused.rays;
+    }
+
+    /// Queues half a place's rays of the survey, in proportion to weight[k] of the regions.
+    void drawSurvey(const ShadingPoint& point, int k, double sum, CacheWorkspace& w) const {
+        constexpr int kRays = kSurveyRays / 2;
+        double below = 0;
+        int j = 0;
+        const auto numberOf = [&](int dimension) {
+            return hashWords(point.seed, 81,
+                             static_cast<std::uint64_t>((j * 2 + k) * 4 + dimension));
+        };
+        for (const SurveyRegion& r : w.survey) {
+            below += static_cast<double>(r.weight[k]);
+            for (; j < kRays && sum * (j + toUnit(numberOf(0))) / kRays < below; ++j) {
+                const std::uint64_t h = numberOf(1);
+                const EnvironmentSample s = context_.environment.sampleCell(
+                    r.level, r.cell, toUnit(numberOf(2)),
+                    toUnitFloat(static_cast<std::uint32_t>(h)),
+                    toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
+                if (s.direction.dot(point.normal) <= 0) continue;
+                w.samples.add(s.direction, Rgb(0, 0, 0));
+                w.surveyed.push_back(r.posterior);
+            }
+        }
+    }
+
+    Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override {
+        auto& w = static_cast<CacheWorkspace&>(workspace);
+        weigh(point, w);
+        if (samples > 0 && w.weights.spreadSum() > 0) {
+            if (context_.options.adaptive)
+                samples = budget_.samplesOf(predictedNoise(w), point.seed);
+            drawSamples(point, samples, w);
+        }
         const double* predicted = w.weights.predicted();
         return Rgb(static_cast<float>(predicted[0]), static_cast<float>(predicted[1]),
                    static_cast<float>(predicted[2]));
@@ -183,6 +305,15 @@ private:
         return sum;
     }
 
+    /// The cosine that the control variate takes for a direction of region `r`.
+    float assumedCosine(const ShadingPoint& point, const Region& r, float cosine) const {
+        const CellMoments& m = context_.environment.cells(r.level, r.cell / kBlockCells);
+        const std::size_t i = r.cell % kBlockCells;
+        const float height = point.normal.dot(Vec3f(m.axis[0][i], m.axis[1][i], m.axis[2][i]));
+        if (height >= m.sinRadius[i]) return cosine;
+        return HorizonFit(height, m.sinRadius[i])(cosine);
+    }
+
     /// One ray into region `r` at place `u` of its light; `share` is 1 / (samples * probability) of
     /// the region.
     void addSample(const ShadingPoint& point, const Region& r, double u, double share, int index,
@@ -192,12 +323,12 @@ private:
             r.level, r.cell, std::min(u, kBelowOne), toUnitFloat(static_cast<std::uint32_t>(h)),
             toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
         const float cosine = s.direction.dot(point.normal);
-        if (cosine <= 0) {
-            w.samples.addZero();
-            return;
-        }
-        const Rgb light = s.radiance * (cosine * static_cast<float>(share) / s.density);
-        w.samples.add(s.direction, light * (1 - r.visibility), light * -r.visibility);
+        const Rgb light = s.radiance * (static_cast<float>(share) / s.density);
+        const float assumed = r.visibility * assumedCosine(point, r, cosine);
+        if (cosine > 0)
+            w.samples.add(s.direction, light * (cosine - assumed), light * -assumed);
+        else
+            w.samples.add(Vec3f(0, 0, 0), light * -assumed, light * -assumed);
     }
 };
 

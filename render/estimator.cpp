@@ -98,6 +98,10 @@ std::unique_ptr<Workspace> Estimator::makeWorkspace() const {
     return std::make_unique<Workspace>();
 }
 
+std::uint64_t Estimator::survey(std::span<const ShadingPoint>, int) {
+    return 0;
+}
+
 Estimate Estimator::estimate(const ShadingPoint& point, int samples, Workspace& workspace) const {
     const std::uint64_t start = nanoseconds();
     workspace.samples.clear();

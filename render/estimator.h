@@ -17,11 +17,12 @@ enum class Sequence { sobol, random };
 
 struct EstimatorOptions {
     Sequence sequence = Sequence::sobol;
-    int triangles = 5000;  ///< `paper`: M, 20 .. 100000
-    int minLevel = 3;      ///< `paper`: least level of the triangulation
-    int maxLevel = 6;      ///< `paper`: highest level, 0 .. 7
-    double alpha = 0.7;    ///< `paper`: trust in the cache, [0, 1)
-    int threshold = 3;     ///< `paper`: fewest pooled rays of a region that count
+    bool adaptive = false;  ///< `cache`: share the frame's samples out by predicted noise
+    int triangles = 5000;   ///< `paper`: M, 20 .. 100000
+    int minLevel = 3;       ///< `paper`: least level of the triangulation
+    int maxLevel = 6;       ///< `paper`: highest level, 0 .. 7
+    double alpha = 0.7;     ///< `paper`: trust in the cache, [0, 1)
+    int threshold = 3;      ///< `paper`: fewest pooled rays of a region that count
 };
 
 /// What every estimator works with; all outlive it.
@@ -55,6 +56,8 @@ public:
     /// A sample whose contribution is zero whatever a ray would say.
     void addZero() { add(Vec3f(0, 0, 0), Rgb(0, 0, 0)); }
     std::size_t size() const { return direction_.size(); }
+    /// Whether sample `i`, whose direction is not zero, was open; after trace().
+    bool open(std::size_t i) const { return open_[i] != 0; }
     const Vec3f& direction(std::size_t i) const { return direction_[i]; }
 
     /// Ends a group of samples that estimate the same thing; the variance is estimated from
@@ -99,6 +102,13 @@ public:
     Estimator& operator=(const Estimator&) = delete;
 
     virtual std::unique_ptr<Workspace> makeWorkspace() const;
+
+    /// Looks at a frame through a few of its places before any pixel's samples are chosen: whatever
+    /// estimators learned from earlier frames is replaced.
+    ///
+    /// @param samples  what each pixel will be given, or their mean where the estimator shares out
+    /// @return number of shadow rays it took
+    virtual std::uint64_t survey(std::span<const ShadingPoint> points, int samples);
 
     /// Unbiased estimate from `samples` samples: queues them, traces them, keeps the time.
     Estimate estimate(const ShadingPoint& point, int samples, Workspace& workspace) const;

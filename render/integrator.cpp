@@ -18,6 +18,9 @@ namespace {
 /// items.
 constexpr int kTile = 8;
 
+/// Places of the frame that a survey looks at.
+constexpr int kSurveyPlaces = 1024;
+
 Rgb albedoAt(const TriangleMesh& mesh, const Hit& hit, const Rgb& fallback) {
     if (mesh.colors.empty()) return fallback;
     const Vec3i& t = mesh.triangles[hit.triangle];
@@ -49,6 +52,26 @@ struct Frame {
     const RenderOptions& options;
     const CameraSampleObserver* observer = nullptr;
 
+    struct View {
+        Vec3f direction;
+        Hit hit;
+    };
+
+    /// What the camera sees at a place of the film, in [0, 1).
+    View look(double filmX, double filmY) const {
+        const Vec3f origin(camera.origin - context.scene.mesh().origin);
+        const Vec3f direction(rayDirection(camera, filmX, filmY,
+                                           static_cast<double>(options.width) / options.height));
+        return {direction, context.scene.intersect(origin, direction)};
+    }
+
+    ShadingPoint shadingPoint(const View& view, std::uint64_t seed) const {
+        const Hit& hit = view.hit;
+        const Vec3f normal = hit.normal.dot(view.direction) > 0 ? -hit.normal : hit.normal;
+        return {context.scene.rayOrigin(hit.position, hit.triangle, normal),
+                context.scene.mesh().origin + Vec3d(hit.position), normal, seed};
+    }
+
     Pixel renderPixel(int x, int y, Workspace& workspace, std::uint64_t& shadowRays) const {
         Pixel pixel;
         for (int k = 0; k < options.cameraRays; ++k) addCameraRay(x, y, k, workspace, pixel);
@@ -68,35 +91,28 @@ struct Frame {
         const std::uint64_t seed = pixelSeed(options.seed, number, x, y, k);
         double dx = 0.5, dy = 0.5;
         if (options.cameraRays > 1) {
-            std::uint32_t u, v;
+            std::uint32_t u = 0, v = 0;
             const std::uint64_t film = pixelSeed(options.seed, number, x, y, -1);
             owenSobol(static_cast<std::uint32_t>(k), 0, film, {&u, 1});
             owenSobol(static_cast<std::uint32_t>(k), 1, film, {&v, 1});
             dx = static_cast<double>(toUnitFloat(u));
             dy = static_cast<double>(toUnitFloat(v));
         }
-        const TriangleMesh& mesh = context.scene.mesh();
-        const Vec3f origin(camera.origin - mesh.origin);
-        const Vec3f direction(rayDirection(camera, (x + dx) / options.width,
-                                           (y + dy) / options.height,
-                                           static_cast<double>(options.width) / options.height));
-        const Hit hit = context.scene.intersect(origin, direction);
-        if (!hit.found) {
-            pixel.color += context.environment.radiance(direction);
+        const View view = look((x + dx) / options.width, (y + dy) / options.height);
+        if (!view.hit.found) {
+            pixel.color += context.environment.radiance(view.direction);
             return;
         }
-        const Vec3f normal = hit.normal.dot(direction) > 0 ? -hit.normal : hit.normal;
-        const ShadingPoint point{context.scene.rayOrigin(hit.position, hit.triangle, normal),
-                                 mesh.origin + Vec3d(hit.position), normal, seed};
+        const ShadingPoint point = shadingPoint(view, seed);
         const Estimate e = estimator.estimate(point, options.samples, workspace);
-        const Rgb albedo = albedoAt(mesh, hit, options.albedo);
+        const Rgb albedo = albedoAt(context.scene.mesh(), view.hit, options.albedo);
         if (observer) (*observer)({point, albedo, e, workspace.samples});
         pixel.color += albedo * e.irradiance * static_cast<float>(1 / kPi);
         pixel.irradiance += e.irradiance;
         pixel.albedo += albedo;
-        pixel.normal += normal;
+        pixel.normal += point.normal;
         pixel.position += Vec3f(point.position);
-        pixel.depth += hit.distance;
+        pixel.depth += view.hit.distance;
         pixel.variance += e.variance;
         pixel.rays += static_cast<float>(e.rays);
     }
@@ -110,6 +126,26 @@ std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraR
                static_cast<std::uint32_t>(low);
     };
     return hashWords(seed, word(frame, cameraRay), word(y, x));
+}
+
+void survey(Estimator& estimator, const EstimatorContext& context, const Camera& camera, int frame,
+            const RenderOptions& options, RenderStats& stats) {
+    if (options.samples == 0) return;
+    const auto start = std::chrono::steady_clock::now();
+    const Frame task{estimator, context, camera, frame, options};
+    std::vector<ShadingPoint> points;
+    for (int k = 0; k < kSurveyPlaces; ++k) {
+        // The numbers of a survey belong to no pixel.
+        const std::uint64_t seed = pixelSeed(options.seed, frame, -1, -1, k);
+        const Frame::View view = task.look(toUnit(hashWords(seed, 1)), toUnit(hashWords(seed, 2)));
+        if (view.hit.found) points.push_back(task.shadingPoint(view, seed));
+    }
+    stats.shadowRays += estimator.survey(points, options.samples);
+    stats.cameraRays += kSurveyPlaces;
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    stats.seconds += seconds;
+    stats.setupSeconds += seconds;
 }
 
 Film render(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,

@@ -22,6 +22,10 @@ struct RenderStats {
 /// dimension).
 std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraRay);
 
+/// Lets the estimator look at the frame before it is rendered, through a few of its pixels.
+void survey(Estimator& estimator, const EstimatorContext& context, const Camera& camera, int frame,
+            const RenderOptions& options, RenderStats& stats);
+
 /// Renders one frame: direct light of the environment on Lambertian surfaces, the sky where nothing
 /// is hit. The same bits for any number of threads. Shows progress; Ctrl-C ends it with Error.
 ///

@@ -261,6 +261,7 @@ void run(const RenderJob& job) {
     for (const int frame : job.frames) {
         throwIfInterrupted();
         const double before = stats.seconds;
+        survey(*estimator, context, camera(frame), frame, job.render, stats);
         if (job.debugPixel) {
             const auto [x, y] = *job.debugPixel;
             reportPixel(*estimator, context, camera(frame), frame, job.render, x, y);

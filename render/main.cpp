@@ -18,7 +18,8 @@ namespace {
 
 /// What CLI11 fills before it becomes a RenderJob.
 struct Arguments {
-    std::string up = "y", frames, size = "960x540", sequence = "sobol", albedo = "0.5";
+    std::string up = "y", frames, size = "960x540", sequence = "sobol", budget = "uniform",
+                albedo = "0.5";
     std::string eye, target, debug;
 };
 
@@ -84,6 +85,13 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->group(group);
     app.add_option("--samples", job.render.samples,
                    "Shadow rays per camera ray; 0 with `cache`: a biased, noise-free preview")
+        ->capture_default_str()
+        ->group(group);
+    app.add_option(
+           "--budget", arguments.budget,
+           "uniform: every camera ray has --samples; adaptive: that is the mean, and `cache` "
+           "shares out by the noise it expects")
+        ->check(CLI::IsMember({"uniform", "adaptive"}))
         ->capture_default_str()
         ->group(group);
     app.add_option("--camera-rays", job.render.cameraRays, "Camera rays per pixel (antialiasing)")
@@ -194,6 +202,7 @@ void complete(RenderJob& job, const Arguments& arguments) {
     job.mesh.zUp = arguments.up == "z";
     job.estimatorOptions.sequence =
         arguments.sequence == "random" ? Sequence::random : Sequence::sobol;
+    job.estimatorOptions.adaptive = arguments.budget == "adaptive";
     job.estimatorOptions.minLevel =
         std::min(job.estimatorOptions.minLevel, job.estimatorOptions.maxLevel);
 }

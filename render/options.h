@@ -16,7 +16,6 @@ struct RenderOptions {
     int cameraRays = 1;  ///< camera rays a pixel; one goes through the pixel's centre
     std::uint64_t seed = 1;
     Rgb albedo{0.5f, 0.5f, 0.5f};  ///< where the set has no vertex colours
-    bool adaptive = false;         ///< distribute the frame's samples by predicted noise
 };
 
 /// @throws Error naming the option, the value and the range allowed

@@ -5,38 +5,96 @@
 #include <cmath>
 #include <cstring>
 
+#include "render/horizon.h"
+
 namespace shadowcache {
 
-namespace {
-
-/// How strongly a region's parent counts beside its own rays, in rays.
-constexpr float kPriorRays = 0.5f;
-
-/// What the sky adds through each of sixteen cells, and where they stand to the horizon.
+/// What the sky adds through each of sixteen cells. Above the horizon the cosine is that of the
+/// light itself; below it nothing comes; across it a quadratic stands in for the clamped cosine.
 struct CellLight {
-    alignas(64) float flux[3][kBlockCells];  ///< n . V_r
-    alignas(64) float light[kBlockCells];    ///< its luminance
-    alignas(64) float height[kBlockCells];   ///< n . axis
+    alignas(64) float flux[3][kBlockCells];       ///< integral of the light times the cosine
+    alignas(64) float light[kBlockCells];         ///< scale of a sample's contribution
+    alignas(64) float cosineMoment[kBlockCells];  ///< mean of clamped cosine^2, in light^2
+    alignas(64) float fitMoment[kBlockCells];     ///< mean of its stand-in^2, likewise
+    bool anyHorizon;
 };
-
-void lightCells(const CellMoments& m, const Vec3f& n, const Rgb& weights, CellLight& out) {
-    for (int i = 0; i < kBlockCells; ++i) {
-        out.height[i] = n.x * m.axis[0][i] + n.y * m.axis[1][i] + n.z * m.axis[2][i];
-        const float r = n.x * m.flux[0][0][i] + n.y * m.flux[0][1][i] + n.z * m.flux[0][2][i];
-        const float g = n.x * m.flux[1][0][i] + n.y * m.flux[1][1][i] + n.z * m.flux[1][2][i];
-        const float b = n.x * m.flux[2][0][i] + n.y * m.flux[2][1][i] + n.z * m.flux[2][2][i];
-        out.flux[0][i] = r;
-        out.flux[1][i] = g;
-        out.flux[2][i] = b;
-        out.light[i] = weights.x * r + weights.y * g + weights.z * b;
-    }
-}
 
 /// c and the posterior mean of the visibility in each of sixteen cells.
 struct CellVisibility {
     alignas(64) float c[kBlockCells];
     alignas(64) float posterior[kBlockCells];
 };
+
+namespace {
+
+/// How strongly a region's parent counts beside its own rays, in rays.
+constexpr float kPriorRays = 0.5f;
+
+/// A cell on the horizon is split where the quadratic that stands for the clamped cosine in it
+/// would add more noise than this, as a share of the sky's light.
+constexpr float kHorizonNoise = 2e-4f;
+
+/// Samples drawn in proportion to the light alone, for each that follows the counts: bounds what a
+/// surprise can weigh.
+constexpr double kDefensiveShare = 0.15;
+
+/// Folds sixteen numbers into one, in a fixed order that SIMD registers like.
+template <class Fold>
+float foldLanes(const float* x, Fold fold) {
+    float half[8], quarter[4];
+    for (int i = 0; i < 8; ++i) half[i] = fold(x[i], x[i + 8]);
+    for (int i = 0; i < 4; ++i) quarter[i] = fold(half[i], half[i + 4]);
+    return fold(fold(quarter[0], quarter[2]), fold(quarter[1], quarter[3]));
+}
+
+float sumOf(const float* x) {
+    return foldLanes(x, [](float a, float b) { return a + b; });
+}
+
+float maximumOf(const float* x) {
+    return foldLanes(x, [](float a, float b) { return a > b ? a : b; });
+}
+
+float minimumOf(const float* x) {
+    return foldLanes(x, [](float a, float b) { return a < b ? a : b; });
+}
+
+void lightHorizonCell(const CellMoments& m, const Vec3f& n, float height, int i, CellLight& out) {
+    const HorizonFit fit(height, m.sinRadius[i]);
+    for (int k = 0; k < 3; ++k) {
+        const float(*s)[kBlockCells] = m.second[k];
+        const float total = s[0][i] + s[1][i] + s[2][i];
+        const float first = n.x * m.flux[k][0][i] + n.y * m.flux[k][1][i] + n.z * m.flux[k][2][i];
+        const float second = n.x * n.x * s[0][i] + n.y * n.y * s[1][i] + n.z * n.z * s[2][i] +
+                             2 * (n.x * n.y * s[3][i] + n.x * n.z * s[4][i] + n.y * n.z * s[5][i]);
+        out.flux[k][i] = fit.constant * total + fit.linear * first + fit.square * second;
+    }
+    out.light[i] = m.power[i];
+    out.cosineMoment[i] = fit.cosineMoment;
+    out.fitMoment[i] = fit.fitMoment;
+}
+
+void lightCells(const CellMoments& m, const Vec3f& n, const Rgb& weights, CellLight& out) {
+    alignas(64) float height[kBlockCells], distance[kBlockCells];
+    for (int i = 0; i < kBlockCells; ++i) {
+        height[i] = n.x * m.axis[0][i] + n.y * m.axis[1][i] + n.z * m.axis[2][i];
+        const float above = height[i] > 0 ? 1.0f : 0.0f;
+        const float r = n.x * m.flux[0][0][i] + n.y * m.flux[0][1][i] + n.z * m.flux[0][2][i];
+        const float g = n.x * m.flux[1][0][i] + n.y * m.flux[1][1][i] + n.z * m.flux[1][2][i];
+        const float b = n.x * m.flux[2][0][i] + n.y * m.flux[2][1][i] + n.z * m.flux[2][2][i];
+        out.flux[0][i] = above * r;
+        out.flux[1][i] = above * g;
+        out.flux[2][i] = above * b;
+        out.light[i] = above * (weights.x * r + weights.y * g + weights.z * b);
+        out.cosineMoment[i] = 1;
+        out.fitMoment[i] = 1;
+        distance[i] = std::abs(height[i]) - m.sinRadius[i];
+    }
+    out.anyHorizon = minimumOf(distance) < 0;
+    if (!out.anyHorizon) return;
+    for (int i = 0; i < kBlockCells; ++i)
+        if (std::abs(height[i]) < m.sinRadius[i]) lightHorizonCell(m, n, height[i], i, out);
+}
 
 void estimateVisibility(const PooledBlock* counts, float parentVisibility, float parentPosterior,
                         CellVisibility& out) {
@@ -60,14 +118,17 @@ void estimateVisibility(const PooledBlock* counts, float parentVisibility, float
 RegionWeights::RegionWeights(const Environment& environment, const DirectionTiers& tiers)
     : environment_(environment),
       tiers_(tiers),
-      finest_(Environment::kLevel - (tiers.baseLevel() == Environment::kLevel % 2 ? 0 : 1)) {}
+      finest_(Environment::kLevel - (tiers.baseLevel() == Environment::kLevel % 2 ? 0 : 1)),
+      horizonNoise_(kHorizonNoise * static_cast<float>(environment.totalPower())) {}
 
-void RegionWeights::weigh(const PooledVisibility& pooled, const Vec3f& normal) {
+void RegionWeights::weigh(const PooledVisibility& pooled, const Vec3f& normal,
+                          const Reliability& reliability) {
     pooled_ = &pooled;
+    reliability_ = &reliability;
     normal_ = normal;
     groups_.clear();
-    lanes_.clear();
     spreadSum_ = 0;
+    lightSum_ = 0;
     predicted_[0] = predicted_[1] = predicted_[2] = 0;
     float open = 0, counted = 0;
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
@@ -78,6 +139,39 @@ void RegionWeights::weigh(const PooledVisibility& pooled, const Vec3f& normal) {
     const Parent sphere{0, (open + 0.5f) / (counted + 1)};
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
         weighBlock(0, b, &pooled.base(b), sphere);
+    if (lightSum_ > 0) defend();
+}
+
+void RegionWeights::defend() {
+    const auto share = static_cast<float>(kDefensiveShare * spreadSum_ / lightSum_);
+    spreadSum_ = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        Lanes& lanes = lanes_[g];
+        for (int i = 0; i < kBlockCells; ++i) lanes.spread[i] += share * lanes.light[i];
+        groups_[g].spreadSum = sumOf(lanes.spread);
+        groups_[g].spreadMax = maximumOf(lanes.spread);
+        spreadSum_ += static_cast<double>(groups_[g].spreadSum);
+    }
+}
+
+const std::int16_t* RegionWeights::slotsOf(int tier, std::uint32_t block) const {
+    return tier < tiers_.refinements() ? pooled_->childSlots(tier, block) : nullptr;
+}
+
+bool RegionWeights::markSplits(int tier, std::uint32_t block, const CellLight& sky,
+                               const CellVisibility& v, std::uint8_t* split) const {
+    const std::int16_t* slots = slotsOf(tier, block);
+    const bool divisible = tiers_.baseLevel() + 2 * tier < finest_;
+    if (!slots && !(divisible && sky.anyHorizon)) return false;
+    int any = 0;
+    for (int i = 0; i < kBlockCells; ++i) {
+        const bool finer = slots && slots[i] >= 0;
+        const float noise = v.c[i] * sky.light[i] *
+                            std::sqrt(std::max(0.0f, sky.cosineMoment[i] - sky.fitMoment[i]));
+        split[i] = sky.light[i] > 0 && divisible && (finer || noise > horizonNoise_);
+        any |= split[i];
+    }
+    return any != 0;
 }
 
 void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock* counts,
@@ -89,46 +183,42 @@ void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock*
     CellVisibility v;
     estimateVisibility(counts, parent.visibility, parent.posterior, v);
 
-    const bool divisible = level < finest_;
-    const std::int16_t* slots =
-        tier < tiers_.refinements() ? pooled_->childSlots(tier, block) : nullptr;
     alignas(16) std::uint8_t split[kBlockCells];
-    Lanes lanes;
-    float predicted[3] = {0, 0, 0};
+    const bool anySplit = markSplits(tier, block, sky, v, split);
+    if (anySplit)
+        for (int i = 0; i < kBlockCells; ++i) sky.light[i] = split[i] ? 0.0f : sky.light[i];
+    if (groups_.size() == lanes_.size()) lanes_.resize(2 * lanes_.size() + 64);
+    Lanes& lanes = lanes_[groups_.size()];
+    alignas(64) float a[kBlockCells], correction[kBlockCells], predicted[3][kBlockCells];
     for (int i = 0; i < kBlockCells; ++i) {
-        const bool above = sky.height[i] >= m.sinRadius[i];
-        const bool dark = m.power[i] <= 0 || sky.height[i] <= -m.sinRadius[i];
-        // A cell the horizon cuts is split where something is seen in it; where nothing is, the
-        // finer cells would say the same.
-        const bool cut = !above && v.c[i] > 0;
-        const bool finer = slots && slots[i] >= 0;
-        const bool splits = !dark && divisible && (finer || cut);
-        split[i] = splits;
-        const bool region = !dark && !splits;
-        // On the horizon nothing is predicted, but light may come.
-        const float c = above && region ? v.c[i] : 0.0f;
-        const float light =
-            above ? sky.light[i]
-                  : 0.5f * m.power[i] * std::min(1.0f, sky.height[i] + m.sinRadius[i]);
-        const float a = v.posterior[i];
-        const float second = a * (1 - c) * (1 - c) + (1 - a) * c * c;
+        const Reliability::Verdict verdict = reliability_->judge(v.posterior[i]);
+        a[i] = verdict.posterior;
+        correction[i] = verdict.correction;
+    }
+    for (int i = 0; i < kBlockCells; ++i) {
+        const float light = sky.light[i];
+        const float moved = v.c[i] + correction[i];
+        const float atMost1 = moved < 1 ? moved : 1.0f;
+        const float c = atMost1 > 0 ? atMost1 : 0.0f;
         lanes.visibility[i] = c;
-        lanes.spread[i] = region ? light * std::sqrt(second) : 0.0f;
-        predicted[0] += c * sky.flux[0][i];
-        predicted[1] += c * sky.flux[1][i];
-        predicted[2] += c * sky.flux[2][i];
+        lanes.posterior[i] = v.posterior[i];
+        lanes.light[i] = light * std::sqrt(sky.cosineMoment[i]);
+        lanes.spread[i] =
+            light * std::sqrt(residualMoment(a[i], c, sky.cosineMoment[i], sky.fitMoment[i]));
+        const float share = light > 0 ? c : 0.0f;
+        predicted[0][i] = share * sky.flux[0][i];
+        predicted[1][i] = share * sky.flux[1][i];
+        predicted[2][i] = share * sky.flux[2][i];
     }
-    float sum = 0, most = 0;
-    for (int i = 0; i < kBlockCells; ++i) {
-        sum += lanes.spread[i];
-        most = std::max(most, lanes.spread[i]);
-    }
-    for (int k = 0; k < 3; ++k) predicted_[k] += static_cast<double>(predicted[k]);
+    for (int k = 0; k < 3; ++k) predicted_[k] += static_cast<double>(sumOf(predicted[k]));
+    const float sum = sumOf(lanes.spread);
     if (sum > 0) {
-        groups_.push_back({block * kBlockCells, level, sum, most});
-        lanes_.push_back(lanes);
+        groups_.push_back({block * kBlockCells, level, sum, maximumOf(lanes.spread)});
         spreadSum_ += static_cast<double>(sum);
+        lightSum_ += static_cast<double>(sumOf(lanes.light));
     }
+    if (!anySplit) return;
+    const std::int16_t* slots = slotsOf(tier, block);
     std::uint64_t marks[2];
     std::memcpy(marks, split, sizeof marks);
     for (int half = 0; half < 2; ++half)

@@ -5,6 +5,7 @@
 
 #include "common/environment.h"
 #include "render/pooled_visibility.h"
+#include "render/reliability.h"
 
 namespace shadowcache {
 
@@ -17,48 +18,73 @@ struct RegionGroup {
     float spreadMax;
 };
 
+/// Mean square of the residual in a region that is visible with probability `a` and that the
+/// control variate says is visible by `c`, in units of its light. The two moments are those of the
+/// clamped cosine and of what stands in for it; both 1 above the horizon.
+inline float residualMoment(float a, float c, float cosineMoment, float fitMoment) {
+    return a * (cosineMoment - fitMoment) + fitMoment * (a * (1 - c) * (1 - c) + (1 - a) * c * c);
+}
+
+struct CellLight;
+struct CellVisibility;
+
 /// The regions of one shading point: what the cache predicts of each, and how unsure it is.
 /// [docs/estimator.md] Arrays are reused from point to point.
 class RegionWeights {
 public:
     RegionWeights(const Environment& environment, const DirectionTiers& tiers);
 
-    /// Splits the hemisphere around `normal` into regions by the pooled counts: the control
-    /// variate's integral goes to predicted(), the groups to groups().
-    void weigh(const PooledVisibility& pooled, const Vec3f& normal);
+    /// Splits the hemisphere around `normal` into regions by the pooled counts, as far as they can
+    /// be trusted: the control variate's integral goes to predicted(), the groups to group().
+    void weigh(const PooledVisibility& pooled, const Vec3f& normal, const Reliability& reliability);
 
     /// Sum over the regions of c_r (n . V_r): the irradiance the cache predicts.
     const double* predicted() const { return predicted_; }
-    /// Sum of all spreads: the standard deviation of one sample drawn in proportion to them, as far
-    /// as the counts tell.
+    /// Sum of all spreads: about the standard deviation of one sample drawn in proportion to them,
+    /// as far as the counts tell.
     double spreadSum() const { return spreadSum_; }
 
     std::size_t size() const { return groups_.size(); }
     const RegionGroup& group(std::size_t g) const { return groups_[g]; }
-    /// Predicted standard deviation of the residual in each region of the group.
+    /// Weight of each region of the group in the choice of a sample's region: the predicted
+    /// standard deviation of the residual there, and a defensive share of the light.
     float* spread(std::size_t g) { return lanes_[g].spread; }
     /// c_r: the visibility that the control variate assumes.
     const float* visibility(std::size_t g) const { return lanes_[g].visibility; }
+    /// Light of the region as far as nothing hides it.
+    const float* light(std::size_t g) const { return lanes_[g].light; }
+    /// Probability that light of the region is seen, as the counts and the hierarchy have it.
+    const float* posterior(std::size_t g) const { return lanes_[g].posterior; }
 
 private:
     struct alignas(64) Lanes {
         float spread[kBlockCells];
         float visibility[kBlockCells];
+        float posterior[kBlockCells];
+        float light[kBlockCells];  ///< unshadowed
     };
     /// What a cell hands down to its children.
     struct Parent {
         float visibility;
         float posterior;
     };
+    const std::int16_t* slotsOf(int tier, std::uint32_t block) const;
+    /// Mixes a share of the light itself into the spreads.
+    void defend();
+    bool markSplits(int tier, std::uint32_t block, const CellLight& sky, const CellVisibility& v,
+                    std::uint8_t* split) const;
     void weighBlock(int tier, std::uint32_t block, const PooledBlock* counts, const Parent& parent);
 
     const Environment& environment_;
     DirectionTiers tiers_;
     int finest_;  ///< level down to which cells on the horizon are split
+    float horizonNoise_;
     const PooledVisibility* pooled_ = nullptr;
+    const Reliability* reliability_ = nullptr;
     Vec3f normal_;
     double predicted_[3] = {0, 0, 0};
     double spreadSum_ = 0;
+    double lightSum_ = 0;  ///< of all regions, unshadowed
     std::vector<RegionGroup> groups_;
     std::vector<Lanes> lanes_;
 };

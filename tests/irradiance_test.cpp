@@ -121,8 +121,8 @@ INSTANTIATE_TEST_SUITE_P(ClosedForms, Irradiance, testing::Range<std::size_t>(0,
                          [](const auto& test) { return cases()[test.param].name; });
 
 // With its control: at 64 samples the same estimates must not agree with 3 % more. Where one texel
-// in five hundred shines, estimators that do not look for it are too noisy for that, and must see
-// 30 %.
+// in five hundred shines, estimators that do not look for texels are too noisy for that, and must
+// see 30 %.
 TEST_P(Irradiance, OfEveryEstimatorIsTheTruthAndNotThreePercentMore) {
     const World world(cases()[GetParam()]);
     const bool sparse = world.chosen.name == "OneTexel";
@@ -137,7 +137,7 @@ TEST_P(Irradiance, OfEveryEstimatorIsTheTruthAndNotThreePercentMore) {
                 << ", standard error " << std::sqrt(estimates.sampleVariance(1) / effort.count)
                 << ", wanted " << world.truth.y;
             if (effort.samples < 64) continue;
-            const bool blind = sparse && (name == "uniform" || name == "cosine");
+            const bool blind = sparse && (name == "uniform" || name == "cosine" || name == "paper");
             EXPECT_LT(test::agreementPValue(estimates, world.truth * (blind ? 1.3f : 1.03f)), level)
                 << name;
         }

@@ -146,6 +146,44 @@ TEST_P(Lies, ChangeNoMean) {
     }
 }
 
+/// Variance of one estimate of 64 samples, averaged over `points`.
+double meanVariance(const Estimator& estimator, std::span<const ShadingPoint> points) {
+    double sum = 0;
+    for (const ShadingPoint& point : points)
+        sum += test::runEstimator(estimator, point, 64, 40).sampleVariance(1);
+    return sum / static_cast<double>(points.size());
+}
+
+// A survey finds out how little the counts are worth. Control: without it a lie costs more.
+TEST(LyingCache, CostsAtMostTwiceTheNoiseOfMis) {
+    const TriangleMesh mesh = courtMesh();
+    const Scene scene(mesh);
+    const Environment environment = test::environmentOf(test::noiseMap(64, 32, 3));
+    std::vector<ShadingPoint> points;
+    for (std::uint64_t i = 0; i < 60; ++i) {
+        const Vec3f from(static_cast<float>(3 * toUnit(hashWords(i, 1)) - 1.5), 0.3f,
+                         static_cast<float>(3 * toUnit(hashWords(i, 2)) - 1.5));
+        points.push_back(test::pointAlong(scene, from, {0, -1, 0}));
+        points.back().seed = i;
+    }
+    const EstimatorContext plain{scene, environment, nullptr, {}};
+    const double mis = meanVariance(*findEstimator("mis").make(plain), points);
+    double worstUnsurveyed = 0;
+    for (const Lie& chosen : lies()) {
+        BakeResult told = bakeOf(chosen.tell ? mesh : otherMesh());
+        if (chosen.tell) told.items = lie(told.items, told.header.tiers(), chosen.tell);
+        const test::TestCache cache(told);
+        const auto estimator =
+            findEstimator("cache").make({scene, environment, &cache.cache(), {}});
+        worstUnsurveyed = std::max(worstUnsurveyed, meanVariance(*estimator, points));
+        EXPECT_GT(estimator->survey(points, 64), 0u);
+        EXPECT_LT(std::sqrt(meanVariance(*estimator, points) / mis), 2) << chosen.name;
+        std::printf("%s: %g\n", chosen.name.c_str(),
+                    std::sqrt(meanVariance(*estimator, points) / mis));
+    }
+    EXPECT_GT(std::sqrt(worstUnsurveyed / mis), 2);
+}
+
 TEST(HonestCache, LeavesNoNoiseInTheDark) {
     TriangleMesh mesh;
     test::addBox(mesh, {-1, -1, -1}, {1, 1, 1});

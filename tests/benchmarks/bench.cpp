@@ -69,8 +69,10 @@ Rendered renderFrame(const EstimatorContext& context, const Set& set, const std:
     options.samples = samples;
     options.seed = seed;
     Rendered rendered;
-    rendered.image = colorImage(
-        render(*made, context, cameraAtFrame(set.cameras, frame), frame, options, rendered.stats));
+    const Camera camera = cameraAtFrame(set.cameras, frame);
+    survey(*made, context, camera, frame, options, rendered.stats);
+    rendered.image =
+        colorImage(render(*made, context, camera, frame, options, rendered.stats));
     return rendered;
 }
 

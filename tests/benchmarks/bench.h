@@ -69,5 +69,6 @@ Reference makeReference(const EstimatorContext& context, const Set& set, int fra
 
 // The benchmarks, one file each.
 void efficiency(const Settings& settings);
+void bakeSpeed(const Settings& settings);
 
 }  // namespace shadowcache::bench

@@ -27,6 +27,8 @@ int main(int argc, char** argv) try {
     app.add_subcommand("efficiency", "Error and time of the estimators")->callback([&] {
         bench::efficiency(settings);
     });
+    app.add_subcommand("bake", "Rays a second of the bake against bare Embree calls")
+        ->callback([&] { bench::bakeSpeed(settings); });
     app.require_subcommand(1);
     app.fallthrough();
     installInterruptHandler();

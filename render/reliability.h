@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+namespace shadowcache {
+
+/// How far the cache's word about a region can be trusted, measured: of the regions that the counts
+/// call open with probability a, which share was open? Before the first ray is added it is a
+/// itself. [docs/estimator.md]
+class Reliability {
+public:
+    /// Least doubt that any counts leave: a probability is at least this far from 0 and from 1.
+    static constexpr float kLeastDoubt = 1e-6f;
+
+    Reliability();
+
+    /// Notes a ray into a region that the counts call open with probability `a`. Not thread-safe.
+    void add(float a, bool open);
+    /// Adds what another one noted.
+    void add(const Reliability& other);
+    /// Brings judge() up to date with what was added.
+    void update();
+
+    /// What is known of a region that the counts call open with probability `a`.
+    struct Verdict {
+        float posterior;   ///< probability that its light is seen, in (0, 1)
+        float correction;  ///< to add to the visibility the counts give, where they are wrong by
+                           ///< more than chance and rounding explain; else 0
+    };
+    Verdict judge(float a) const {
+        const float doubt = doubtOf(a);
+        const std::uint32_t bin = binOf(a, doubt);
+        const float corrected = doubt * factor_[bin];
+        return {a > 0.5f ? 1 - corrected : corrected, correction_[bin]};
+    }
+
+private:
+    /// Half octaves of doubt, from 2^-20 to 1/2, once for a <= 1/2 and once for a > 1/2.
+    static constexpr int kBinsPerSide = 40;
+    static constexpr int kBins = 2 * kBinsPerSide;
+
+    static float doubtOf(float a) {
+        const float doubt = a > 0.5f ? 1 - a : a;
+        return doubt > kLeastDoubt ? doubt : kLeastDoubt;
+    }
+    static std::uint32_t binOf(float a, float doubt) {
+        // Exponent and first bit of the mantissa: half octaves above 2^-20.
+        constexpr std::uint32_t kFirst = (127 - 20) << 1;
+        const std::uint32_t bin = (std::bit_cast<std::uint32_t>(doubt) >> 22) - kFirst;
+        const std::uint32_t last = kBinsPerSide - 1;
+        return (bin < last ? bin : last) + kBinsPerSide * static_cast<std::uint32_t>(a > 0.5f);
+    }
+
+    std::array<std::uint64_t, kBins> open_{}, rays_{};
+    std::array<double, kBins> sum_{};  ///< of a, over the rays
+    alignas(64) std::array<float, kBins> factor_;
+    alignas(64) std::array<float, kBins> correction_{};
+};
+
+}  // namespace shadowcache

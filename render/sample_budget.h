@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace shadowcache {
+
+/// Noise that is expected of a place before any of its rays is traced.
+struct PredictedNoise {
+    double deviation;  ///< standard deviation of one sample [irradiance]
+    double value;      ///< the irradiance itself, as the cache predicts it
+};
+
+/// Shares a frame's samples out by the noise expected of each place, relative to its brightness.
+/// The shares depend on predictions alone, so the estimates stay unbiased. [docs/estimator.md]
+class SampleBudget {
+public:
+    /// Plans for `samples` a place, on average over places like these. No place gets less than a
+    /// sixteenth or more than sixteen times that.
+    void plan(std::span<const PredictedNoise> places, int samples);
+
+    /// Samples of a place: a whole number, by chance above or below the share of `noise`.
+    int samplesOf(const PredictedNoise& noise, std::uint64_t seed) const;
+
+    /// relMSE that the plan leads to on the places it was made for.
+    double predictedError() const { return predictedError_; }
+
+private:
+    double need(const PredictedNoise& noise) const;
+    double share(double need) const;
+
+    double floor_ = 1;  ///< square of the brightness below which errors are absolute
+    double least_ = 1, most_ = 1;
+    double perNeed_ = 0;
+    double predictedError_ = 0;
+};
+
+}  // namespace shadowcache

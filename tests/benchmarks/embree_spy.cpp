@@ -1,0 +1,193 @@
+#include "tests/benchmarks/embree_spy.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+
+#include "common/error.h"
+
+namespace shadowcache::bench {
+
+namespace {
+
+/// Calls of a burst, and one burst in how many is kept: consecutive rays stay together, and the
+/// sample spreads over the whole bake.
+constexpr std::uint64_t kBurstCalls = 256;
+constexpr std::uint64_t kBurstsApart = 32;
+/// Bursts that all threads keep together: 4 M rays in packets of eight.
+constexpr std::uint64_t kMaxBursts = 2048;
+
+using Clock = std::chrono::steady_clock;
+
+/// One thread's share.
+struct Ledger {
+    std::uint64_t rays = 0, calls = 0;
+    Clock::duration time{0};
+    std::vector<Burst> bursts;
+};
+
+std::atomic<Spying> mode{Spying::off};
+std::atomic<std::uint64_t> generation{0};
+std::atomic<std::uint64_t> burstsKept{0};
+std::atomic<RTCScene> scene{nullptr};
+std::mutex mutex;
+std::vector<std::unique_ptr<Ledger>> ledgers;
+
+Ledger& ledger() {
+    thread_local Ledger* mine = nullptr;
+    thread_local std::uint64_t mineSince = 0;
+    if (!mine || mineSince != generation) {
+        const std::lock_guard lock(mutex);
+        ledgers.push_back(std::make_unique<Ledger>());
+        mine = ledgers.back().get();
+        mineSince = generation;
+    }
+    return *mine;
+}
+
+/// Whether this call belongs to a burst that is kept.
+bool isKept(Ledger& l) {
+    const std::uint64_t call = l.calls - 1;
+    if (call / kBurstCalls % kBurstsApart != 0) return false;
+    if (call % kBurstCalls == 0) {
+        if (burstsKept++ >= kMaxBursts) return false;
+        l.bursts.emplace_back();
+    }
+    return burstsKept <= kMaxBursts;
+}
+
+void keep(Burst& burst, const RTCRay& r) {
+    burst.push_back({r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z});
+}
+
+/// Lane `i` of a packet.
+void keep(Burst& burst, const RTCRay8& r, int i) {
+    burst.push_back({r.org_x[i], r.org_y[i], r.org_z[i], r.dir_x[i], r.dir_y[i], r.dir_z[i]});
+}
+
+/// Forwards a call of `rays` rays; `record` appends them to a burst.
+template <class Forward, class Record>
+void pass(std::uint64_t rays, RTCScene target, const Forward& forward, const Record& record) {
+    const Spying now = mode.load(std::memory_order_relaxed);
+    if (now == Spying::off) return forward();
+    Ledger& l = ledger();
+    ++l.calls;
+    l.rays += rays;
+    if (now == Spying::record && isKept(l)) {
+        scene.store(target, std::memory_order_relaxed);
+        record(l.bursts.back());
+    }
+    if (now != Spying::time) return forward();
+    const auto start = Clock::now();
+    forward();
+    l.time += Clock::now() - start;
+}
+
+template <class Function>
+Function* original(const char* name) {
+    void* found = dlsym(RTLD_NEXT, name);
+    if (!found) throw Error(std::string("Embree has no ") + name);
+    return reinterpret_cast<Function*>(found);
+}
+
+int laneCount(const int* valid) {
+    return static_cast<int>(std::count(valid, valid + 8, -1));
+}
+
+/// Seconds that two looks at the clock add to what lies between them.
+double clockCost() {
+    constexpr int looks = 1 << 16;
+    Clock::duration sum{0};
+    for (int i = 0; i < looks; ++i) {
+        const auto start = Clock::now();
+        sum += Clock::now() - start;
+    }
+    return std::chrono::duration<double>(sum).count() / looks;
+}
+
+}  // namespace
+
+void spy(Spying wanted) {
+    mode = Spying::off;
+    const std::lock_guard lock(mutex);
+    ledgers.clear();
+    burstsKept = 0;
+    ++generation;
+    mode = wanted;
+}
+
+Spied endSpying() {
+    mode = Spying::off;
+    const std::lock_guard lock(mutex);
+    Spied sum;
+    for (const auto& l : ledgers) {
+        sum.rays += l->rays;
+        sum.calls += l->calls;
+        sum.seconds += std::chrono::duration<double>(l->time).count();
+        std::move(l->bursts.begin(), l->bursts.end(), std::back_inserter(sum.bursts));
+    }
+    sum.seconds = std::max(0.0, sum.seconds - clockCost() * static_cast<double>(sum.calls));
+    return sum;
+}
+
+RTCScene lastScene() {
+    return scene;
+}
+
+}  // namespace shadowcache::bench
+
+using namespace shadowcache::bench;
+
+extern "C" {
+
+void rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* ray) {
+    static const auto real = original<decltype(rtcOccluded1)>("rtcOccluded1");
+    pass(
+        1, scene, [&] { real(scene, context, ray); }, [&](Burst& burst) { keep(burst, *ray); });
+}
+
+void rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query) {
+    static const auto real = original<decltype(rtcIntersect1)>("rtcIntersect1");
+    pass(
+        1, scene, [&] { real(scene, context, query); },
+        [&](Burst& burst) { keep(burst, query->ray); });
+}
+
+void rtcOccluded8(const int* valid, RTCScene scene, RTCIntersectContext* context, RTCRay8* rays) {
+    static const auto real = original<decltype(rtcOccluded8)>("rtcOccluded8");
+    const int count = laneCount(valid);
+    pass(
+        static_cast<std::uint64_t>(count), scene, [&] { real(valid, scene, context, rays); },
+        [&](Burst& burst) {
+            for (int i = 0; i < count; ++i) keep(burst, *rays, i);
+        });
+}
+
+void rtcIntersect8(const int* valid, RTCScene scene, RTCIntersectContext* context,
+                   RTCRayHit8* query) {
+    static const auto real = original<decltype(rtcIntersect8)>("rtcIntersect8");
+    const int count = laneCount(valid);
+    pass(
+        static_cast<std::uint64_t>(count), scene, [&] { real(valid, scene, context, query); },
+        [&](Burst& burst) {
+            for (int i = 0; i < count; ++i) keep(burst, query->ray, i);
+        });
+}
+
+void rtcOccluded1M(RTCScene scene, RTCIntersectContext* context, RTCRay* rays, unsigned int count,
+                   size_t stride) {
+    static const auto real = original<decltype(rtcOccluded1M)>("rtcOccluded1M");
+    pass(
+        count, scene, [&] { real(scene, context, rays, count, stride); },
+        [&](Burst& burst) {
+            for (unsigned i = 0; i < count; ++i)
+                keep(burst, *reinterpret_cast<const RTCRay*>(reinterpret_cast<const char*>(rays) +
+                                                             i * stride));
+        });
+}
+
+}  // extern "C"
