@@ -18,6 +18,10 @@ constexpr int kSuspectRays = 6;
 /// A region is refined once more where the nearest occluder is this many spacings away: nearer, the
 /// parallax over one item blurs what finer regions could tell.
 constexpr float kMinOccluderSpacings = 10;
+/// Rays that look for one.
+constexpr int kNearRays = 8;
+
+constexpr std::uint32_t kOctet = DirectionTable::kCells;
 
 }  // namespace
 
@@ -33,13 +37,12 @@ BaseCells::BaseCells(const DirectionTiers& tiers) {
 
 ItemBaker::ItemBaker(const Scene& scene, const DirectionTable& directions, const BaseCells& base,
                      const BakeOptions& options, double spacing)
-    : scene_(scene),
-      directions_(directions),
+    : rays_(scene, directions),
       base_(base),
       options_(options),
       tiers_{options.level},
       spacing_(static_cast<float>(spacing)),
-      baseCounts_(tiers_.baseCells()),
+      baseCounts_((tiers_.baseCells() + kOctet - 1) / kOctet * kOctet),
       fine_(tiers_.refinements() > 0 ? tiers_.baseCells() * kBlockCells : 0) {}
 
 void ItemBaker::findCells(const Patch& patch) {
@@ -56,9 +59,14 @@ int ItemBaker::finestRays() const {
     return options_.adaptive ? std::max(1, options_.rays / 4) : options_.rays;
 }
 
-void ItemBaker::addToFine(RayCounter& rays, std::uint32_t cell, int count) {
-    for (std::uint32_t k = 0; k < kBlockCells; ++k)
-        rays.add(tiers_.baseLevel() + 2, cell * kBlockCells + k, count, fineOf(cell)[k]);
+/// Queues rays into the sixteen cells of `level` that make up `parent`.
+void ItemBaker::addBlock(int level, std::uint32_t parent, int count, Count* tallies) {
+    rays_.add(level, 2 * parent, 0xff, count, tallies);
+    rays_.add(level, 2 * parent + 1, 0xff, count, tallies + kBlockCells / 2);
+}
+
+void ItemBaker::addToFine(std::uint32_t cell, int count) {
+    addBlock(tiers_.baseLevel() + 2, cell, count, fineOf(cell));
 }
 
 Count ItemBaker::sumWithProbe(std::uint32_t cell) {
@@ -74,20 +82,19 @@ Count ItemBaker::sumFine(std::uint32_t cell) {
 }
 
 Probe ItemBaker::probe(const Patch& patch, std::uint64_t seed) {
-    RayCounter rays(scene_, directions_, patch, hashWords(seed, 1));
+    rays_.start(patch, hashWords(seed, 1));
     std::fill(fine_.begin(), fine_.end(), Count{});
     findCells(patch);
-    for (const std::uint32_t c : cells_) addToFine(rays, c, 1);
-    rays.flush();
-    traced_ += rays.raysTraced();
+    for (const std::uint32_t c : cells_) addToFine(c, 1);
+    rays_.flush();
     Probe probe;
     probe.side = patch.side;
     probe.normal = patch.normal;
     for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
         const Count sum = sumFine(c);
         probe.base.push_back(sum);
-        probe.open[c] = sum.open > 0;
-        probe.blocked[c] = sum.open < sum.rays;
+        probe.open[c] = sum.open() > 0;
+        probe.blocked[c] = sum.open() < sum.rays();
     }
     return probe;
 }
@@ -95,7 +102,7 @@ Probe ItemBaker::probe(const Patch& patch, std::uint64_t seed) {
 void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, std::uint64_t seed,
                        const Probe& probe, const std::bitset<Probe::kCells>& mixed,
                        CacheItems& out) {
-    RayCounter rays(scene_, directions_, patch, hashWords(seed, 2));
+    rays_.start(patch, hashWords(seed, 2));
     std::fill(baseCounts_.begin(), baseCounts_.end(), Count{});
     std::fill(fine_.begin(), fine_.end(), Count{});
     refined_.clear();
@@ -103,55 +110,63 @@ void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, std::uint64_t see
     findCells(patch);
     if (tiers_.refinements() == 0) {
         for (const std::uint32_t c : cells_)
-            rays.add(tiers_.baseLevel(), c, options_.rays, baseCounts_[c]);
+            rays_.add(tiers_.baseLevel(), c / kOctet, 1u << c % kOctet, options_.rays,
+                      &baseCounts_[c - c % kOctet]);
     } else if (!options_.adaptive || mixed.any()) {
-        traceFine(rays, mixed);
+        traceFine(mixed);
     }
-    rays.flush();
-    traced_ += rays.raysTraced();
+    rays_.flush();
     store(patch, voxel, out);
 }
 
-void ItemBaker::traceFine(RayCounter& rays, const std::bitset<Probe::kCells>& mixed) {
+void ItemBaker::traceFine(const std::bitset<Probe::kCells>& mixed) {
     const bool adaptive = options_.adaptive;
     const bool deeper = tiers_.refinements() > 1;
     const auto atMost = [&](int count) { return std::min(count, options_.rays); };
     if (adaptive) {
         for (const std::uint32_t c : cells_)
-            addToFine(rays, c, atMost(mixed[c] ? kSuspectRays : kProbeRays));
-        rays.flush();
+            addToFine(c, atMost(mixed[c] ? kSuspectRays : kProbeRays));
+        rays_.flush();
     }
     for (const std::uint32_t c : cells_) {
         if (adaptive && !sumWithProbe(c).mixed()) continue;
         refined_.push_back({tiers_.blockKey(0, c), c, {}});
         if (!deeper || adaptive)
             addToFine(
-                rays, c,
-                options_.rays - (adaptive ? atMost(mixed[c] ? kSuspectRays : kProbeRays) : 0));
+                c, options_.rays - (adaptive ? atMost(mixed[c] ? kSuspectRays : kProbeRays) : 0));
     }
-    rays.flush();
-    if (deeper) traceFinest(rays);
+    rays_.flush();
+    if (deeper) traceFinest();
 }
 
-void ItemBaker::traceFinest(RayCounter& rays) {
-    const std::size_t coarse = refined_.size();
-    for (std::size_t i = 0; i < coarse; ++i)
-        for (std::uint32_t k = 0; k < kBlockCells; ++k) {
-            const std::uint32_t cell = refined_[i].cell * kBlockCells + k;
-            Count& count = fine_[cell];
-            if (options_.adaptive) {
-                if (!count.mixed()) continue;
-                const float nearest = rays.nearestOccluder(tiers_.baseLevel() + 2, cell, count);
-                if (nearest < kMinOccluderSpacings * spacing_) continue;
-            }
-            refined_.push_back({tiers_.blockKey(1, cell), cell, {}});
+/// Finds the cells of the first refinement that deserve a second one.
+void ItemBaker::findFinest() {
+    candidates_.clear();
+    for (const Refined& r : refined_)
+        for (std::uint32_t half = 0; half < kBlockCells; half += kOctet) {
+            Candidates c{r.cell * kBlockCells + half, 0, {}};
+            for (std::uint32_t k = 0; k < kOctet; ++k)
+                if (!options_.adaptive || fineOf(r.cell)[half + k].mixed()) c.cells |= 1u << k;
+            if (c.cells != 0) candidates_.push_back(c);
         }
+    if (options_.adaptive)
+        for (Candidates& c : candidates_)
+            rays_.add(tiers_.baseLevel() + 2, c.first / kOctet, c.cells, kNearRays, c.near.data(),
+                      kMinOccluderSpacings * spacing_);
+    rays_.flush();
+    for (const Candidates& c : candidates_)
+        for (std::uint32_t k = 0; k < kOctet; ++k)
+            if ((c.cells >> k & 1u) != 0 && c.near[k].open() == c.near[k].rays())
+                refined_.push_back({tiers_.blockKey(1, c.first + k), c.first + k, {}});
+}
+
+void ItemBaker::traceFinest() {
+    const std::size_t coarse = refined_.size();
+    findFinest();
     // Queued tallies stay where they are: nothing is added to refined_ from here on.
     for (std::size_t i = coarse; i < refined_.size(); ++i)
-        for (std::uint32_t k = 0; k < kBlockCells; ++k)
-            rays.add(tiers_.finest, refined_[i].cell * kBlockCells + k, finestRays(),
-                     refined_[i].finest[k]);
-    rays.flush();
+        addBlock(tiers_.finest, refined_[i].cell, finestRays(), refined_[i].finest.data());
+    rays_.flush();
     if (!options_.adaptive)
         for (std::size_t i = coarse; i < refined_.size(); ++i)
             for (const Count& count : refined_[i].finest) fine_[refined_[i].cell] += count;
@@ -166,14 +181,14 @@ void ItemBaker::store(const Patch& patch, const Vec3i& voxel, CacheItems& out) {
         const Count sum = tiers_.refinements() > 0 ? sumWithProbe(c) : baseCounts_[c];
         out.n.push_back(0);
         out.d.push_back(0);
-        addCounts(out.n.back(), out.d.back(), sum.open, sum.rays);
+        addCounts(out.n.back(), out.d.back(), sum.open(), sum.rays());
     }
     for (const Refined& r : refined_) {
         const bool first = r.key < tiers_.blockKey(1, 0);
         const Count* counts = first ? fineOf(r.cell) : r.finest.data();
         CountBlock block{r.key, {}, {}};
         for (std::size_t k = 0; k < kBlockCells; ++k)
-            addCounts(block.n[k], block.d[k], counts[k].open, counts[k].rays);
+            addCounts(block.n[k], block.d[k], counts[k].open(), counts[k].rays());
         out.blocks.push_back(block);
     }
     out.firstBlock.push_back(static_cast<std::uint32_t>(out.blocks.size()));

@@ -42,7 +42,7 @@ public:
     void finish(const Patch& patch, const Vec3i& voxel, std::uint64_t seed, const Probe& probe,
                 const std::bitset<Probe::kCells>& mixed, CacheItems& out);
 
-    std::uint64_t raysTraced() const { return traced_; }
+    std::uint64_t raysTraced() const { return rays_.raysTraced(); }
 
 private:
     /// Counts of the children of one refined cell.
@@ -52,19 +52,28 @@ private:
         std::array<Count, kBlockCells> finest;  ///< second refinement only; the first is in fine_
     };
 
+    /// Cells of the first refinement that may be refined once more: of first .. first + 7, those
+    /// whose bit is set.
+    struct Candidates {
+        std::uint32_t first;
+        std::uint32_t cells;
+        std::array<Count, DirectionTable::kCells> near;  ///< rays that met nothing near
+    };
+
     void findCells(const Patch& patch);
     int finestRays() const;
     Count* fineOf(std::uint32_t cell) { return &fine_[std::size_t{cell} * kBlockCells]; }
-    void addToFine(RayCounter& rays, std::uint32_t cell, int count);
+    void addBlock(int level, std::uint32_t parent, int count, Count* tallies);
+    void addToFine(std::uint32_t cell, int count);
     Count sumFine(std::uint32_t cell);
     /// Rays of both passes.
     Count sumWithProbe(std::uint32_t cell);
-    void traceFine(RayCounter& rays, const std::bitset<Probe::kCells>& mixed);
-    void traceFinest(RayCounter& rays);
+    void traceFine(const std::bitset<Probe::kCells>& mixed);
+    void findFinest();
+    void traceFinest();
     void store(const Patch& patch, const Vec3i& voxel, CacheItems& out);
 
-    const Scene& scene_;
-    const DirectionTable& directions_;
+    RayCounter rays_;
     const BaseCells& base_;
     const BakeOptions& options_;
     DirectionTiers tiers_;
@@ -73,7 +82,7 @@ private:
     std::vector<Count> baseCounts_;
     std::vector<Count> fine_;  ///< of the first refinement
     std::vector<Refined> refined_;
-    std::uint64_t traced_ = 0;
+    std::vector<Candidates> candidates_;
 };
 
 }  // namespace shadowcache

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -34,6 +35,17 @@ struct alignas(32) RayPacket {
     }
 };
 
+/// Shadow rays toward the sky in bulk, as arrays; origins relative to the mesh's origin, directions
+/// of any length.
+struct RayStream {
+    static constexpr std::size_t kSize = 256;
+    alignas(64) float origin[3][kSize];
+    alignas(64) float direction[3][kSize];
+    alignas(64) float reach[kSize];  ///< in lengths of the direction; negative once it is occluded
+
+    bool open(std::size_t i) const { return reach[i] >= 0; }
+};
+
 /// The set's triangles in an acceleration structure. Queries are thread-safe.
 class Scene {
 public:
@@ -52,6 +64,10 @@ public:
 
     /// Bit i: ray i (< count <= 8) reaches the sky.
     std::uint32_t visibility(const RayPacket& rays, int count) const noexcept;
+
+    /// Finds out which of the first `count` rays of a stream are open. Fastest when neighbours in
+    /// the stream are near each other in place and direction.
+    void trace(RayStream& rays, std::size_t count) const noexcept;
 
     /// Distances to the first hit of `count` rays, infinite where there is none.
     void distances(const RayPacket& rays, int count, float* out) const noexcept;

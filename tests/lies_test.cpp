@@ -154,7 +154,7 @@ double meanVariance(const Estimator& estimator, std::span<const ShadingPoint> po
     return sum / static_cast<double>(points.size());
 }
 
-// A survey finds out how little the counts are worth. Control: without it a lie costs more.
+// A survey finds out how little the counts are worth. Control: without it the worst lie costs more.
 TEST(LyingCache, CostsAtMostTwiceTheNoiseOfMis) {
     const TriangleMesh mesh = courtMesh();
     const Scene scene(mesh);
@@ -168,7 +168,7 @@ TEST(LyingCache, CostsAtMostTwiceTheNoiseOfMis) {
     }
     const EstimatorContext plain{scene, environment, nullptr, {}};
     const double mis = meanVariance(*findEstimator("mis").make(plain), points);
-    double worstUnsurveyed = 0;
+    double worst = 0, worstUnsurveyed = 0;
     for (const Lie& chosen : lies()) {
         BakeResult told = bakeOf(chosen.tell ? mesh : otherMesh());
         if (chosen.tell) told.items = lie(told.items, told.header.tiers(), chosen.tell);
@@ -177,11 +177,11 @@ TEST(LyingCache, CostsAtMostTwiceTheNoiseOfMis) {
             findEstimator("cache").make({scene, environment, &cache.cache(), {}});
         worstUnsurveyed = std::max(worstUnsurveyed, meanVariance(*estimator, points));
         EXPECT_GT(estimator->survey(points, 64), 0u);
-        EXPECT_LT(std::sqrt(meanVariance(*estimator, points) / mis), 2) << chosen.name;
-        std::printf("%s: %g\n", chosen.name.c_str(),
-                    std::sqrt(meanVariance(*estimator, points) / mis));
+        const double variance = meanVariance(*estimator, points);
+        EXPECT_LT(std::sqrt(variance / mis), 2) << chosen.name;
+        worst = std::max(worst, variance);
     }
-    EXPECT_GT(std::sqrt(worstUnsurveyed / mis), 2);
+    EXPECT_GT(std::sqrt(worstUnsurveyed / worst), 1.5);
 }
 
 TEST(HonestCache, LeavesNoNoiseInTheDark) {

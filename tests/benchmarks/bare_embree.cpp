@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <ctime>
-#include <limits>
 
 #include "common/parallel.h"
 
@@ -37,7 +36,7 @@ std::vector<RTCRay> singles(const Burst& burst) {
         ray.dir_x = r[3];
         ray.dir_y = r[4];
         ray.dir_z = r[5];
-        ray.tfar = std::numeric_limits<float>::infinity();
+        ray.tfar = r[6];
         ray.mask = ~0u;
         rays.push_back(ray);
     }
@@ -56,7 +55,7 @@ std::vector<RTCRay8> packets(const Burst& burst) {
         packet.dir_x[lane] = burst[i][3];
         packet.dir_y[lane] = burst[i][4];
         packet.dir_z[lane] = burst[i][5];
-        packet.tfar[lane] = std::numeric_limits<float>::infinity();
+        packet.tfar[lane] = burst[i][6];
         packet.mask[lane] = ~0u;
     }
     return rays;

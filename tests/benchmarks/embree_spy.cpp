@@ -16,7 +16,7 @@ namespace {
 
 /// Calls of a burst, and one burst in how many is kept: consecutive rays stay together, and the
 /// sample spreads over the whole bake.
-constexpr std::uint64_t kBurstCalls = 256;
+constexpr std::uint64_t kBurstCalls = 8;
 constexpr std::uint64_t kBurstsApart = 32;
 /// Bursts that all threads keep together: 4 M rays in packets of eight.
 constexpr std::uint64_t kMaxBursts = 2048;
@@ -61,12 +61,12 @@ bool isKept(Ledger& l) {
 }
 
 void keep(Burst& burst, const RTCRay& r) {
-    burst.push_back({r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z});
+    burst.push_back({r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.tfar});
 }
 
 /// Lane `i` of a packet.
 void keep(Burst& burst, const RTCRay8& r, int i) {
-    burst.push_back({r.org_x[i], r.org_y[i], r.org_z[i], r.dir_x[i], r.dir_y[i], r.dir_z[i]});
+    burst.push_back({r.org_x[i], r.org_y[i], r.org_z[i], r.dir_x[i], r.dir_y[i], r.dir_z[i], r.tfar[i]});
 }
 
 /// Forwards a call of `rays` rays; `record` appends them to a burst.
@@ -178,15 +178,15 @@ void rtcIntersect8(const int* valid, RTCScene scene, RTCIntersectContext* contex
         });
 }
 
-void rtcOccluded1M(RTCScene scene, RTCIntersectContext* context, RTCRay* rays, unsigned int count,
-                   size_t stride) {
-    static const auto real = original<decltype(rtcOccluded1M)>("rtcOccluded1M");
+void rtcOccludedNp(RTCScene scene, RTCIntersectContext* context, const RTCRayNp* rays,
+                   unsigned int count) {
+    static const auto real = original<decltype(rtcOccludedNp)>("rtcOccludedNp");
     pass(
-        count, scene, [&] { real(scene, context, rays, count, stride); },
+        count, scene, [&] { real(scene, context, rays, count); },
         [&](Burst& burst) {
             for (unsigned i = 0; i < count; ++i)
-                keep(burst, *reinterpret_cast<const RTCRay*>(reinterpret_cast<const char*>(rays) +
-                                                             i * stride));
+                burst.push_back({rays->org_x[i], rays->org_y[i], rays->org_z[i], rays->dir_x[i],
+                                 rays->dir_y[i], rays->dir_z[i], rays->tfar[i]});
         });
 }
 

@@ -22,8 +22,8 @@ enum class Spying {
 /// Starts anew from zero. Not while other threads trace.
 void spy(Spying mode);
 
-/// Rays of one thread, in the order of their calls: origin, direction.
-using Burst = std::vector<std::array<float, 6>>;
+/// Rays of one thread, in the order of their calls: origin, direction, reach.
+using Burst = std::vector<std::array<float, 7>>;
 
 struct Spied {
     std::uint64_t rays = 0;
