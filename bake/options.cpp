@@ -4,11 +4,35 @@
 #include <cmath>
 #include <string>
 
+#include "bake/placement.h"
 #include "common/cache_items.h"
 #include "common/error.h"
 #include "common/option_checks.h"
 
 namespace shadowcache {
+
+namespace {
+
+/// Voxels beyond which a bake with the default spacing would take more than a few minutes.
+constexpr double kMostVoxels = 120000;
+
+/// Two digits are enough, and easier to write down.
+double twoDigits(double x) {
+    const double unit = std::pow(10, std::floor(std::log10(x)) - 1);
+    return std::max(1.0, std::round(x / unit)) * unit;
+}
+
+std::size_t countVoxels(const TriangleMesh& mesh, double spacing) {
+    std::size_t count = 0;
+    std::uint64_t last = ~std::uint64_t{0};
+    for (const Fragment& f : placeFragments(mesh, VoxelFrame(mesh, spacing))) {
+        count += f.voxelKey != last;
+        last = f.voxelKey;
+    }
+    return count;
+}
+
+}  // namespace
 
 void validate(const BakeOptions& options) {
     requireRange("spacing", options.spacing, 0.0, 1e12);
@@ -31,13 +55,16 @@ double chooseSpacing(const TriangleMesh& mesh) {
         box.extendBy(b);
         box.extendBy(c);
     }
-    constexpr double kItems = 40000;
-    const double bySurface = std::sqrt(surface / kItems);
+    constexpr double kPatches = 40000;
+    const double bySurface = std::sqrt(surface / kPatches);
     const double byExtent = box.size().length() / 400;
-    // Two digits are enough, and easier to write down.
-    const double spacing = std::min(bySurface, byExtent);
-    const double unit = std::pow(10, std::floor(std::log10(spacing)) - 1);
-    return std::max(1.0, std::round(spacing / unit)) * unit;
+    double spacing = twoDigits(std::min(bySurface, byExtent));
+    // Foliage and clutter fill many more voxels than their surface suggests.
+    for (;;) {
+        const auto voxels = static_cast<double>(countVoxels(mesh, spacing));
+        if (voxels <= kMostVoxels) return spacing;
+        spacing = twoDigits(spacing * std::max(1.1, std::sqrt(voxels / kMostVoxels)));
+    }
 }
 
 }  // namespace shadowcache

@@ -1,6 +1,7 @@
 // Error and time of the estimators at equal samples, on real scenes under real maps.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -9,6 +10,9 @@
 namespace shadowcache::bench {
 
 namespace {
+
+/// Samples of each half of a reference.
+constexpr int kReferenceSamples = 2048;
 
 struct Measured {
     RelativeError error;
@@ -19,13 +23,29 @@ struct Measured {
     double efficiency() const { return 1 / (error.mean * seconds); }
 };
 
+/// What is compared; efficiencies are against the first.
+struct Column {
+    const char* name;
+    const char* estimator;
+    bool adaptive;
+    bool preview;
+};
+constexpr Column kColumns[] = {{"mis", "mis", false, false},
+                               {"paper", "paper", false, false},
+                               {"cache", "cache", false, false},
+                               {"cache-adaptive", "cache", true, false},
+                               {"preview", "cache", false, true}};
+constexpr std::size_t kMis = 0, kPaper = 1, kUniform = 2, kAdaptive = 3, kColumnCount = 5;
+
 /// Error averaged over seeds, and the median time.
-Measured measure(const EstimatorContext& context, const Set& set, const std::string& estimator,
-                 int frame, int samples, const Image& reference, const Settings& settings) {
+Measured measure(EstimatorContext context, const Set& set, const Column& column, int frame,
+                 const Image& reference, const Settings& settings) {
     Measured m;
+    context.options.adaptive = column.adaptive;
     std::vector<double> seconds;
     for (int i = 0; i < settings.repeats; ++i) {
-        const Rendered r = renderFrame(context, set, estimator, frame, samples,
+        const Rendered r = renderFrame(context, set, column.estimator, frame,
+                                       column.preview ? 0 : settings.samples,
                                        static_cast<std::uint64_t>(i) + 1, settings);
         const RelativeError e = relativeError(r.image, reference);
         const double share = 1.0 / settings.repeats;
@@ -53,78 +73,85 @@ void store(JsonFile& json, const std::string& key, const Measured& m) {
     json.set(key + ".trace_seconds", m.trace);
 }
 
+/// Geometric means over all combinations.
+struct Summary {
+    double vsMis = 0, adaptiveVsMis = 0, vsPaper = 0;
+    int count = 0;
+};
+
+void compare(const EstimatorContext& context, const Set& set, const std::string& map, int frame,
+             const Settings& settings, JsonFile& json, Summary& summary) {
+    const std::string key = set.name + "." + map + ".frame" + std::to_string(frame);
+    const Reference reference =
+        makeReference(context, set, frame, kReferenceSamples, settings, key);
+    std::array<Measured, kColumnCount> m;
+    for (std::size_t i = 0; i < m.size(); ++i) {
+        m[i] = measure(context, set, kColumns[i], frame, reference.image, settings);
+        std::printf("%-9s %-13s %5d %-15s %9.3g %9.3g %9.3g %9.3g %8.3f %8.3f %8.1f %8.1f\n",
+                    set.name.c_str(), map.c_str(), frame, kColumns[i].name, m[i].error.mean,
+                    m[i].error.p50, m[i].error.p99, m[i].error.max, m[i].seconds, m[i].setup,
+                    m[i].efficiency() / m[kMis].efficiency(),
+                    i >= kPaper ? m[i].efficiency() / m[kPaper].efficiency() : 0.0);
+        std::fflush(stdout);
+        store(json, key + "." + kColumns[i].name, m[i]);
+    }
+    // Set-up in shadow rays: the zero-ray render against the time of one ray.
+    const double setupRays =
+        m.back().seconds / (m[kMis].trace / m[kMis].rays) / (settings.width * settings.height);
+    std::printf(
+        "%-9s %-13s %5d set-up costs %.1f shadow rays a pixel; preview's relative RMSE "
+        "%.3g; error of the reference %.2g of that of `cache`\n",
+        set.name.c_str(), map.c_str(), frame, setupRays, std::sqrt(m.back().error.mean),
+        reference.ownError / m[kUniform].error.mean);
+    json.set(key + ".setup_rays", setupRays);
+    json.set(key + ".reference_error", reference.ownError);
+    summary.vsMis += std::log(m[kUniform].efficiency() / m[kMis].efficiency());
+    summary.adaptiveVsMis += std::log(m[kAdaptive].efficiency() / m[kMis].efficiency());
+    summary.vsPaper += std::log(m[kUniform].efficiency() / m[kPaper].efficiency());
+    ++summary.count;
+}
+
+void storeBake(const Set& set, const BakedCache& baked, JsonFile& json) {
+    const auto items = static_cast<double>(baked.cache->itemCount());
+    std::printf(
+        "%s: %zu triangles, spacing %g, %.0f items, bake %.1f s, %.0f rays/item, file %.0f "
+        "bytes/item, memory %.0f bytes/item\n",
+        set.name.c_str(), set.mesh.triangles.size(), baked.cache->header().spacing, items,
+        baked.seconds, baked.rays / items, baked.fileBytes / items,
+        static_cast<double>(baked.cache->memoryBytes()) / items);
+    json.set(set.name + ".bake.seconds", baked.seconds);
+    json.set(set.name + ".bake.rays", baked.rays);
+    json.set(set.name + ".bake.items", items);
+    json.set(set.name + ".bake.file_bytes", baked.fileBytes);
+}
+
 }  // namespace
 
 void efficiency(const Settings& settings) {
     JsonFile json;
-    double logVsMis = 0, logVsPaper = 0;
-    int count = 0;
-    std::printf(
-        "%-10s %-14s %5s | %9s %7s %8s | %9s %7s %8s | %9s %7s %8s %8s %6s | %8s | %6s %6s | %7s\n",
-        "scene", "map", "frame", "mis relMSE", "s", "p99", "paper", "s", "p99", "cache", "s", "p99",
-        "max", "setup", "0 rays", "/mis", "/paper", "ref/err");
+    Summary summary;
+    std::printf("%-9s %-13s %5s %-15s %9s %9s %9s %9s %8s %8s %8s %8s\n", "scene", "map", "frame",
+                "estimator", "relMSE", "p50", "p99", "max", "seconds", "set-up", "x mis",
+                "x paper");
     for (const std::string& sceneName : settings.scenes) {
         const auto set = loadSet(settings, sceneName);
         const BakedCache baked = bakeCache(settings, *set, settings.bake, "adaptive");
-        const double items = static_cast<double>(baked.cache->itemCount());
-        std::printf(
-            "%s: %zu triangles, spacing %g, %.0f items, bake %.1f s, %.0f rays/item, file %.0f "
-            "bytes/item, memory %.0f bytes/item\n",
-            sceneName.c_str(), set->mesh.triangles.size(), baked.cache->header().spacing, items,
-            baked.seconds, baked.rays / items, baked.fileBytes / items,
-            static_cast<double>(baked.cache->memoryBytes()) / items);
-        json.set(sceneName + ".bake.seconds", baked.seconds);
-        json.set(sceneName + ".bake.rays", baked.rays);
-        json.set(sceneName + ".bake.items", items);
-        json.set(sceneName + ".bake.file_bytes", baked.fileBytes);
+        storeBake(*set, baked, json);
         for (const std::string& mapName : settings.maps) {
             const auto environment = loadMap(settings, mapName);
             const EstimatorContext context{*set->scene, *environment, baked.cache.get(), {}};
-            for (const int frame : settings.frames) {
-                const std::string tag = sceneName + "-" + mapName + "-" + std::to_string(frame);
-                const Reference reference =
-                    makeReference(context, *set, frame, 4096, settings, tag);
-                const Measured mis = measure(context, *set, "mis", frame, settings.samples,
-                                             reference.image, settings);
-                const Measured paper = measure(context, *set, "paper", frame, settings.samples,
-                                               reference.image, settings);
-                const Measured cache = measure(context, *set, "cache", frame, settings.samples,
-                                               reference.image, settings);
-                const Measured preview =
-                    measure(context, *set, "cache", frame, 0, reference.image, settings);
-                const double vsMis = cache.efficiency() / mis.efficiency();
-                const double vsPaper = cache.efficiency() / paper.efficiency();
-                // Set-up in shadow rays: the zero-ray render against the time of one ray.
-                const double setupRays =
-                    preview.seconds / (mis.trace / mis.rays) / (settings.width * settings.height);
-                std::printf(
-                    "%-10s %-14s %5d | %9.4g %7.3f %8.3g | %9.4g %7.3f %8.3g | %9.4g %7.3f %8.3g "
-                    "%8.3g %6.1f | %8.3g | %6.1f %6.1f | %7.1g\n",
-                    sceneName.c_str(), mapName.c_str(), frame, mis.error.mean, mis.seconds,
-                    mis.error.p99, paper.error.mean, paper.seconds, paper.error.p99,
-                    cache.error.mean, cache.seconds, cache.error.p99, cache.error.max, setupRays,
-                    std::sqrt(preview.error.mean), vsMis, vsPaper,
-                    reference.ownError / cache.error.mean);
-                std::fflush(stdout);
-                const std::string key =
-                    sceneName + "." + mapName + ".frame" + std::to_string(frame);
-                store(json, key + ".mis", mis);
-                store(json, key + ".paper", paper);
-                store(json, key + ".cache", cache);
-                store(json, key + ".preview", preview);
-                json.set(key + ".vs_mis", vsMis);
-                json.set(key + ".vs_paper", vsPaper);
-                json.set(key + ".reference_error", reference.ownError);
-                logVsMis += std::log(vsMis);
-                logVsPaper += std::log(vsPaper);
-                ++count;
-            }
+            for (const int frame : settings.frames)
+                compare(context, *set, mapName, frame, settings, json, summary);
         }
     }
-    std::printf("geometric mean: %.1f times mis, %.1f times paper\n", std::exp(logVsMis / count),
-                std::exp(logVsPaper / count));
-    json.set("geometric_mean.vs_mis", std::exp(logVsMis / count));
-    json.set("geometric_mean.vs_paper", std::exp(logVsPaper / count));
+    const auto mean = [&](double logSum) { return std::exp(logSum / summary.count); };
+    std::printf(
+        "geometric mean: cache %.1f times mis and %.1f times paper, adaptive %.1f times "
+        "mis\n",
+        mean(summary.vsMis), mean(summary.vsPaper), mean(summary.adaptiveVsMis));
+    json.set("geometric_mean.vs_mis", mean(summary.vsMis));
+    json.set("geometric_mean.vs_paper", mean(summary.vsPaper));
+    json.set("geometric_mean.adaptive_vs_mis", mean(summary.adaptiveVsMis));
     if (!settings.json.empty()) json.write(settings.json);
 }
 

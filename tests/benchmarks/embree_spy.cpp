@@ -66,7 +66,8 @@ void keep(Burst& burst, const RTCRay& r) {
 
 /// Lane `i` of a packet.
 void keep(Burst& burst, const RTCRay8& r, int i) {
-    burst.push_back({r.org_x[i], r.org_y[i], r.org_z[i], r.dir_x[i], r.dir_y[i], r.dir_z[i], r.tfar[i]});
+    burst.push_back(
+        {r.org_x[i], r.org_y[i], r.org_z[i], r.dir_x[i], r.dir_y[i], r.dir_z[i], r.tfar[i]});
 }
 
 /// Forwards a call of `rays` rays; `record` appends them to a burst.
