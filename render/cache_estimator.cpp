@@ -152,7 +152,8 @@ private:
         int j = 0;
         const auto numberOf = [&](int dimension) {
             return hashWords(point.seed, 81,
-                             static_cast<std::uint64_t>((j * 2 + k) * 4 + dimension));
+                             static_cast<std::uint64_t>(j) * 8 + static_cast<std::uint64_t>(k) * 4 +
+                                 static_cast<std::uint64_t>(dimension));
         };
         for (const SurveyRegion& r : w.survey) {
             below += static_cast<double>(r.weight[k]);

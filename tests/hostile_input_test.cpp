@@ -141,13 +141,14 @@ TEST(HostileInput, NewerFiles) {
 }
 
 /// Limits this test's memory, so that an allocation for a count that no file backs shows.
+/// Sanitizers need all of the address space for themselves.
 class MemoryLimit {
 public:
     MemoryLimit() {
         getrlimit(RLIMIT_AS, &before_);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
         rlimit limit = before_;
         limit.rlim_cur = rlim_t{4} << 30;
-#ifndef __SANITIZE_ADDRESS__
         setrlimit(RLIMIT_AS, &limit);
 #endif
     }
