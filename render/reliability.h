@@ -32,7 +32,9 @@ public:
     Verdict judge(float a) const {
         const float doubt = doubtOf(a);
         const std::uint32_t bin = binOf(a, doubt);
-        const float corrected = doubt * factor_[bin];
+        // Doubts of one bin differ by half an octave: what is right for their mean may pass 1.
+        const float moved = doubt * factor_[bin];
+        const float corrected = moved < 1 - kLeastDoubt ? moved : 1 - kLeastDoubt;
         return {a > 0.5f ? 1 - corrected : corrected, correction_[bin]};
     }
 

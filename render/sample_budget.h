@@ -16,7 +16,7 @@ struct PredictedNoise {
 class SampleBudget {
 public:
     /// Plans for `samples` a place, on average over places like these. No place gets less than a
-    /// sixteenth or more than sixteen times that.
+    /// quarter or more than four times that.
     void plan(std::span<const PredictedNoise> places, int samples);
 
     /// Samples of a place: a whole number, by chance above or below the share of `noise`.

@@ -1,0 +1,98 @@
+#include "render/reliability.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "render/horizon.h"
+#include "render/sample_budget.h"
+
+namespace shadowcache {
+namespace {
+
+TEST(Reliability, SaysWhatTheCountsSayBeforeAnyRay) {
+    const Reliability untested;
+    for (const float a : {1e-5f, 0.01f, 0.3f, 0.5f, 0.6f, 0.99f, 0.9999f}) {
+        EXPECT_FLOAT_EQ(untested.judge(a).posterior, a);
+        EXPECT_EQ(untested.judge(a).correction, 0.0f);
+    }
+}
+
+// Counts of any kind, whatever the rays found: a posterior outside (0, 1) would lose regions.
+TEST(Reliability, StaysBetweenZeroAndOne) {
+    for (const bool open : {false, true}) {
+        Reliability tested;
+        for (int k = 0; k < 20; ++k) {
+            const float doubt = 1.01f * std::ldexp(0.5f, -k);
+            for (int i = 0; i < 3000; ++i) {
+                tested.add(std::min(doubt, 1.0f), open);
+                tested.add(1 - std::min(doubt, 1.0f), open);
+            }
+            for (int i = 0; i < 30; ++i) tested.add(std::min(1.47f * doubt, 1.0f), open);
+        }
+        tested.update();
+        for (float a = 0; a <= 1; a += 1.0f / 4096) {
+            const Reliability::Verdict verdict = tested.judge(a);
+            EXPECT_GT(verdict.posterior, 0.0f) << a;
+            EXPECT_LT(verdict.posterior, 1.0f) << a;
+        }
+    }
+}
+
+TEST(Reliability, FindsCountsThatAreWrongAndLeavesRightOnesAlone) {
+    Reliability lying, honest;
+    for (int i = 0; i < 4000; ++i) {
+        lying.add(0.999f, i % 2 == 0);
+        honest.add(0.999f, i % 1000 != 0);
+    }
+    lying.update();
+    honest.update();
+    EXPECT_NEAR(lying.judge(0.999f).posterior, 0.5f, 0.01f);
+    EXPECT_NEAR(0.999f + lying.judge(0.999f).correction, 0.5f, 0.01f);
+    EXPECT_NEAR(honest.judge(0.999f).posterior, 0.999f, 1e-4f);
+    EXPECT_EQ(honest.judge(0.999f).correction, 0.0f);
+}
+
+// The quadratic is a projection: its error has no part of degree 0, 1 or 2, and the moments hold.
+TEST(HorizonFit, IsTheProjectionOfTheClampedCosine) {
+    for (const float radius : {0.02f, 0.35f})
+        for (const float height : {-0.9f * radius, -0.2f * radius, 0.0f, 0.7f * radius}) {
+            const HorizonFit fit(height, radius);
+            double error[3] = {0, 0, 0}, cosine2 = 0, fit2 = 0;
+            constexpr int kNodes = 20000;
+            for (int i = 0; i < kNodes; ++i) {
+                const double t = 2 * (i + 0.5) / kNodes - 1;
+                const double x = static_cast<double>(height) + static_cast<double>(radius) * t;
+                const auto q = static_cast<double>(fit(static_cast<float>(x)));
+                for (int k = 0; k < 3; ++k)
+                    error[k] += (std::max(0.0, x) - q) * std::pow(t, k) / kNodes;
+                cosine2 += std::pow(std::max(0.0, x), 2) / kNodes;
+                fit2 += q * q / kNodes;
+            }
+            const auto scale = static_cast<double>(radius);
+            for (const double e : error) EXPECT_NEAR(e / scale, 0, 2e-6);
+            EXPECT_NEAR(cosine2 / scale / scale,
+                        static_cast<double>(fit.cosineMoment) / scale / scale, 2e-6);
+            EXPECT_NEAR(fit2 / scale / scale, static_cast<double>(fit.fitMoment) / scale / scale,
+                        2e-6);
+        }
+}
+
+TEST(SampleBudget, KeepsTheMeanAndFollowsTheNoise) {
+    std::vector<PredictedNoise> places;
+    for (int i = 0; i < 400; ++i) places.push_back({0.001 * i, 1});
+    SampleBudget budget;
+    budget.plan(places, 64);
+    double sum = 0;
+    for (std::uint64_t i = 0; i < places.size(); ++i) sum += budget.samplesOf(places[i], i);
+    EXPECT_NEAR(sum / 400, 64, 0.5);
+    EXPECT_GE(budget.samplesOf(places[0], 1), 16);
+    EXPECT_LE(budget.samplesOf(places[0], 1), 17);
+    EXPECT_GT(budget.samplesOf(places[399], 1), 2 * budget.samplesOf(places[150], 1));
+    EXPECT_LE(budget.samplesOf({1e9, 1}, 1), 257);
+}
+
+}  // namespace
+}  // namespace shadowcache
