@@ -1,6 +1,7 @@
 #include "bake/options.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <string>
 
@@ -13,8 +14,8 @@ namespace shadowcache {
 
 namespace {
 
-/// Voxels beyond which a bake with the default spacing would take more than a few minutes.
-constexpr double kMostVoxels = 120000;
+/// Items beyond which a bake with the default spacing would take more than a few minutes.
+constexpr double kMostItems = 300000;
 
 /// Two digits are enough, and easier to write down.
 double twoDigits(double x) {
@@ -22,13 +23,30 @@ double twoDigits(double x) {
     return std::max(1.0, std::round(x / unit)) * unit;
 }
 
-std::size_t countVoxels(const TriangleMesh& mesh, double spacing) {
+/// Along the triangle's normal, as long as its area.
+Vec3d areaVector(const TriangleMesh& mesh, const Vec3i& t) {
+    const Vec3d a(mesh.positions[static_cast<std::size_t>(t.x)]);
+    const Vec3d b(mesh.positions[static_cast<std::size_t>(t.y)]);
+    const Vec3d c(mesh.positions[static_cast<std::size_t>(t.z)]);
+    return (b - a).cross(c - a) / 2;
+}
+
+/// Items of a bake: two sides for each axis that normals of a voxel's surface lean to.
+std::size_t countItems(const TriangleMesh& mesh, double spacing) {
     std::size_t count = 0;
-    std::uint64_t last = ~std::uint64_t{0};
+    std::uint64_t voxel = ~std::uint64_t{0};
+    unsigned axes = 0;
+    const auto endVoxel = [&] { count += 2 * static_cast<std::size_t>(std::popcount(axes)); };
     for (const Fragment& f : placeFragments(mesh, VoxelFrame(mesh, spacing))) {
-        count += f.voxelKey != last;
-        last = f.voxelKey;
+        if (f.voxelKey != voxel) endVoxel(), axes = 0;
+        voxel = f.voxelKey;
+        const Vec3d normal = areaVector(mesh, mesh.triangles[f.triangle]);
+        int axis = 0;
+        for (int k = 1; k < 3; ++k)
+            if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
+        axes |= 1u << axis;
     }
+    endVoxel();
     return count;
 }
 
@@ -47,23 +65,19 @@ double chooseSpacing(const TriangleMesh& mesh) {
     double surface = 0;
     Imath::Box3d box;
     for (const Vec3i& t : mesh.triangles) {
-        const Vec3d a(mesh.positions[static_cast<std::size_t>(t.x)]);
-        const Vec3d b(mesh.positions[static_cast<std::size_t>(t.y)]);
-        const Vec3d c(mesh.positions[static_cast<std::size_t>(t.z)]);
-        surface += (b - a).cross(c - a).length() / 2;
-        box.extendBy(a);
-        box.extendBy(b);
-        box.extendBy(c);
+        surface += areaVector(mesh, t).length();
+        for (int k = 0; k < 3; ++k)
+            box.extendBy(Vec3d(mesh.positions[static_cast<std::size_t>(t[k])]));
     }
     constexpr double kPatches = 40000;
     const double bySurface = std::sqrt(surface / kPatches);
     const double byExtent = box.size().length() / 400;
     double spacing = twoDigits(std::min(bySurface, byExtent));
-    // Foliage and clutter fill many more voxels than their surface suggests.
+    // Foliage and clutter have many more items than their extent suggests.
     for (;;) {
-        const auto voxels = static_cast<double>(countVoxels(mesh, spacing));
-        if (voxels <= kMostVoxels) return spacing;
-        spacing = twoDigits(spacing * std::max(1.1, std::sqrt(voxels / kMostVoxels)));
+        const auto items = static_cast<double>(countItems(mesh, spacing));
+        if (items <= kMostItems) return spacing;
+        spacing = twoDigits(spacing * std::max(1.1, std::sqrt(items / kMostItems)));
     }
 }
 
