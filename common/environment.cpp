@@ -28,8 +28,8 @@ std::size_t index(std::uint32_t i) {
     return static_cast<std::size_t>(i);
 }
 
-/// Integrals of the direction and of its products xx, yy, zz, xy, xz, yz over the lat-long rectangle
-/// of polar angles [t0, t1] and longitudes [p0, p1], and its solid angle.
+/// Integrals of the direction and of its products xx, yy, zz, xy, xz, yz over the lat-long
+/// rectangle of polar angles [t0, t1] and longitudes [p0, p1], and its solid angle.
 struct RectangleMoment {
     Vec3d vector;
     std::array<double, 6> second;
@@ -208,8 +208,7 @@ void Environment::tabulate() {
             for (std::size_t k = 0; k < 3; ++k) {
                 m.axis[k][i] = static_cast<float>(axis[static_cast<int>(k)]);
                 for (std::size_t j = 0; j < 3; ++j)
-                    m.flux[k][j][i] =
-                        static_cast<float>(sums_[l][c].flux[k][static_cast<int>(j)]);
+                    m.flux[k][j][i] = static_cast<float>(sums_[l][c].flux[k][static_cast<int>(j)]);
                 for (std::size_t j = 0; j < 6; ++j)
                     m.second[k][j][i] = static_cast<float>(sums_[l][c].second[k][j]);
             }
