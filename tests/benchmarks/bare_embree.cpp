@@ -80,11 +80,11 @@ void traceStreams(RTCScene scene, std::vector<RTCRay>& rays, RTCIntersectContext
                       sizeof(RTCRay));
 }
 
-/// Best rate of a few rounds. `fill` makes what `trace` traces.
+/// Mean rate over a few rounds. `fill` makes what `trace` traces.
 template <class Fill, class Trace>
 double measure(const std::vector<Burst>& bursts, std::size_t raysPerElement, const Fill& fill,
                const Trace& trace) {
-    double best = 0;
+    double totalSeconds = 0, totalRays = 0;
     for (int round = 0; round < kRounds; ++round) {
         std::vector<double> seconds(bursts.size()), rays(bursts.size());
         parallelFor(bursts.size(), 1, [&](const Chunk& chunk) {
@@ -94,12 +94,10 @@ double measure(const std::vector<Burst>& bursts, std::size_t raysPerElement, con
             seconds[chunk.index] = clockSeconds(CLOCK_THREAD_CPUTIME_ID) - start;
             rays[chunk.index] = static_cast<double>(filled.size() * raysPerElement);
         });
-        double totalSeconds = 0, totalRays = 0;
         for (const double s : seconds) totalSeconds += s;
         for (const double r : rays) totalRays += r;
-        best = std::max(best, totalRays / totalSeconds);
     }
-    return best;
+    return totalRays / totalSeconds;
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct BareRates {
     double best() const;
 };
 
-/// Traces recorded rays in their order in every way; the best of a few rounds. Filling Embree's
+/// Traces recorded rays in their order in every way, a few rounds each. Filling Embree's
 /// structures is not counted.
 BareRates measureBareEmbree(RTCScene scene, const std::vector<Burst>& bursts);
 

@@ -19,6 +19,8 @@ const std::map<std::string, std::string>& sceneFiles() {
     return files;
 }
 
+}  // namespace
+
 std::filesystem::path mapFile(const Settings& settings, const std::string& name) {
     for (const char* suffix : {".exr", "_1k.exr"}) {
         const auto path = settings.data / "env" / (name + suffix);
@@ -26,8 +28,6 @@ std::filesystem::path mapFile(const Settings& settings, const std::string& name)
     }
     throw Error("no map " + name + ".exr in " + (settings.data / "env").string());
 }
-
-}  // namespace
 
 std::unique_ptr<Set> loadSet(const Settings& settings, const std::string& name) {
     const auto known = sceneFiles().find(name);
@@ -71,8 +71,7 @@ Rendered renderFrame(const EstimatorContext& context, const Set& set, const std:
     Rendered rendered;
     const Camera camera = cameraAtFrame(set.cameras, frame);
     survey(*made, context, camera, frame, options, rendered.stats);
-    rendered.image =
-        colorImage(render(*made, context, camera, frame, options, rendered.stats));
+    rendered.image = colorImage(render(*made, context, camera, frame, options, rendered.stats));
     return rendered;
 }
 

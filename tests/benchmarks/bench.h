@@ -26,6 +26,7 @@ struct Settings {
     int width = 240, height = 135;
     int samples = 64;
     int repeats = 3;
+    bool full = false;  ///< up to 10^7 items and triangles
     BakeOptions bake;
     std::filesystem::path json;
 };
@@ -39,6 +40,7 @@ struct Set {
 };
 
 std::unique_ptr<Set> loadSet(const Settings& settings, const std::string& name);
+std::filesystem::path mapFile(const Settings& settings, const std::string& name);
 std::unique_ptr<Environment> loadMap(const Settings& settings, const std::string& name);
 
 /// A cache baked with `options`, and what it took.
@@ -70,5 +72,9 @@ Reference makeReference(const EstimatorContext& context, const Set& set, int fra
 // The benchmarks, one file each.
 void efficiency(const Settings& settings);
 void bakeSpeed(const Settings& settings);
+void timeShares(const Settings& settings);
+void memory(const Settings& settings);
+void cycles(const Settings& settings);
+void scaling(const Settings& settings);
 
 }  // namespace shadowcache::bench

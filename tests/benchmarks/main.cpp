@@ -10,7 +10,7 @@ int main(int argc, char** argv) try {
     using namespace shadowcache;
     CLI::App app("Measures Shadowcache on real scenes and maps.", "shadowcache-bench");
     bench::Settings settings;
-    app.add_option("--data", settings.data, "Folder with scene/ and env/")->required();
+    app.add_option("--data", settings.data, "Folder with scene/, env/ and reference/");
     app.add_option("--work", settings.work, "Where caches and references go")
         ->capture_default_str();
     app.add_option("--scenes", settings.scenes, "Scenes")->delimiter(',')->capture_default_str();
@@ -24,11 +24,18 @@ int main(int argc, char** argv) try {
     app.add_option("--level", settings.bake.level, "Level of the bake")->capture_default_str();
     app.add_option("--rays", settings.bake.rays, "Rays of the bake")->capture_default_str();
     app.add_option("--json", settings.json, "Write the table as JSON");
-    app.add_subcommand("efficiency", "Error and time of the estimators")->callback([&] {
-        bench::efficiency(settings);
-    });
-    app.add_subcommand("bake", "Rays a second of the bake against bare Embree calls")
-        ->callback([&] { bench::bakeSpeed(settings); });
+    app.add_flag("--full", settings.full, "Scaling: up to ten million items and triangles");
+    const auto add = [&](const char* name, const char* summary, auto benchmark) {
+        app.add_subcommand(name, summary)->callback([&settings, benchmark] {
+            benchmark(settings);
+        });
+    };
+    add("efficiency", "Error and time of the estimators", bench::efficiency);
+    add("bake", "Rays a second of the bake against bare Embree calls", bench::bakeSpeed);
+    add("time", "Where the time of a render goes: Embree, set-up, the rest", bench::timeShares);
+    add("memory", "Peak memory by triangles and items; opening a large cache", bench::memory);
+    add("cycles", "Our pictures against those of Blender Cycles (kitchen, atrium)", bench::cycles);
+    add("scaling", "Time per pixel as items and triangles grow", bench::scaling);
     app.require_subcommand(1);
     app.fallthrough();
     installInterruptHandler();
