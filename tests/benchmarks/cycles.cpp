@@ -2,8 +2,10 @@
 // with ours: agreement confirms the conventions of map and camera as well as the estimators.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "common/error.h"
 #include "render/film.h"
@@ -46,17 +48,40 @@ Film renderFilm(const EstimatorContext& context, const Set& set, const std::stri
     return render(*made, context, camera, frame, options, stats);
 }
 
-/// Whether every camera ray of a pixel and of those around it met the set: the albedo of the sky is
-/// zero.
-bool isInside(const Film& film, int x, int y) {
-    for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-            const int px = std::clamp(x + dx, 0, film.width - 1);
-            const int py = std::clamp(y + dy, 0, film.height - 1);
-            if (film.pixels[static_cast<std::size_t>(py * film.width + px)].albedo.y < 0.4999f)
-                return false;
+/// Triangles that others coincide with: from one of them Cycles' rays meet the other at once.
+std::vector<bool> findDuplicates(const TriangleMesh& mesh) {
+    std::map<std::array<std::array<float, 3>, 3>, std::uint32_t> seen;
+    std::vector<bool> duplicate(mesh.triangles.size());
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        std::array<std::array<float, 3>, 3> corners;
+        for (int k = 0; k < 3; ++k) {
+            const Vec3f& p = mesh.positions[static_cast<std::size_t>(mesh.triangles[i][k])];
+            corners[static_cast<std::size_t>(k)] = {p.x, p.y, p.z};
         }
-    return true;
+        std::sort(corners.begin(), corners.end());
+        const auto [first, isNew] = seen.emplace(corners, i);
+        if (!isNew) duplicate[i] = duplicate[first->second] = true;
+    }
+    return duplicate;
+}
+
+/// Pixels fit to be compared: they and those around them show the set alone, and no duplicates.
+std::vector<bool> findFitPixels(const Set& set, int frame, int width, int height) {
+    const std::vector<bool> duplicate = findDuplicates(set.mesh);
+    const Camera& camera = cameraAtFrame(set.cameras, frame);
+    const Vec3f origin(camera.origin - set.mesh.origin);
+    std::vector<bool> fit(static_cast<std::size_t>(width * height), true);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const Vec3f direction(rayDirection(camera, (x + 0.5) / width, (y + 0.5) / height,
+                                               static_cast<double>(width) / height));
+            const Hit hit = set.scene->intersect(origin, direction);
+            if (hit.found && !duplicate[hit.triangle]) continue;
+            for (int py = std::max(0, y - 1); py <= std::min(height - 1, y + 1); ++py)
+                for (int px = std::max(0, x - 1); px <= std::min(width - 1, x + 1); ++px)
+                    fit[static_cast<std::size_t>(py * width + px)] = false;
+        }
+    return fit;
 }
 
 /// The map as Cycles sees it, linear between the middles of texels, by texels a fourth as wide.
@@ -95,7 +120,8 @@ struct Comparison {
 /// Compares luminance by tiles. Where the pictures agree, a tile's mean difference is normal with a
 /// variance that the differences of its pixels tell, whatever noise both pictures have; what
 /// exceeds the tolerance counts, and the sum of the squares is chi-squared or less.
-Comparison compare(const Film& film, float scale, const Image& reference) {
+Comparison compare(const Film& film, float scale, const Image& reference,
+                   const std::vector<bool>& fit) {
     Comparison c;
     double ours = 0, theirs = 0, chiSquared = 0, squares = 0;
     for (int ty = 0; ty + kTile <= film.height; ty += kTile)
@@ -104,8 +130,8 @@ Comparison compare(const Film& film, float scale, const Image& reference) {
             int count = 0;
             for (int y = ty; y < ty + kTile; ++y)
                 for (int x = tx; x < tx + kTile; ++x) {
-                    if (!isInside(film, x, y)) continue;
                     const auto i = static_cast<std::size_t>(y * film.width + x);
+                    if (!fit[i]) continue;
                     const auto a = static_cast<double>(luminance(film.pixels[i].color) * scale);
                     const auto b = static_cast<double>(luminance(reference.pixels[i]));
                     sum += a - b;
@@ -147,20 +173,21 @@ void print(const Case& k, const std::string& what, const Comparison& c, bool exp
 void compareCase(const Case& k, const Settings& settings, JsonFile& json) {
     const auto set = loadSet(settings, k.scene);
     const Image reference = readRadiance(settings.data / "reference" / k.file).image;
+    const std::vector<bool> fit = findFitPixels(*set, k.frame, reference.width, reference.height);
     const BakedCache baked = bakeCache(settings, *set, settings.bake, "adaptive");
     const auto environment = filteredMap(settings, k.map, 0);
     const EstimatorContext context{*set->scene, *environment, baked.cache.get(), {}};
     for (const char* estimator : {"mis", "paper", "cache"}) {
         const Film film =
             renderFilm(context, *set, estimator, k.frame, settings.samples, reference);
-        print(k, estimator, compare(film, 1, reference), true, json);
+        print(k, estimator, compare(film, 1, reference, fit), true, json);
         if (std::string(estimator) != "cache") continue;
-        print(k, "cache, 3 % brighter", compare(film, 1.03f, reference), false, json);
+        print(k, "cache, 3 % brighter", compare(film, 1.03f, reference, fit), false, json);
     }
     const auto turned = filteredMap(settings, k.map, 5);
     const EstimatorContext wrong{*set->scene, *turned, baked.cache.get(), {}};
     const Film film = renderFilm(wrong, *set, "cache", k.frame, settings.samples, reference);
-    print(k, "cache, map turned by 5", compare(film, 1, reference), false, json);
+    print(k, "cache, map turned by 5", compare(film, 1, reference, fit), false, json);
 }
 
 }  // namespace
