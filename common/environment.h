@@ -126,7 +126,8 @@ private:
     std::array<std::vector<double>, kLevel + 1> power_;
     /// What is summed over a cell for each colour.
     struct Moments {
-        std::array<Vec3d, 3> flux{};
+        // Imath leaves the numbers of a vector undefined unless told.
+        std::array<Vec3d, 3> flux{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
         std::array<std::array<double, 6>, 3> second{};
     };
     std::array<std::vector<Moments>, kLevel + 1> sums_;
