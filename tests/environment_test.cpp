@@ -74,7 +74,8 @@ void EnvironmentMaps::expectRadiance() {
 
 /// Moments are sums over the texels, and over the cells below.
 void EnvironmentMaps::expectMoments(const Texels& texels) {
-    std::vector<std::array<Vec3d, 3>> flux(cellCount(Environment::kLevel));
+    const Vec3d zero(0.0);
+    std::vector<std::array<Vec3d, 3>> flux(cellCount(Environment::kLevel), {zero, zero, zero});
     std::vector<double> power(flux.size(), 0.0);
     for (std::size_t i = 0; i < texels.size(); ++i) {
         const Rgb radiance = environment_.texel(i).radiance;
