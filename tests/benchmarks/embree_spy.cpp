@@ -14,12 +14,10 @@ namespace shadowcache::bench {
 
 namespace {
 
-/// Calls of a burst, and one burst in how many is kept: consecutive rays stay together, and the
-/// sample spreads over the whole bake.
+/// Calls of a burst: consecutive rays stay together.
 constexpr std::uint64_t kBurstCalls = 8;
-constexpr std::uint64_t kBurstsApart = 32;
-/// Bursts that all threads keep together: 4 M rays in packets of eight.
-constexpr std::uint64_t kMaxBursts = 2048;
+/// Bursts that a thread keeps: 2 M rays in streams of 256.
+constexpr std::size_t kMostBursts = 1024;
 
 using Clock = std::chrono::steady_clock;
 
@@ -28,11 +26,11 @@ struct Ledger {
     std::uint64_t rays = 0, calls = 0;
     Clock::duration time{0};
     std::vector<Burst> bursts;
+    std::uint64_t burstsApart = 1;  ///< one burst in how many is kept
 };
 
 std::atomic<Spying> mode{Spying::off};
 std::atomic<std::uint64_t> generation{0};
-std::atomic<std::uint64_t> burstsKept{0};
 std::atomic<RTCScene> scene{nullptr};
 std::mutex mutex;
 std::vector<std::unique_ptr<Ledger>> ledgers;
@@ -49,15 +47,18 @@ Ledger& ledger() {
     return *mine;
 }
 
-/// Whether this call belongs to a burst that is kept.
+/// Whether this call belongs to a burst that is kept. When there are too many, every other one goes,
+/// so that the sample spreads over the whole bake, however long it is.
 bool isKept(Ledger& l) {
     const std::uint64_t call = l.calls - 1;
-    if (call / kBurstCalls % kBurstsApart != 0) return false;
-    if (call % kBurstCalls == 0) {
-        if (burstsKept++ >= kMaxBursts) return false;
-        l.bursts.emplace_back();
+    if (call % kBurstCalls == 0 && l.bursts.size() == kMostBursts) {
+        for (std::size_t i = 0; i < kMostBursts / 2; ++i) l.bursts[i] = std::move(l.bursts[2 * i]);
+        l.bursts.resize(kMostBursts / 2);
+        l.burstsApart *= 2;
     }
-    return burstsKept <= kMaxBursts;
+    if (call / kBurstCalls % l.burstsApart != 0) return false;
+    if (call % kBurstCalls == 0) l.bursts.emplace_back();
+    return true;
 }
 
 void keep(Burst& burst, const RTCRay& r) {
@@ -116,7 +117,6 @@ void spy(Spying wanted) {
     mode = Spying::off;
     const std::lock_guard lock(mutex);
     ledgers.clear();
-    burstsKept = 0;
     ++generation;
     mode = wanted;
 }
