@@ -282,6 +282,7 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
                         cosPolar,
                         sinPolar * (columnCos_[column] * cosD + columnSin_[column] * sinD)};
     sample.radiance = sorted_[rank].radiance;
+    sample.cell = c;
     sample.density = static_cast<float>((cellSize / (end - begin)) * share /
                                         static_cast<double>(texelWidth * (cosTop - cosBottom)));
     return sample;

@@ -15,6 +15,7 @@ struct EnvironmentSample {
     Vec3f direction;
     Rgb radiance;
     float density;  ///< [1/sr] with respect to the region that was sampled
+    std::uint32_t cell = 0;  ///< of level Environment::kLevel, that holds the texel
 };
 
 /// Sixteen consecutive cells of a level (at level 2 and finer, those with a common ancestor two

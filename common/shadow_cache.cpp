@@ -45,6 +45,7 @@ struct LeafView {
     const PointLeaf* leaf;
     CountRows n, d;
     std::vector<Vec3f> normal;
+    std::vector<Vec3f> position;            ///< from the voxel's middle, in spacings
     std::vector<std::uint32_t> firstBlock;  ///< within the leaf, points + 1
     std::vector<std::int16_t> blockKeys;
     CountRows blockN, blockD;
@@ -52,10 +53,11 @@ struct LeafView {
 
 LeafView makeView(const PointLeaf& items, const PointLeaf* blocks, const DirectionTiers& tiers,
                   const fs::path& path) {
-    LeafView view{&items, {}, {}, {}, {}, {}, {}, {}};
+    LeafView view{&items, {}, {}, {}, {}, {}, {}, {}, {}};
     view.n = countRows(items, "n", tiers.baseCells(), path);
     view.d = countRows(items, "d", tiers.baseCells(), path);
     const auto& normal = attribute<VectorArray>(items, "normal", 1, path);
+    const auto& position = attribute<VectorArray>(items, "P", 1, path);
     const auto& first = attribute<IntArray>(items, "first_block", 1, path);
     const auto& count = attribute<ShortArray>(items, "block_count", 1, path);
     std::size_t blockTotal = 0;
@@ -70,6 +72,8 @@ LeafView makeView(const PointLeaf& items, const PointLeaf* blocks, const Directi
     for (openvdb::Index i = 0; i < normal.size(); ++i) {
         const openvdb::Vec3f v = normal.get(i);
         view.normal.emplace_back(v.x(), v.y(), v.z());
+        const openvdb::Vec3f q = position.get(i);
+        view.position.emplace_back(q.x(), q.y(), q.z());
         view.firstBlock.push_back(static_cast<std::uint32_t>(first.get(i)));
         if (first.get(i) < 0 || count.get(i) < 0 ||
             static_cast<std::size_t>(first.get(i)) + static_cast<std::size_t>(count.get(i)) >
@@ -118,7 +122,7 @@ std::size_t ShadowCache::blockCount() const {
 std::size_t ShadowCache::memoryBytes() const {
     std::size_t bytes = impl_->grids.items->memUsage() + impl_->grids.blocks->memUsage();
     for (const LeafView& leaf : impl_->leaves)
-        bytes += sizeof leaf + leaf.normal.size() * sizeof(Vec3f) +
+        bytes += sizeof leaf + 2 * leaf.normal.size() * sizeof(Vec3f) +
                  leaf.firstBlock.size() * sizeof(std::uint32_t) +
                  leaf.blockKeys.size() * sizeof(std::int16_t);
     return bytes;
@@ -141,6 +145,8 @@ int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
                                 std::span<ItemView> out) {
     // Normals up to 60 degrees apart share items, the closer the more.
     constexpr float kMinAgreement = 0.5f;
+    // Inverse of the distance from the plane of an item, in spacings, at which it counts a third.
+    constexpr float kPlaneFalloff = 5;
     const Vec3d p = position / impl_->cache.grids.header.spacing;
     const Vec3d low(std::floor(p.x), std::floor(p.y), std::floor(p.z));
     const Vec3d f = p - low;
@@ -163,8 +169,13 @@ int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
             const float agreement = view.normal[i].dot(normal) - kMinAgreement;
             if (agreement <= 0) continue;
             const std::uint32_t firstBlock = view.firstBlock[i];
+            const Vec3f toItem =
+                Vec3f(low - p) + Vec3f(Vec3d(k & 1, (k >> 1) & 1, k >> 2)) + view.position[i];
+            // Another layer of surface a little above or below sees other things.
+            const float plane = kPlaneFalloff * toItem.dot(normal);
+            const float nearness = 1 / (1 + plane * plane * (1 + plane * plane));
             // The small addend keeps a lone item in a far corner from losing its weight altogether.
-            const float weight = (static_cast<float>(trilinear) + 1e-6f) * agreement;
+            const float weight = (static_cast<float>(trilinear) + 1e-6f) * agreement * nearness;
             out[static_cast<std::size_t>(found++)] = {view.n.row(i),
                                                       view.d.row(i),
                                                       view.blockKeys.data() + firstBlock,

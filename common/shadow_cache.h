@@ -51,8 +51,8 @@ public:
         ~Reader();
         Reader(Reader&&) noexcept;
 
-        /// Items of the 8 voxels around a place whose side agrees with the unit normal, trilinearly
-        /// weighted.
+        /// Items of the 8 voxels around a place whose side agrees with the unit normal, weighted
+        /// trilinearly and by their distance from the plane of the place.
         ///
         /// @param position world space
         /// @param out      at least kMaxItems

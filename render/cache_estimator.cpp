@@ -12,6 +12,7 @@
 #include "render/horizon.h"
 #include "render/region_weights.h"
 #include "render/sample_budget.h"
+#include "render/surprise_exchange.h"
 
 namespace shadowcache {
 
@@ -19,6 +20,9 @@ namespace {
 
 /// Regions due this many samples or more get a whole number of strata of their own.
 constexpr double kOwnStrata = 1.5;
+
+/// Irradiance, as a share of the frame's mean, below which errors count no more.
+constexpr double kDarkest = 0.1;
 
 constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
@@ -32,6 +36,7 @@ struct Region {
     std::uint32_t cell;
     float visibility;  ///< c: the control variate's coefficient
     double spread;     ///< predicted standard deviation of one sample: the weight of the region
+    float shared;      ///< RegionWeights::shared()
 };
 
 /// A region as the survey sees it.
@@ -42,12 +47,19 @@ struct SurveyRegion {
     float weight[2];  ///< predicted standard deviation of a sample; light
 };
 
+/// A sample of a region whose surprises are shared.
+struct SharedSample {
+    std::size_t index;  ///< in Workspace::samples
+    Surprise surprise;
+};
+
 struct CacheWorkspace final : Workspace {
     CacheWorkspace(const ShadowCache& cache, const Environment& environment)
         : reader(cache),
           pooled(cache.header().tiers()),
           weights(environment, cache.header().tiers()),
-          items(ShadowCache::kMaxItems) {}
+          items(ShadowCache::kMaxItems),
+          exchange(cache.header().tiers()) {}
 
     ShadowCache::Reader reader;
     PooledVisibility pooled;
@@ -56,6 +68,8 @@ struct CacheWorkspace final : Workspace {
     std::vector<Region> own;  ///< regions with strata of their own
     std::vector<SurveyRegion> survey;
     std::vector<float> surveyed;  ///< posterior of the region of each ray
+    SurpriseExchange exchange;
+    std::vector<SharedSample> shared;
 };
 
 class CacheEstimator final : public Estimator {
@@ -78,6 +92,7 @@ public:
         });
         for (const Reliability& part : found) reliability_.add(part);
         reliability_.update();
+        measureBrightness(points);
         if (context_.options.adaptive) planBudget(points, samples);
         return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
     }
@@ -85,6 +100,21 @@ public:
 private:
     Reliability reliability_;
     SampleBudget budget_;
+    double darkest_ = 0;  ///< irradiance below which errors count no more [luminance]
+
+    void measureBrightness(std::span<const ShadingPoint> points) {
+        std::vector<double> sums((points.size() + kSurveyChunk - 1) / kSurveyChunk);
+        parallelFor(points.size(), kSurveyChunk, [&](const Chunk& chunk) {
+            const auto workspace = makeWorkspace();
+            auto& w = static_cast<CacheWorkspace&>(*workspace);
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                weigh(points[i], w);
+                sums[chunk.index] += predictedNoise(w).value;
+            }
+        });
+        const double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
+        darkest_ = points.empty() ? 0 : kDarkest * sum / static_cast<double>(points.size());
+    }
 
     void planBudget(std::span<const ShadingPoint> points, int samples) {
         std::vector<PredictedNoise> noise(points.size());
@@ -173,9 +203,12 @@ private:
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
         weigh(point, w);
+        w.exchange.addPoint();
+        w.shared.clear();
         if (samples > 0 && w.weights.spreadSum() > 0) {
             if (context_.options.adaptive)
                 samples = budget_.samplesOf(predictedNoise(w), point.seed);
+            w.weights.shareSurprises(samples, darkest_);
             drawSamples(point, samples, w);
         }
         const double* predicted = w.weights.predicted();
@@ -183,14 +216,27 @@ private:
                    static_cast<float>(predicted[2]));
     }
 
+    void takeNote(Workspace& workspace) const override {
+        auto& w = static_cast<CacheWorkspace&>(workspace);
+        for (const SharedSample& s : w.shared)
+            if (w.samples.open(s.index) == s.surprise.open) w.exchange.add(s.surprise);
+    }
+
+    void exchange(std::span<const ShadingPoint> points, Workspace& workspace,
+                  std::span<Estimate> estimates) const override {
+        auto& w = static_cast<CacheWorkspace&>(workspace);
+        w.exchange.exchange(context_.scene, context_.environment, points, estimates);
+        w.exchange.clear();
+    }
+
     /// Shares the samples out: regions due many get strata of their own, the rest share a few.
     /// Decided by the weights alone.
     void drawSamples(const ShadingPoint& point, int samples, CacheWorkspace& w) const {
         const double total = w.weights.spreadSum();
         const double ownTotal = takeOwnRegions(total * kOwnStrata / samples, w);
-        const double restTotal = std::max(0.0, total - ownTotal);
-        // What rounding leaves of the difference is no region.
-        const bool anyRest = restTotal > 1e-6 * total;
+        double restTotal = 0;
+        for (std::size_t g = 0; g < w.weights.size(); ++g) restTotal += groupSum(w, g);
+        const bool anyRest = restTotal > 0;
         const int rest =
             anyRest ? std::max(1, static_cast<int>(std::ceil(restTotal / total * samples))) : 0;
         const double perSpread = ownTotal > 0 ? (samples - rest) / ownTotal : 0;
@@ -225,9 +271,9 @@ private:
             if (group.spreadMax < threshold) continue;
             float* spread = w.weights.spread(g);
             for (int i = 0; i < kBlockCells; ++i) {
-                if (spread[i] < threshold) continue;
+                if (spread[i] < threshold || w.weights.shared(g)[i] != 0) continue;
                 w.own.push_back({group.level, group.firstCell + static_cast<std::uint32_t>(i),
-                                 w.weights.visibility(g)[i], static_cast<double>(spread[i])});
+                                 w.weights.visibility(g)[i], static_cast<double>(spread[i]), 0});
                 sum += static_cast<double>(spread[i]);
                 spread[i] = 0;
             }
@@ -288,7 +334,7 @@ private:
                 while (s > 0 && j < count && (x < below + s || end)) {
                     const RegionGroup& group = w.weights.group(g);
                     const Region r{group.level, group.firstCell + static_cast<std::uint32_t>(i),
-                                   w.weights.visibility(g)[i], s};
+                                   w.weights.visibility(g)[i], s, w.weights.shared(g)[i]};
                     addSample(point, r, std::clamp((x - below) / s, 0.0, kBelowOne),
                               total / (s * count), numbers.used, w);
                     if (++j < count) x = total * (j + numbers.next()) / count;
@@ -297,6 +343,7 @@ private:
             }
         }
         w.samples.endGroup();
+        w.exchange.offer(w.weights, count / total);
     }
 
     static double groupSum(CacheWorkspace& w, std::size_t g) {
@@ -324,12 +371,26 @@ private:
             r.level, r.cell, std::min(u, kBelowOne), toUnitFloat(static_cast<std::uint32_t>(h)),
             toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
         const float cosine = s.direction.dot(point.normal);
+        if (r.shared != 0) {
+            if (cosine > 0) addShared(r, s, w);
+            return;
+        }
         const Rgb light = s.radiance * (static_cast<float>(share) / s.density);
         const float assumed = r.visibility * assumedCosine(point, r, cosine);
         if (cosine > 0)
             w.samples.add(s.direction, light * (cosine - assumed), light * -assumed);
         else
             w.samples.add(Vec3f(0, 0, 0), light * -assumed, light * -assumed);
+    }
+
+    /// A sample whose contribution is zero unless it is a surprise, and then shared.
+    void addShared(const Region& r, const EnvironmentSample& s, CacheWorkspace& w) const {
+        const double power = context_.environment.power(r.level, r.cell);
+        w.shared.push_back(
+            {w.samples.size(),
+             {s.direction, s.radiance, s.cell, static_cast<double>(s.density) * power,
+              w.exchange.lastPoint(), r.shared > 0}});
+        w.samples.add(s.direction, Rgb(0, 0, 0));
     }
 };
 

@@ -102,16 +102,32 @@ std::uint64_t Estimator::survey(std::span<const ShadingPoint>, int) {
     return 0;
 }
 
-Estimate Estimator::estimate(const ShadingPoint& point, int samples, Workspace& workspace) const {
+void Estimator::takeNote(Workspace&) const {}
+
+void Estimator::exchange(std::span<const ShadingPoint>, Workspace&, std::span<Estimate>) const {}
+
+void Estimator::estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+                         std::span<Estimate> estimates) const {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const std::uint64_t start = nanoseconds();
+        workspace.samples.clear();
+        estimates[i] = {};
+        estimates[i].irradiance = prepare(points[i], samples, workspace);
+        const std::uint64_t prepared = nanoseconds();
+        workspace.samples.trace(context_.scene, points[i], context_.environment, estimates[i]);
+        takeNote(workspace);
+        workspace.setupNanoseconds += prepared - start;
+        workspace.traceNanoseconds += nanoseconds() - prepared;
+    }
     const std::uint64_t start = nanoseconds();
-    workspace.samples.clear();
-    Estimate estimate;
-    estimate.irradiance = prepare(point, samples, workspace);
-    const std::uint64_t prepared = nanoseconds();
-    workspace.samples.trace(context_.scene, point, context_.environment, estimate);
-    workspace.setupNanoseconds += prepared - start;
-    workspace.traceNanoseconds += nanoseconds() - prepared;
-    return estimate;
+    exchange(points, workspace, estimates);
+    workspace.traceNanoseconds += nanoseconds() - start;
+}
+
+Estimate Estimator::estimate(const ShadingPoint& point, int samples, Workspace& workspace) const {
+    Estimate result;
+    estimate({&point, 1}, samples, workspace, {&result, 1});
+    return result;
 }
 
 std::span<const EstimatorEntry> estimatorTable() {

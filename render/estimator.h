@@ -110,7 +110,11 @@ public:
     /// @return number of shadow rays it took
     virtual std::uint64_t survey(std::span<const ShadingPoint> points, int samples);
 
-    /// Unbiased estimate from `samples` samples: queues them, traces them, keeps the time.
+    /// Unbiased estimates from `samples` samples at each point: queues them, traces them, keeps the
+    /// time. Points that are near each other may gain from what the others' rays find.
+    void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+                  std::span<Estimate> estimates) const;
+    /// The same at one point; workspace.samples are its samples afterwards.
     Estimate estimate(const ShadingPoint& point, int samples, Workspace& workspace) const;
 
 protected:
@@ -118,6 +122,12 @@ protected:
     ///
     /// @return the part of the irradiance that needs no ray
     virtual Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const = 0;
+
+    /// Looks at workspace.samples of one point after its rays are traced.
+    virtual void takeNote(Workspace& workspace) const;
+    /// Called once the rays of all points are traced, to exchange what was found.
+    virtual void exchange(std::span<const ShadingPoint> points, Workspace& workspace,
+                          std::span<Estimate> estimates) const;
 
     const EstimatorContext context_;
 };

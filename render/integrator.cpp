@@ -1,6 +1,7 @@
 #include "render/integrator.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <string>
@@ -14,8 +15,8 @@ namespace shadowcache {
 
 namespace {
 
-/// Side of the square of pixels that one thread renders in a run: neighbours read the same cache
-/// items.
+/// Side of the square of pixels that are rendered in a run: neighbours read the same cache items
+/// and share what their rays find.
 constexpr int kTile = 8;
 
 /// Places of the frame that a survey looks at.
@@ -44,6 +45,22 @@ void requireFinite(const Film& film, int frame, std::uint64_t seed) {
                 std::to_string(seed));
 }
 
+struct View {
+    Vec3f direction;
+    Hit hit;
+};
+
+/// What a tile's camera rays see of the set; reused from tile to tile.
+struct TileScratch {
+    struct Seen {
+        Hit hit;
+        Pixel* pixel;
+    };
+    std::vector<ShadingPoint> points;
+    std::vector<Seen> seen;
+    std::vector<Estimate> estimates;
+};
+
 struct Frame {
     const Estimator& estimator;
     const EstimatorContext& context;
@@ -51,11 +68,7 @@ struct Frame {
     int number;
     const RenderOptions& options;
     const CameraSampleObserver* observer = nullptr;
-
-    struct View {
-        Vec3f direction;
-        Hit hit;
-    };
+    const Pixel* observed = nullptr;
 
     /// What the camera sees at a place of the film, in [0, 1).
     View look(double filmX, double filmY) const {
@@ -72,23 +85,50 @@ struct Frame {
                 context.scene.mesh().origin + Vec3d(hit.position), normal, seed};
     }
 
-    Pixel renderPixel(int x, int y, Workspace& workspace, std::uint64_t& shadowRays) const {
-        Pixel pixel;
-        for (int k = 0; k < options.cameraRays; ++k) addCameraRay(x, y, k, workspace, pixel);
+    /// Renders pixels (x0, y0) .. (x0 + kTile - 1, y0 + kTile - 1) as far as the film goes:
+    /// out[kTile
+    /// * v + u] is (x0 + u, y0 + v).
+    void renderTile(int x0, int y0, TileScratch& scratch, Workspace& workspace, Pixel* out) const {
+        std::fill_n(out, kTile * kTile, Pixel{});
+        for (int k = 0; k < options.cameraRays; ++k)
+            addCameraRays(x0, y0, k, scratch, workspace, out);
         const float scale = 1.0f / static_cast<float>(options.cameraRays);
-        shadowRays += static_cast<std::uint64_t>(pixel.rays);
-        pixel.color *= scale;
-        pixel.irradiance *= scale;
-        pixel.albedo *= scale;
-        pixel.normal *= scale;
-        pixel.position *= scale;
-        pixel.depth *= scale;
-        pixel.variance *= scale * scale;
-        return pixel;
+        for (Pixel* pixel = out; pixel != out + kTile * kTile; ++pixel) {
+            pixel->color *= scale;
+            pixel->irradiance *= scale;
+            pixel->albedo *= scale;
+            pixel->normal *= scale;
+            pixel->position *= scale;
+            pixel->depth *= scale;
+            pixel->variance *= scale * scale;
+        }
     }
 
-    void addCameraRay(int x, int y, int k, Workspace& workspace, Pixel& pixel) const {
-        const std::uint64_t seed = pixelSeed(options.seed, number, x, y, k);
+    /// The camera ray `k` of each pixel of a tile; what they see is lit together.
+    void addCameraRays(int x0, int y0, int k, TileScratch& scratch, Workspace& workspace,
+                       Pixel* out) const {
+        scratch.points.clear();
+        scratch.seen.clear();
+        for (int y = y0; y < std::min(y0 + kTile, options.height); ++y)
+            for (int x = x0; x < std::min(x0 + kTile, options.width); ++x) {
+                Pixel& pixel = out[(y - y0) * kTile + x - x0];
+                const View view = look(x, y, k);
+                if (!view.hit.found) {
+                    pixel.color += context.environment.radiance(view.direction);
+                    continue;
+                }
+                scratch.points.push_back(
+                    shadingPoint(view, pixelSeed(options.seed, number, x, y, k)));
+                scratch.seen.push_back({view.hit, &pixel});
+            }
+        scratch.estimates.resize(scratch.points.size());
+        estimator.estimate(scratch.points, options.samples, workspace, scratch.estimates);
+        for (std::size_t i = 0; i < scratch.points.size(); ++i)
+            addToPixel(scratch.points[i], scratch.seen[i].hit, scratch.estimates[i], workspace,
+                       *scratch.seen[i].pixel);
+    }
+
+    View look(int x, int y, int k) const {
         double dx = 0.5, dy = 0.5;
         if (options.cameraRays > 1) {
             std::uint32_t u = 0, v = 0;
@@ -98,21 +138,22 @@ struct Frame {
             dx = static_cast<double>(toUnitFloat(u));
             dy = static_cast<double>(toUnitFloat(v));
         }
-        const View view = look((x + dx) / options.width, (y + dy) / options.height);
-        if (!view.hit.found) {
-            pixel.color += context.environment.radiance(view.direction);
-            return;
+        return look((x + dx) / options.width, (y + dy) / options.height);
+    }
+
+    void addToPixel(const ShadingPoint& point, const Hit& hit, const Estimate& e,
+                    Workspace& workspace, Pixel& pixel) const {
+        const Rgb albedo = albedoAt(context.scene.mesh(), hit, options.albedo);
+        if (observer && &pixel == observed) {
+            estimator.estimate(point, options.samples, workspace);  // for its samples
+            (*observer)({point, albedo, e, workspace.samples});
         }
-        const ShadingPoint point = shadingPoint(view, seed);
-        const Estimate e = estimator.estimate(point, options.samples, workspace);
-        const Rgb albedo = albedoAt(context.scene.mesh(), view.hit, options.albedo);
-        if (observer) (*observer)({point, albedo, e, workspace.samples});
         pixel.color += albedo * e.irradiance * static_cast<float>(1 / kPi);
         pixel.irradiance += e.irradiance;
         pixel.albedo += albedo;
         pixel.normal += point.normal;
         pixel.position += Vec3f(point.position);
-        pixel.depth += view.hit.distance;
+        pixel.depth += hit.distance;
         pixel.variance += e.variance;
         pixel.rays += static_cast<float>(e.rays);
     }
@@ -137,7 +178,7 @@ void survey(Estimator& estimator, const EstimatorContext& context, const Camera&
     for (int k = 0; k < kSurveyPlaces; ++k) {
         // The numbers of a survey belong to no pixel.
         const std::uint64_t seed = pixelSeed(options.seed, frame, -1, -1, k);
-        const Frame::View view = task.look(toUnit(hashWords(seed, 1)), toUnit(hashWords(seed, 2)));
+        const View view = task.look(toUnit(hashWords(seed, 1)), toUnit(hashWords(seed, 2)));
         if (view.hit.found) points.push_back(task.shadingPoint(view, seed));
     }
     stats.shadowRays += estimator.survey(points, options.samples);
@@ -162,20 +203,25 @@ Film render(const Estimator& estimator, const EstimatorContext& context, const C
     Progress progress("frame " + std::to_string(frame), tiles);
     parallelFor(tiles, 16, [&](const Chunk& chunk) {
         const std::unique_ptr<Workspace> workspace = estimator.makeWorkspace();
-        std::uint64_t rays = 0;
+        TileScratch scratch;
+        std::array<Pixel, kTile * kTile> tile;
+        double rays = 0;
         for (std::size_t t = chunk.begin; t < chunk.end; ++t) {
+            throwIfInterrupted();
             const int x0 = static_cast<int>(t) % tilesX * kTile;
             const int y0 = static_cast<int>(t) / tilesX * kTile;
-            for (int y = y0; y < std::min(y0 + kTile, options.height); ++y)
-                for (int x = x0; x < std::min(x0 + kTile, options.width); ++x) {
-                    throwIfInterrupted();
-                    film.pixels[static_cast<std::size_t>(y) *
+            task.renderTile(x0, y0, scratch, *workspace, tile.data());
+            const int width = std::min(kTile, options.width - x0);
+            for (int v = 0; v < std::min(kTile, options.height - y0); ++v)
+                for (int u = 0; u < width; ++u) {
+                    const Pixel& pixel = tile[static_cast<std::size_t>(v * kTile + u)];
+                    film.pixels[static_cast<std::size_t>(y0 + v) *
                                     static_cast<std::size_t>(options.width) +
-                                static_cast<std::size_t>(x)] =
-                        task.renderPixel(x, y, *workspace, rays);
+                                static_cast<std::size_t>(x0 + u)] = pixel;
+                    rays += static_cast<double>(pixel.rays);
                 }
         }
-        shadowRays += rays;
+        shadowRays += static_cast<std::uint64_t>(rays);
         setup += workspace->setupNanoseconds;
         trace += workspace->traceNanoseconds;
         progress.add(chunk.end - chunk.begin);
@@ -194,9 +240,12 @@ Pixel renderPixel(const Estimator& estimator, const EstimatorContext& context, c
                   int frame, const RenderOptions& options, int x, int y,
                   const CameraSampleObserver& observer) {
     const auto workspace = estimator.makeWorkspace();
-    std::uint64_t rays = 0;
-    return Frame{estimator, context, camera, frame, options, &observer}.renderPixel(
-        x, y, *workspace, rays);
+    TileScratch scratch;
+    std::array<Pixel, kTile * kTile> tile;
+    const Pixel& pixel = tile[static_cast<std::size_t>(y % kTile * kTile + x % kTile)];
+    const Frame task{estimator, context, camera, frame, options, &observer, &pixel};
+    task.renderTile(x - x % kTile, y - y % kTile, scratch, *workspace, tile.data());
+    return pixel;
 }
 
 }  // namespace shadowcache

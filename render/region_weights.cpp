@@ -36,7 +36,18 @@ constexpr float kHorizonNoise = 2e-4f;
 
 /// Samples drawn in proportion to the light alone, for each that follows the counts: bounds what a
 /// surprise can weigh.
-constexpr double kDefensiveShare = 0.15;
+constexpr double kDefensiveShare = 0.2;
+
+/// Part of the irradiance that is sure, from which on a sample is heavy enough to be shared: what
+/// its rays to the neighbours cost is then well spent.
+constexpr double kHeavy = 0.1;
+
+/// Shared regions need this much of the samples that they would need alone.
+constexpr float kSharedSpread = 0.5f;
+
+/// Visibility from which on a shared region counts as open until a ray says otherwise. High,
+/// because noise in a dark place that was thought bright is seen, and the reverse is not.
+constexpr float kMostlyOpen = 0.9f;
 
 /// Folds sixteen numbers into one, in a fixed order that SIMD registers like.
 template <class Fold>
@@ -128,7 +139,7 @@ void RegionWeights::weigh(const PooledVisibility& pooled, const Vec3f& normal,
     normal_ = normal;
     groups_.clear();
     spreadSum_ = 0;
-    lightSum_ = 0;
+    lightSum_ = sureLight_ = 0;
     predicted_[0] = predicted_[1] = predicted_[2] = 0;
     float open = 0, counted = 0;
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
@@ -151,6 +162,55 @@ void RegionWeights::defend() {
         groups_[g].spreadSum = sumOf(lanes.spread);
         groups_[g].spreadMax = maximumOf(lanes.spread);
         spreadSum_ += static_cast<double>(groups_[g].spreadSum);
+    }
+}
+
+void RegionWeights::shareSurprises(int samples, double darkest) {
+    const double brightness = darkest + sureLight_;
+    // A sample weighs light / (samples * spread / spreadSum).
+    const auto least = static_cast<float>(kHeavy * brightness * samples / spreadSum_);
+    spreadSum_ = 0;
+    predicted_[0] = predicted_[1] = predicted_[2] = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        Lanes& lanes = lanes_[g];
+        alignas(64) float marked[kBlockCells], rounded[kBlockCells];
+        for (int i = 0; i < kBlockCells; ++i) {
+            const float heavy = lanes.light[i] > least * lanes.spread[i] ? 1.0f : 0.0f;
+            const float word = lanes.visibility[i] < kMostlyOpen ? 1.0f : -lanes.flat[i];
+            lanes.shared[i] = heavy * word;
+            marked[i] = std::abs(lanes.shared[i]);
+            const float isRounded = std::abs(lanes.visibility[i] - 0.5f) < 0.5f ? 1.0f : 0.0f;
+            rounded[i] = marked[i] * isRounded;
+            lanes.spread[i] *= 1 - marked[i] * (1 - kSharedSpread);
+        }
+        groups_[g].anyShared = maximumOf(marked) > 0;
+        if (maximumOf(rounded) > 0) roundShared(g);
+        addPredicted(groups_[g]);
+        groups_[g].spreadSum = sumOf(lanes.spread);
+        groups_[g].spreadMax = maximumOf(lanes.spread);
+        spreadSum_ += static_cast<double>(groups_[g].spreadSum);
+    }
+}
+
+void RegionWeights::addPredicted(const RegionGroup& group) {
+    for (int k = 0; k < 3; ++k) predicted_[k] += static_cast<double>(group.predicted[k]);
+}
+
+/// Rounds the visibility of the group's shared regions, and the integral with it.
+void RegionWeights::roundShared(std::size_t g) {
+    Lanes& lanes = lanes_[g];
+    CellLight sky;
+    lightCells(environment_.cells(groups_[g].level, groups_[g].firstCell / kBlockCells), normal_,
+               environment_.luminanceWeights(), sky);
+    for (int i = 0; i < kBlockCells; ++i) {
+        if (lanes.shared[i] == 0) continue;
+        lanes.visibility[i] = lanes.shared[i] > 0 ? 0.0f : 1.0f;
+    }
+    for (int k = 0; k < 3; ++k) {
+        alignas(64) float predicted[kBlockCells];
+        for (int i = 0; i < kBlockCells; ++i)
+            predicted[i] = lanes.light[i] > 0 ? lanes.visibility[i] * sky.flux[k][i] : 0.0f;
+        groups_[g].predicted[k] = sumOf(predicted);
     }
 }
 
@@ -190,6 +250,7 @@ void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock*
     if (groups_.size() == lanes_.size()) lanes_.resize(2 * lanes_.size() + 64);
     Lanes& lanes = lanes_[groups_.size()];
     alignas(64) float a[kBlockCells], correction[kBlockCells], predicted[3][kBlockCells];
+    alignas(64) float sure[kBlockCells];
     for (int i = 0; i < kBlockCells; ++i) {
         const Reliability::Verdict verdict = reliability_->judge(v.posterior[i]);
         a[i] = verdict.posterior;
@@ -203,19 +264,26 @@ void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock*
         lanes.visibility[i] = c;
         lanes.posterior[i] = v.posterior[i];
         lanes.light[i] = light * std::sqrt(sky.cosineMoment[i]);
+        lanes.flat[i] = sky.fitMoment[i] == 1 ? 1.0f : 0.0f;
         lanes.spread[i] =
             light * std::sqrt(residualMoment(a[i], c, sky.cosineMoment[i], sky.fitMoment[i]));
         const float share = light > 0 ? c : 0.0f;
+        sure[i] = c > kMostlyOpen ? lanes.light[i] : 0.0f;
         predicted[0][i] = share * sky.flux[0][i];
         predicted[1][i] = share * sky.flux[1][i];
         predicted[2][i] = share * sky.flux[2][i];
     }
-    for (int k = 0; k < 3; ++k) predicted_[k] += static_cast<double>(sumOf(predicted[k]));
     const float sum = sumOf(lanes.spread);
     if (sum > 0) {
-        groups_.push_back({block * kBlockCells, level, sum, maximumOf(lanes.spread)});
+        groups_.push_back({block * kBlockCells,
+                           level,
+                           sum,
+                           maximumOf(lanes.spread),
+                           {sumOf(predicted[0]), sumOf(predicted[1]), sumOf(predicted[2])}});
+        addPredicted(groups_.back());
         spreadSum_ += static_cast<double>(sum);
         lightSum_ += static_cast<double>(sumOf(lanes.light));
+        sureLight_ += static_cast<double>(sumOf(sure));
     }
     if (!anySplit) return;
     const std::int16_t* slots = slotsOf(tier, block);

@@ -16,6 +16,8 @@ struct RegionGroup {
     int level;
     float spreadSum;
     float spreadMax;
+    float predicted[3];  ///< sum over the regions of c_r (n . V_r)
+    bool anyShared = false;
 };
 
 /// Mean square of the residual in a region that is visible with probability `a` and that the
@@ -38,6 +40,12 @@ public:
     /// be trusted: the control variate's integral goes to predicted(), the groups to group().
     void weigh(const PooledVisibility& pooled, const Vec3f& normal, const Reliability& reliability);
 
+    /// Marks the regions whose surprises are to be shared with neighbouring points: those where one
+    /// of `samples` samples against the cache's word would weigh a good part of the irradiance and
+    /// `darkest` together. There the word is rounded to fully hidden or fully open, and fewer
+    /// samples do, because the neighbours' count as well.
+    void shareSurprises(int samples, double darkest);
+
     /// Sum over the regions of c_r (n . V_r): the irradiance the cache predicts.
     const double* predicted() const { return predicted_; }
     /// Sum of all spreads: about the standard deviation of one sample drawn in proportion to them,
@@ -49,8 +57,11 @@ public:
     /// Weight of each region of the group in the choice of a sample's region: the predicted
     /// standard deviation of the residual there, and a defensive share of the light.
     float* spread(std::size_t g) { return lanes_[g].spread; }
+    const float* spread(std::size_t g) const { return lanes_[g].spread; }
     /// c_r: the visibility that the control variate assumes.
     const float* visibility(std::size_t g) const { return lanes_[g].visibility; }
+    /// 1 where finding the sky is a surprise to share, -1 where finding an occluder is, else 0.
+    const float* shared(std::size_t g) const { return lanes_[g].shared; }
     /// Light of the region as far as nothing hides it.
     const float* light(std::size_t g) const { return lanes_[g].light; }
     /// Probability that light of the region is seen, as the counts and the hierarchy have it.
@@ -62,6 +73,8 @@ private:
         float visibility[kBlockCells];
         float posterior[kBlockCells];
         float light[kBlockCells];  ///< unshadowed
+        float flat[kBlockCells];   ///< 1 where the horizon does not cut the region, else 0
+        float shared[kBlockCells];
     };
     /// What a cell hands down to its children.
     struct Parent {
@@ -69,6 +82,8 @@ private:
         float posterior;
     };
     const std::int16_t* slotsOf(int tier, std::uint32_t block) const;
+    void roundShared(std::size_t g);
+    void addPredicted(const RegionGroup& group);
     /// Mixes a share of the light itself into the spreads.
     void defend();
     bool markSplits(int tier, std::uint32_t block, const CellLight& sky, const CellVisibility& v,
@@ -84,7 +99,8 @@ private:
     Vec3f normal_;
     double predicted_[3] = {0, 0, 0};
     double spreadSum_ = 0;
-    double lightSum_ = 0;  ///< of all regions, unshadowed
+    double lightSum_ = 0;   ///< of all regions, unshadowed
+    double sureLight_ = 0;  ///< of the regions that are almost surely open
     std::vector<RegionGroup> groups_;
     std::vector<Lanes> lanes_;
 };

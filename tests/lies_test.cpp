@@ -246,7 +246,7 @@ TEST(NegativeEstimates, AreKept) {
         test::environmentOf(test::oneTexelMap(16, 8, 6, 2, Rgb(30, 20, 10)));
     BakeResult baked = bakeOf(mesh);
     baked.items = lie(baked.items, baked.header.tiers(), [](std::uint64_t) {
-        return Counts{1, 2};
+        return Counts{254, 255};
     });
     const test::TestCache cache(baked);
     const auto estimator = findEstimator("cache").make({scene, environment, &cache.cache(), {}});
