@@ -111,9 +111,10 @@ void Environment::sortTexels() {
     for (const std::uint32_t key : keys) ++firstTexel_[index(key >> kShift) + 1];
     for (std::size_t i = 1; i < firstTexel_.size(); ++i) firstTexel_[i] += firstTexel_[i - 1];
     sorted_.resize(count);
+    texelBegin_.resize(count);
     std::vector<std::uint32_t> next(firstTexel_.begin(), firstTexel_.end() - 1);
     for (std::size_t i = 0; i < count; ++i)
-        sorted_[next[keys[i] >> kShift]++] = {map_[i].radiance, 0, static_cast<std::uint32_t>(i)};
+        sorted_[next[keys[i] >> kShift]++] = {map_[i].radiance, static_cast<std::uint32_t>(i)};
     parallelFor(cellCount(kLevel), 64, [&](const Chunk& cells) {
         for (std::size_t c = cells.begin; c < cells.end; ++c)
             std::sort(sorted_.begin() + firstTexel_[c], sorted_.begin() + firstTexel_[c + 1],
@@ -182,13 +183,13 @@ void Environment::accumulate(std::size_t cell, const std::vector<double>& weight
     std::uint64_t sum = 0;
     std::uint32_t end = firstTexel_[cell];  // after the last lit texel
     for (std::uint32_t i = firstTexel_[cell]; i < firstTexel_[cell + 1]; ++i) {
-        sorted_[i].begin = static_cast<std::uint32_t>(sum);
+        texelBegin_[i] = static_cast<std::uint32_t>(sum);
         const double w = weights[i - firstTexel_[cell]];
         if (!(w > 0)) continue;
         sum += 1 + static_cast<std::uint64_t>(steps * (w / power_[kLevel][cell]));
         end = i + 1;
     }
-    for (std::uint32_t i = end; i < firstTexel_[cell + 1]; ++i) sorted_[i].begin = kNoStep;
+    for (std::uint32_t i = end; i < firstTexel_[cell + 1]; ++i) texelBegin_[i] = kNoStep;
 }
 
 void Environment::tabulate() {
@@ -237,8 +238,8 @@ double Environment::power(int level, std::uint32_t cell) const noexcept {
     return power_[static_cast<std::size_t>(level)][cell];
 }
 
-EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t last, double u,
-                                           float jitterX, float jitterY) const noexcept {
+Environment::Draw Environment::startDraw(std::uint32_t first, std::uint32_t last,
+                                         double u) const noexcept {
     const double begin = cellCdf_[first], end = cellCdf_[last];
     const double x = begin + u * (end - begin);
     std::uint32_t c = first;
@@ -258,17 +259,25 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
     while (c > first && cellCdf_[c + 1] <= cellCdf_[c]) --c;
     const double cellSize = cellCdf_[c + 1] - cellCdf_[c];
     const double inCell = std::clamp((x - cellCdf_[c]) / cellSize, 0.0, 1.0);
-
-    const auto texels = texelsOf(c);
     const auto step = static_cast<std::uint32_t>(std::min(inCell * 4294967296.0, 4294967294.0));
-    const auto base = sorted_.begin();
-    const auto found =
-        std::upper_bound(base + texels[0], base + texels[1], step,
-                         [](std::uint32_t value, const SortedTexel& t) { return value < t.begin; });
-    const auto rank = static_cast<std::uint32_t>(found - base - 1);
-    const double share = texelShare(rank, texels[1]);
+    const auto texels = texelsOf(c);
+    __builtin_prefetch(&texelBegin_[texels[0]]);
+    __builtin_prefetch(&texelBegin_[(texels[0] + texels[1]) / 2]);
+    return {c, step, 0, static_cast<float>(cellSize / (end - begin))};
+}
 
-    const std::uint32_t texel = sorted_[rank].index;
+void Environment::findTexel(Draw& draw) const noexcept {
+    const auto texels = texelsOf(draw.cell);
+    const auto base = texelBegin_.begin();
+    const auto found = std::upper_bound(base + texels[0], base + texels[1], draw.step);
+    draw.texel = static_cast<std::uint32_t>(found - base - 1);
+    __builtin_prefetch(&sorted_[draw.texel]);
+}
+
+EnvironmentSample Environment::finishDraw(const Draw& draw, float jitterX,
+                                          float jitterY) const noexcept {
+    const double share = texelShare(draw.texel, texelsOf(draw.cell)[1]);
+    const std::uint32_t texel = sorted_[draw.texel].index;
     const std::size_t y = texel / width_, column = texel % width_;
     const float cosTop = rowCos_[y], cosBottom = rowCos_[y + 1];
     const float cosPolar = cosTop + (cosBottom - cosTop) * jitterY;
@@ -281,27 +290,35 @@ EnvironmentSample Environment::sampleRange(std::uint32_t first, std::uint32_t la
     sample.direction = {sinPolar * (columnSin_[column] * cosD - columnCos_[column] * sinD),
                         cosPolar,
                         sinPolar * (columnCos_[column] * cosD + columnSin_[column] * sinD)};
-    sample.radiance = sorted_[rank].radiance;
-    sample.cell = c;
-    sample.density = static_cast<float>((cellSize / (end - begin)) * share /
+    sample.radiance = sorted_[draw.texel].radiance;
+    sample.cell = draw.cell;
+    sample.density = static_cast<float>(static_cast<double>(draw.cellShare) * share /
                                         static_cast<double>(texelWidth * (cosTop - cosBottom)));
     return sample;
 }
 
+Environment::Draw Environment::startDraw(int level, std::uint32_t cell, double u) const noexcept {
+    const int shift = 2 * (kLevel - level);
+    return startDraw(cell << shift, (cell + 1) << shift, u);
+}
+
 EnvironmentSample Environment::sampleCell(int level, std::uint32_t cell, double u, float jitterX,
                                           float jitterY) const noexcept {
-    const int shift = 2 * (kLevel - level);
-    return sampleRange(cell << shift, (cell + 1) << shift, u, jitterX, jitterY);
+    Draw draw = startDraw(level, cell, u);
+    findTexel(draw);
+    return finishDraw(draw, jitterX, jitterY);
 }
 
 EnvironmentSample Environment::sample(double u, float jitterX, float jitterY) const noexcept {
-    return sampleRange(0, cellCount(kLevel), u, jitterX, jitterY);
+    Draw draw = startDraw(std::uint32_t{0}, cellCount(kLevel), u);
+    findTexel(draw);
+    return finishDraw(draw, jitterX, jitterY);
 }
 
 double Environment::texelShare(std::uint32_t rank, std::uint32_t cellEnd) const noexcept {
-    const std::uint32_t next = rank + 1 < cellEnd ? sorted_[rank + 1].begin : kNoStep;
+    const std::uint32_t next = rank + 1 < cellEnd ? texelBegin_[rank + 1] : kNoStep;
     const std::uint64_t end = next == kNoStep ? std::uint64_t{1} << 32 : std::uint64_t{next};
-    return static_cast<double>(end - sorted_[rank].begin) * 0x1p-32;
+    return static_cast<double>(end - texelBegin_[rank]) * 0x1p-32;
 }
 
 void Environment::tabulateDensity() {

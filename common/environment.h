@@ -14,7 +14,7 @@ namespace shadowcache {
 struct EnvironmentSample {
     Vec3f direction;
     Rgb radiance;
-    float density;  ///< [1/sr] with respect to the region that was sampled
+    float density;           ///< [1/sr] with respect to the region that was sampled
     std::uint32_t cell = 0;  ///< of level Environment::kLevel, that holds the texel
 };
 
@@ -70,6 +70,18 @@ public:
     EnvironmentSample sampleCell(int level, std::uint32_t index, double u, float jitterX,
                                  float jitterY) const noexcept;
 
+    /// A draw in three steps, each of which reads memory that the one before asked for: with many
+    /// draws a step at a time the waits overlap. sampleCell() is all three at once.
+    struct Draw {
+        std::uint32_t cell;  ///< of level kLevel
+        std::uint32_t step;  ///< place in the cell's light, in 2^-32
+        std::uint32_t texel;
+        float cellShare;  ///< of the cell in the light of the region
+    };
+    Draw startDraw(int level, std::uint32_t index, double u) const noexcept;
+    void findTexel(Draw& draw) const noexcept;
+    EnvironmentSample finishDraw(const Draw& draw, float jitterX, float jitterY) const noexcept;
+
     /// As sampleCell, over the whole sphere (whose power is positive).
     EnvironmentSample sample(double u, float jitterX, float jitterY) const noexcept;
 
@@ -100,8 +112,7 @@ private:
     /// Share of its cell's light that the texel at place `rank` of sorted_ owns.
     double texelShare(std::uint32_t rank, std::uint32_t cellEnd) const noexcept;
     void accumulate(std::size_t cell, const std::vector<double>& weights);
-    EnvironmentSample sampleRange(std::uint32_t first, std::uint32_t last, double u, float jitterX,
-                                  float jitterY) const noexcept;
+    Draw startDraw(std::uint32_t first, std::uint32_t last, double u) const noexcept;
 
     std::size_t width_ = 0, height_ = 0;
     double rotation_ = 0;
@@ -112,14 +123,15 @@ private:
         Rgb radiance;
         float density;  ///< of sample() [1/sr]
     };
-    /// What drawing a texel of a cell reads, side by side.
     struct SortedTexel {
         Rgb radiance;
-        std::uint32_t begin;  ///< sum over the cell's texels before it, in 2^-32 of the cell
         std::uint32_t index;  ///< y * width + x
     };
     std::vector<MapTexel> map_;
-    std::vector<SortedTexel> sorted_;        ///< by cell
+    std::vector<SortedTexel> sorted_;  ///< by cell
+    /// Of each of sorted_: the light of the cell's texels before it, in 2^-32 of the cell. Apart,
+    /// because drawing a texel searches it.
+    std::vector<std::uint32_t> texelBegin_;
     std::vector<std::uint32_t> firstTexel_;  ///< per cell of kLevel, and the end
     std::vector<double> cellCdf_;            ///< over the cells of kLevel, cellCount + 1
     std::vector<std::uint32_t> guide_;       ///< where in cellCdf_ to begin

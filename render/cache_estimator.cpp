@@ -47,6 +47,15 @@ struct SurveyRegion {
     float weight[2];  ///< predicted standard deviation of a sample; light
 };
 
+/// A sample on its way to a direction.
+struct QueuedSample {
+    Region region;
+    double share;  ///< 1 / (samples * probability of the region)
+    Environment::Draw draw;
+    int index;  ///< of the sample among the point's
+    bool endsGroup;
+};
+
 /// A sample of a region whose surprises are shared.
 struct SharedSample {
     std::size_t index;  ///< in Workspace::samples
@@ -70,6 +79,7 @@ struct CacheWorkspace final : Workspace {
     std::vector<float> surveyed;  ///< posterior of the region of each ray
     SurpriseExchange exchange;
     std::vector<SharedSample> shared;
+    std::vector<QueuedSample> queued;
 };
 
 class CacheEstimator final : public Estimator {
@@ -210,6 +220,7 @@ private:
                 samples = budget_.samplesOf(predictedNoise(w), point.seed);
             w.weights.shareSurprises(samples, darkest_);
             drawSamples(point, samples, w);
+            addQueued(point, w);
         }
         const double* predicted = w.weights.predicted();
         return Rgb(static_cast<float>(predicted[0]), static_cast<float>(predicted[1]),
@@ -244,7 +255,7 @@ private:
         if (w.own.empty() || perSpread * total * kOwnStrata / samples < 1) {
             // Too few samples for strata of one region: all regions share them.
             returnOwnRegions(w);
-            drawRest(point, samples, numbers, w);
+            drawRest(samples, numbers, w);
             return;
         }
         double sum = 0;
@@ -253,10 +264,10 @@ private:
             sum += r.spread * perSpread;
             const int count = static_cast<int>(sum + 1e-6) - before;
             for (int j = 0; j < count; ++j)
-                addSample(point, r, (j + numbers.next()) / count, 1.0 / count, numbers.used, w);
-            w.samples.endGroup();
+                queueSample(r, (j + numbers.next()) / count, 1.0 / count, numbers.used, w);
+            endGroup(w);
         }
-        if (anyRest) drawRest(point, rest, numbers, w);
+        if (anyRest) drawRest(rest, numbers, w);
     }
 
     /// Moves the regions whose spread is at least `least` from the groups to w.own.
@@ -309,7 +320,7 @@ private:
     };
 
     /// Draws `count` samples from the regions in the groups, stratified over all of them.
-    void drawRest(const ShadingPoint& point, int count, Numbers& numbers, CacheWorkspace& w) const {
+    void drawRest(int count, Numbers& numbers, CacheWorkspace& w) const {
         double total = 0;
         for (std::size_t g = 0; g < w.weights.size(); ++g) total += groupSum(w, g);
         if (!(total > 0)) return;
@@ -335,14 +346,14 @@ private:
                     const RegionGroup& group = w.weights.group(g);
                     const Region r{group.level, group.firstCell + static_cast<std::uint32_t>(i),
                                    w.weights.visibility(g)[i], s, w.weights.shared(g)[i]};
-                    addSample(point, r, std::clamp((x - below) / s, 0.0, kBelowOne),
-                              total / (s * count), numbers.used, w);
+                    queueSample(r, std::clamp((x - below) / s, 0.0, kBelowOne), total / (s * count),
+                                numbers.used, w);
                     if (++j < count) x = total * (j + numbers.next()) / count;
                 }
                 below += s;
             }
         }
-        w.samples.endGroup();
+        endGroup(w);
         w.exchange.offer(w.weights, count / total);
     }
 
@@ -364,12 +375,32 @@ private:
 
     /// One ray into region `r` at place `u` of its light; `share` is 1 / (samples * probability) of
     /// the region.
-    void addSample(const ShadingPoint& point, const Region& r, double u, double share, int index,
-                   CacheWorkspace& w) const {
-        const std::uint64_t h = hashWords(point.seed, 80, static_cast<std::uint64_t>(index));
-        const EnvironmentSample s = context_.environment.sampleCell(
-            r.level, r.cell, std::min(u, kBelowOne), toUnitFloat(static_cast<std::uint32_t>(h)),
-            toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
+    void queueSample(const Region& r, double u, double share, int index, CacheWorkspace& w) const {
+        w.queued.push_back({r, share,
+                            context_.environment.startDraw(r.level, r.cell, std::min(u, kBelowOne)),
+                            index, false});
+    }
+
+    static void endGroup(CacheWorkspace& w) {
+        if (!w.queued.empty()) w.queued.back().endsGroup = true;
+    }
+
+    void addQueued(const ShadingPoint& point, CacheWorkspace& w) const {
+        for (QueuedSample& q : w.queued) context_.environment.findTexel(q.draw);
+        for (const QueuedSample& q : w.queued) {
+            const std::uint64_t h = hashWords(point.seed, 80, static_cast<std::uint64_t>(q.index));
+            addSample(
+                point, q.region,
+                context_.environment.finishDraw(q.draw, toUnitFloat(static_cast<std::uint32_t>(h)),
+                                                toUnitFloat(static_cast<std::uint32_t>(h >> 32))),
+                q.share, w);
+            if (q.endsGroup) w.samples.endGroup();
+        }
+        w.queued.clear();
+    }
+
+    void addSample(const ShadingPoint& point, const Region& r, const EnvironmentSample& s,
+                   double share, CacheWorkspace& w) const {
         const float cosine = s.direction.dot(point.normal);
         if (r.shared != 0) {
             if (cosine > 0) addShared(r, s, w);

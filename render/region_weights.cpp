@@ -30,9 +30,10 @@ namespace {
 /// How strongly a region's parent counts beside its own rays, in rays.
 constexpr float kPriorRays = 0.5f;
 
-/// A cell on the horizon is split where the quadratic that stands for the clamped cosine in it
-/// would add more noise than this, as a share of the sky's light.
-constexpr float kHorizonNoise = 2e-4f;
+/// A cell is split where as a whole it would add more noise than this, as a share of the sky's
+/// light: because part of it is hidden, or because the quadratic that stands for the clamped cosine
+/// on the horizon is not the cosine.
+constexpr float kLeastNoise = 2e-4f;
 
 /// Samples drawn in proportion to the light alone, for each that follows the counts: bounds what a
 /// surprise can weigh.
@@ -130,7 +131,7 @@ RegionWeights::RegionWeights(const Environment& environment, const DirectionTier
     : environment_(environment),
       tiers_(tiers),
       finest_(Environment::kLevel - (tiers.baseLevel() == Environment::kLevel % 2 ? 0 : 1)),
-      horizonNoise_(kHorizonNoise * static_cast<float>(environment.totalPower())) {}
+      leastNoise_(kLeastNoise * static_cast<float>(environment.totalPower())) {}
 
 void RegionWeights::weigh(const PooledVisibility& pooled, const Vec3f& normal,
                           const Reliability& reliability) {
@@ -225,10 +226,11 @@ bool RegionWeights::markSplits(int tier, std::uint32_t block, const CellLight& s
     if (!slots && !(divisible && sky.anyHorizon)) return false;
     int any = 0;
     for (int i = 0; i < kBlockCells; ++i) {
-        const bool finer = slots && slots[i] >= 0;
+        const float doubt = sky.light[i] * std::sqrt(v.c[i] * (1 - v.c[i]));
+        const bool finer = slots && slots[i] >= 0 && doubt > leastNoise_;
         const float noise = v.c[i] * sky.light[i] *
                             std::sqrt(std::max(0.0f, sky.cosineMoment[i] - sky.fitMoment[i]));
-        split[i] = sky.light[i] > 0 && divisible && (finer || noise > horizonNoise_);
+        split[i] = sky.light[i] > 0 && divisible && (finer || noise > leastNoise_);
         any |= split[i];
     }
     return any != 0;

@@ -93,7 +93,7 @@ private:
     const Environment& environment_;
     DirectionTiers tiers_;
     int finest_;  ///< level down to which cells on the horizon are split
-    float horizonNoise_;
+    float leastNoise_;
     const PooledVisibility* pooled_ = nullptr;
     const Reliability* reliability_ = nullptr;
     Vec3f normal_;
