@@ -140,7 +140,7 @@ TEST_P(Lies, ChangeNoMean) {
             const ShadingPoint point = test::pointAlong(scene, place, {0, -1, 0});
             const Rgb truth = test::tracedIrradiance(scene, point, map, 64);
             surveyAround(*estimator, point);
-            for (const auto& [samples, count] : {std::pair(4, 1500), std::pair(64, 600)}) {
+            for (const auto& [samples, count] : {std::pair(4, 12000), std::pair(64, 600)}) {
                 const auto estimates = test::runEstimator(*estimator, point, samples, count);
                 const double error = std::sqrt(estimates.sampleVariance(1) / count);
                 EXPECT_GT(test::agreementPValue(estimates, truth), level)

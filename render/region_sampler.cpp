@@ -1,0 +1,158 @@
+#include "render/region_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/sequence.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Regions due this many samples or more get a whole number of strata of their own.
+constexpr double kOwnStrata = 1.5;
+
+constexpr double kBelowOne = 0x1.fffffffffffffp-1;
+
+Region regionOf(const RegionWeights& weights, std::size_t g, int lane) {
+    const RegionGroup& group = weights.group(g);
+    return {group.level, group.firstCell + static_cast<std::uint32_t>(lane),
+            weights.visibility(g)[lane], weights.shared(g)[lane]};
+}
+
+}  // namespace
+
+void RegionSampler::draw(RegionWeights& weights, int samples, std::span<const std::uint32_t> words,
+                         std::uint64_t seed) {
+    words_ = words;
+    seed_ = seed;
+    used_ = 0;
+    queued_.clear();
+    const double total = weights.spreadSum();
+    const bool anyOwn = takeOwn(weights, total * kOwnStrata / samples);
+    sumGroups(weights);
+    const int rest =
+        restSum_ > 0 ? std::max(1, static_cast<int>(std::ceil(restSum_ / total * samples))) : 0;
+    const double perSpread = anyOwn ? (samples - rest) / ownSum_ : 0;
+    if (perSpread * total * kOwnStrata / samples < 1) {
+        // Too few samples for strata of one region: all regions share them.
+        returnOwn(weights);
+        sumGroups(weights);
+        drawRest(weights, samples);
+    } else {
+        drawOwn(perSpread);
+        drawRest(weights, rest);
+    }
+    for (Queued& q : queued_) environment_.findTexel(q.draw);
+}
+
+RegionSampler::Drawn RegionSampler::drawn(std::size_t i) const {
+    const Queued& q = queued_[i];
+    return {q.region,
+            environment_.finishDraw(q.draw, toUnitFloat(static_cast<std::uint32_t>(q.jitter)),
+                                    toUnitFloat(static_cast<std::uint32_t>(q.jitter >> 32))),
+            q.share, q.endsGroup};
+}
+
+bool RegionSampler::takeOwn(RegionWeights& weights, double least) {
+    own_.clear();
+    ownSum_ = 0;
+    const auto threshold = static_cast<float>(least);
+    for (std::size_t g = 0; g < weights.size(); ++g) {
+        if (weights.group(g).spreadMax < threshold) continue;
+        float* spread = weights.spread(g);
+        for (int i = 0; i < kBlockCells; ++i) {
+            if (spread[i] < threshold || weights.shared(g)[i] != 0) continue;
+            own_.push_back({regionOf(weights, g, i), static_cast<double>(spread[i])});
+            ownSum_ += own_.back().spread;
+            spread[i] = 0;
+        }
+    }
+    return !own_.empty();
+}
+
+void RegionSampler::returnOwn(RegionWeights& weights) {
+    std::size_t next = 0;
+    for (std::size_t g = 0; g < weights.size() && next < own_.size(); ++g) {
+        const RegionGroup& group = weights.group(g);
+        while (next < own_.size() && own_[next].region.level == group.level &&
+               own_[next].region.cell / kBlockCells == group.firstCell / kBlockCells) {
+            weights.spread(g)[own_[next].region.cell % kBlockCells] =
+                static_cast<float>(own_[next].spread);
+            ++next;
+        }
+    }
+}
+
+void RegionSampler::sumGroups(const RegionWeights& weights) {
+    groupSum_.clear();
+    restSum_ = 0;
+    for (std::size_t g = 0; g < weights.size(); ++g) {
+        double sum = 0;
+        for (int i = 0; i < kBlockCells; ++i) sum += static_cast<double>(weights.spread(g)[i]);
+        groupSum_.push_back(sum);
+        restSum_ += sum;
+    }
+}
+
+void RegionSampler::drawOwn(double perSpread) {
+    double sum = 0;
+    for (const Own& own : own_) {
+        const int before = static_cast<int>(sum + 1e-6);
+        sum += own.spread * perSpread;
+        const int count = static_cast<int>(sum + 1e-6) - before;
+        for (int j = 0; j < count; ++j) queue(own.region, (j + nextNumber()) / count, 1.0 / count);
+        endGroup();
+    }
+}
+
+/// Draws `count` samples from the regions in the groups, stratified over all of them.
+void RegionSampler::drawRest(const RegionWeights& weights, int count) {
+    perSpread_ = restSum_ > 0 ? count / restSum_ : 0;
+    if (!(restSum_ > 0)) return;
+    double below = 0;
+    int j = 0;
+    double x = restSum_ * nextNumber() / count;
+    std::size_t last = weights.size() - 1;
+    while (!(groupSum_[last] > 0)) --last;
+    for (std::size_t g = 0; g <= last && j < count; ++g) {
+        if (x >= below + groupSum_[g] && g < last) {
+            below += groupSum_[g];
+            continue;
+        }
+        const float* spread = weights.spread(g);
+        int lastLane = kBlockCells - 1;
+        while (!(spread[lastLane] > 0)) --lastLane;
+        for (int i = 0; i <= lastLane && j < count; ++i) {
+            const auto s = static_cast<double>(spread[i]);
+            // Rounding may leave the very last x past the end: it is the last region's.
+            const bool end = g == last && i == lastLane;
+            while (s > 0 && j < count && (x < below + s || end)) {
+                queue(regionOf(weights, g, i), (x - below) / s, 1 / (s * perSpread_));
+                if (++j < count) x = restSum_ * (j + nextNumber()) / count;
+            }
+            below += s;
+        }
+    }
+    endGroup();
+}
+
+void RegionSampler::queue(const Region& region, double place, double share) {
+    queued_.push_back(
+        {region, share,
+         environment_.startDraw(region.level, region.cell, std::clamp(place, 0.0, kBelowOne)),
+         hashWords(seed_, 80, used_), false});
+}
+
+void RegionSampler::endGroup() {
+    if (!queued_.empty()) queued_.back().endsGroup = true;
+}
+
+/// In [0, 1), 53 bits.
+double RegionSampler::nextNumber() {
+    const std::size_t k = used_++;
+    const double low = toUnit(hashWords(seed_, 79, k));
+    return (static_cast<double>(words_[std::min(k, words_.size() - 1)]) + low) * 0x1p-32;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/environment.h"
+#include "render/region_weights.h"
+
+namespace shadowcache {
+
+/// A region that a sample was drawn from.
+struct Region {
+    int level;
+    std::uint32_t cell;
+    float visibility;  ///< c: the control variate's coefficient
+    float shared;      ///< RegionWeights::shared()
+};
+
+/// Draws the directions of one point's samples in proportion to the spreads of its regions and, in
+/// a region, to the light. Decided by the weights alone. Arrays are reused from point to point.
+class RegionSampler {
+public:
+    explicit RegionSampler(const Environment& environment) : environment_(environment) {}
+
+    /// Shares `samples` samples (>= 1) out: regions due many get strata of their own, all others
+    /// share the rest. Takes spread from the weights; their sum must be positive.
+    ///
+    /// @param words  one number of a sequence for each sample
+    void draw(RegionWeights& weights, int samples, std::span<const std::uint32_t> words,
+              std::uint64_t seed);
+
+    /// A direction drawn.
+    struct Drawn {
+        Region region;
+        EnvironmentSample light;
+        double share;    ///< 1 / (number of samples expected in the region)
+        bool endsGroup;  ///< the last of those that estimate the same thing
+    };
+    std::size_t size() const { return queued_.size(); }
+    Drawn drawn(std::size_t i) const;
+
+    /// Samples expected for each unit of spread that draw() left in the weights.
+    double perSpread() const { return perSpread_; }
+
+private:
+    struct Queued {
+        Region region;
+        double share;
+        Environment::Draw draw;
+        std::uint64_t jitter;
+        bool endsGroup;
+    };
+    struct Own {
+        Region region;
+        double spread;
+    };
+
+    /// Takes the regions whose spread is at least `least` from the groups; false if there are none
+    /// or too few samples for them.
+    bool takeOwn(RegionWeights& weights, double least);
+    void returnOwn(RegionWeights& weights);
+    void sumGroups(const RegionWeights& weights);
+    void drawOwn(double perSpread);
+    void drawRest(const RegionWeights& weights, int count);
+    void queue(const Region& region, double place, double share);
+    void endGroup();
+    double nextNumber();
+
+    const Environment& environment_;
+    std::span<const std::uint32_t> words_;
+    std::uint64_t seed_ = 0;
+    std::size_t used_ = 0;  ///< of words_
+    std::vector<Own> own_;
+    double ownSum_ = 0;
+    std::vector<double> groupSum_;
+    double restSum_ = 0;
+    double perSpread_ = 0;
+    std::vector<Queued> queued_;
+};
+
+}  // namespace shadowcache
