@@ -23,19 +23,18 @@ void addCounts16(PooledBlock& block, const std::uint8_t* n, const std::uint8_t* 
 PooledVisibility::PooledVisibility(const DirectionTiers& tiers)
     : tiers_(tiers),
       base_((tiers.baseCells() + kBlockCells - 1) / kBlockCells),
-      slots_(tiers.baseCells() * (1 + kBlockCells) + kBlockCells, -1) {}
+      parents_(tiers.baseCells() * (1 + kBlockCells) + kBlockCells) {}
 
 void PooledVisibility::pool(std::span<const ItemView> items) {
-    for (const std::uint16_t key : used_) slots_[key] = -1;
+    for (const std::uint16_t key : used_) parents_[key] = {};
     used_.clear();
+    links_.clear();
     blocks_.clear();
-    counted_.clear();
-    countedOpen_.clear();
+    items_ = items;
     std::fill(base_.begin(), base_.end(), PooledBlock{});
     for (const ItemView& item : items) addBase(item);
     if (tiers_.refinements() == 0) return;
-    for (const ItemView& item : items) addBlocks(item);
-    completeBlocks();
+    for (std::size_t i = 0; i < items.size(); ++i) linkBlocks(i);
 }
 
 void PooledVisibility::addBase(const ItemView& item) {
@@ -51,53 +50,65 @@ void PooledVisibility::addBase(const ItemView& item) {
     }
 }
 
-void PooledVisibility::addBlocks(const ItemView& item) {
-    for (std::size_t k = 0; k < item.blockCount; ++k) {
-        const auto key = static_cast<std::uint16_t>(item.blockKeys[k]);
-        std::int16_t& slot = slots_[key];
-        if (slot < 0) {
-            slot = static_cast<std::int16_t>(blocks_.size());
-            blocks_.emplace_back();
-            counted_.push_back(0);
-            countedOpen_.push_back(0);
-            used_.push_back(key);
-        }
-        const auto s = static_cast<std::size_t>(slot);
-        addCounts16(blocks_[s], item.blockN + k * item.blockNStep,
-                    item.blockD + k * item.blockDStep, item.weight);
-        counted_[s] += item.weight;
-        if (key < tiers_.baseCells() && item.d[key] > 0)
-            countedOpen_[s] +=
-                item.weight * static_cast<float>(item.n[key]) / static_cast<float>(item.d[key]);
+/// Notes where the counts of the item's blocks are, without reading them.
+void PooledVisibility::linkBlocks(std::size_t item) {
+    const ItemView& view = items_[item];
+    for (std::size_t k = 0; k < view.blockCount; ++k) {
+        const auto key = static_cast<std::uint16_t>(view.blockKeys[k]);
+        Parent& parent = parents_[key];
+        if (parent.link < 0) used_.push_back(key);
+        links_.push_back(
+            {static_cast<std::uint32_t>(item), static_cast<std::uint32_t>(k), parent.link});
+        parent.link = static_cast<std::int32_t>(links_.size()) - 1;
     }
 }
 
-void PooledVisibility::completeBlocks() {
-    // Items without a block say of all its cells what they say of their parent.
-    for (std::size_t s = 0; s < used_.size(); ++s) {
-        const float missing = 1 - counted_[s];
-        if (missing <= 1e-4f) continue;
-        const std::uint32_t key = used_[s];
-        const bool first = key < tiers_.baseCells();
-        float weight = missing, ratio = 0;
-        if (first) {
-            const PooledBlock& parents = base_[key / kBlockCells];
-            const int i = static_cast<int>(key % kBlockCells);
-            weight = std::max(0.0f, std::min(missing, parents.weight[i] - counted_[s]));
-            if (weight <= 1e-4f) continue;
-            ratio = std::clamp((parents.open[i] - countedOpen_[s]) / weight, 0.0f, 1.0f);
-        } else {
-            const std::uint32_t cell = key - tiers_.baseCells();
-            const PooledBlock* parents = children(0, cell / kBlockCells);
-            const int i = static_cast<int>(cell % kBlockCells);
-            if (!parents || parents->weight[i] <= 0) continue;
-            ratio = parents->ratio(i);
-        }
-        for (int i = 0; i < kBlockCells; ++i) {
-            if (blocks_[s].weight[i] <= 0) continue;
-            blocks_[s].open[i] += weight * ratio;
-            blocks_[s].weight[i] += weight;
-        }
+const PooledBlock* PooledVisibility::children(int tier, std::uint32_t cell) const {
+    const std::uint16_t key = tiers_.blockKey(tier, cell);
+    if (parents_[key].link < 0) return nullptr;
+    if (parents_[key].block < 0) {
+        // The parents come first: the block's items without counts of it refer to them.
+        const PooledBlock* parents =
+            tier == 0 ? &base_[cell / kBlockCells] : children(0, cell / kBlockCells);
+        parents_[key].block = static_cast<std::int32_t>(blocks_.size());
+        const PooledBlock above = parents ? *parents : PooledBlock{};
+        blocks_.push_back({});
+        poolBlock(key, parents ? &above : nullptr, static_cast<int>(cell % kBlockCells),
+                  blocks_.back());
+    }
+    return &blocks_[static_cast<std::size_t>(parents_[key].block)];
+}
+
+/// Pools the block `key`. Items without it say of all its cells what they say of their parent:
+/// cell `i` of `parents`.
+void PooledVisibility::poolBlock(std::uint16_t key, const PooledBlock* parents, int i,
+                                 PooledBlock& block) const {
+    float counted = 0, countedOpen = 0;  // of the items that have it, in the parent cell
+    for (std::int32_t l = parents_[key].link; l >= 0;
+         l = links_[static_cast<std::size_t>(l)].next) {
+        const Link& link = links_[static_cast<std::size_t>(l)];
+        const ItemView& item = items_[link.item];
+        addCounts16(block, item.blockN + std::size_t{link.block} * item.blockNStep,
+                    item.blockD + std::size_t{link.block} * item.blockDStep, item.weight);
+        counted += item.weight;
+        if (key < tiers_.baseCells() && item.d[key] > 0)
+            countedOpen +=
+                item.weight * static_cast<float>(item.n[key]) / static_cast<float>(item.d[key]);
+    }
+    float weight = 1 - counted, ratio = 0;
+    if (weight <= 1e-4f || !parents) return;
+    if (key < tiers_.baseCells()) {
+        weight = std::max(0.0f, std::min(weight, parents->weight[i] - counted));
+        if (weight <= 1e-4f) return;
+        ratio = std::clamp((parents->open[i] - countedOpen) / weight, 0.0f, 1.0f);
+    } else {
+        if (parents->weight[i] <= 0) return;
+        ratio = parents->ratio(i);
+    }
+    for (int k = 0; k < kBlockCells; ++k) {
+        if (block.weight[k] <= 0) continue;
+        block.open[k] += weight * ratio;
+        block.weight[k] += weight;
     }
 }
 

@@ -28,37 +28,44 @@ class PooledVisibility {
 public:
     explicit PooledVisibility(const DirectionTiers& tiers);
 
-    /// Pools `items`, whose weights sum to 1.
+    /// Pools `items`, whose weights sum to 1. They are read until the next call: finer counts are
+    /// pooled when they are asked for.
     void pool(std::span<const ItemView> items);
 
     const DirectionTiers& tiers() const { return tiers_; }
     /// Base cells 16 block .. 16 block + 15.
     const PooledBlock& base(std::uint32_t block) const { return base_[block]; }
     std::uint32_t baseBlocks() const { return static_cast<std::uint32_t>(base_.size()); }
-    /// Children of cell `parent` of tier 0 or 1, or null where no item has them.
-    const PooledBlock* children(int tier, std::uint32_t parent) const {
-        const std::int16_t slot = slots_[tiers_.blockKey(tier, parent)];
-        return slot < 0 ? nullptr : &blocks_[static_cast<std::size_t>(slot)];
+    /// Whether any item has finer counts of cell `parent` of tier 0 or 1.
+    bool hasChildren(int tier, std::uint32_t parent) const {
+        return parents_[tiers_.blockKey(tier, parent)].link >= 0;
     }
-
-    /// Marks of the cells 16 block .. 16 block + 15 of tier 0 or 1: negative where children() is
-    /// null.
-    const std::int16_t* childSlots(int tier, std::uint32_t block) const {
-        return slots_.data() + tiers_.blockKey(tier, block * kBlockCells);
-    }
+    /// Children of that cell, or null where no item has them; valid until the next call.
+    const PooledBlock* children(int tier, std::uint32_t parent) const;
 
 private:
+    /// A cell that some item refines.
+    struct Parent {
+        std::int32_t link = -1;   ///< first of its blocks in links_; -1: none
+        std::int32_t block = -1;  ///< in blocks_; -1: not pooled yet
+    };
+    /// A block of an item.
+    struct Link {
+        std::uint32_t item, block;
+        std::int32_t next;  ///< block of the same cell in links_; -1: no more
+    };
+
     DirectionTiers tiers_;
+    std::span<const ItemView> items_;
     std::vector<PooledBlock> base_;
-    std::vector<PooledBlock> blocks_;
-    std::vector<float> counted_;       ///< per block: weight of the items that have it
-    std::vector<float> countedOpen_;   ///< per block: their open weight in the parent cell
-    std::vector<std::int16_t> slots_;  ///< by key; -1: none
-    std::vector<std::uint16_t> used_;  ///< keys with a slot
+    mutable std::vector<PooledBlock> blocks_;  ///< those that were asked for
+    mutable std::vector<Parent> parents_;      ///< by key
+    std::vector<std::uint16_t> used_;          ///< keys with a link
+    std::vector<Link> links_;
 
     void addBase(const ItemView& item);
-    void addBlocks(const ItemView& item);
-    void completeBlocks();
+    void linkBlocks(std::size_t item);
+    void poolBlock(std::uint16_t key, const PooledBlock* parents, int i, PooledBlock& block) const;
 };
 
 }  // namespace shadowcache

@@ -215,22 +215,20 @@ void RegionWeights::roundShared(std::size_t g) {
     }
 }
 
-const std::int16_t* RegionWeights::slotsOf(int tier, std::uint32_t block) const {
-    return tier < tiers_.refinements() ? pooled_->childSlots(tier, block) : nullptr;
-}
-
 bool RegionWeights::markSplits(int tier, std::uint32_t block, const CellLight& sky,
                                const CellVisibility& v, std::uint8_t* split) const {
-    const std::int16_t* slots = slotsOf(tier, block);
     const bool divisible = tiers_.baseLevel() + 2 * tier < finest_;
-    if (!slots && !(divisible && sky.anyHorizon)) return false;
+    const bool refined = tier < tiers_.refinements();
+    if (!divisible || !(refined || sky.anyHorizon)) return false;
     int any = 0;
     for (int i = 0; i < kBlockCells; ++i) {
         const float doubt = sky.light[i] * std::sqrt(v.c[i] * (1 - v.c[i]));
-        const bool finer = slots && slots[i] >= 0 && doubt > leastNoise_;
+        const bool finer =
+            refined && doubt > leastNoise_ &&
+            pooled_->hasChildren(tier, block * kBlockCells + static_cast<std::uint32_t>(i));
         const float noise = v.c[i] * sky.light[i] *
                             std::sqrt(std::max(0.0f, sky.cosineMoment[i] - sky.fitMoment[i]));
-        split[i] = sky.light[i] > 0 && divisible && (finer || noise > leastNoise_);
+        split[i] = sky.light[i] > 0 && (finer || noise > leastNoise_);
         any |= split[i];
     }
     return any != 0;
@@ -288,7 +286,6 @@ void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock*
         sureLight_ += static_cast<double>(sumOf(sure));
     }
     if (!anySplit) return;
-    const std::int16_t* slots = slotsOf(tier, block);
     std::uint64_t marks[2];
     std::memcpy(marks, split, sizeof marks);
     for (int half = 0; half < 2; ++half)
@@ -296,7 +293,7 @@ void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock*
             const int i = 8 * half + std::countr_zero(left) / 8;
             const std::uint32_t cell = block * kBlockCells + static_cast<std::uint32_t>(i);
             const PooledBlock* finer =
-                slots && slots[i] >= 0 ? pooled_->children(tier, cell) : nullptr;
+                tier < tiers_.refinements() ? pooled_->children(tier, cell) : nullptr;
             weighBlock(tier + 1, cell, finer, {v.c[i], v.posterior[i]});
         }
 }

@@ -81,7 +81,6 @@ private:
         float visibility;
         float posterior;
     };
-    const std::int16_t* slotsOf(int tier, std::uint32_t block) const;
     void roundShared(std::size_t g);
     void addPredicted(const RegionGroup& group);
     /// Mixes a share of the light itself into the spreads.
