@@ -33,7 +33,7 @@ constexpr float kPriorRays = 0.5f;
 /// A cell is split where as a whole it would add more noise than this, as a share of the sky's
 /// light: because part of it is hidden, or because the quadratic that stands for the clamped cosine
 /// on the horizon is not the cosine.
-constexpr float kLeastNoise = 2e-4f;
+constexpr float kLeastNoise = 5e-4f;
 
 /// Samples drawn in proportion to the light alone, for each that follows the counts: bounds what a
 /// surprise can weigh.

@@ -76,5 +76,8 @@ void timeShares(const Settings& settings);
 void memory(const Settings& settings);
 void cycles(const Settings& settings);
 void scaling(const Settings& settings);
+void trade(const Settings& settings);
+void oracle(const Settings& settings);
+void sequences(const Settings& settings);
 
 }  // namespace shadowcache::bench

@@ -47,8 +47,8 @@ Ledger& ledger() {
     return *mine;
 }
 
-/// Whether this call belongs to a burst that is kept. When there are too many, every other one goes,
-/// so that the sample spreads over the whole bake, however long it is.
+/// Whether this call belongs to a burst that is kept. When there are too many, every other one
+/// goes, so that the sample spreads over the whole bake, however long it is.
 bool isKept(Ledger& l) {
     const std::uint64_t call = l.calls - 1;
     if (call % kBurstCalls == 0 && l.bursts.size() == kMostBursts) {

@@ -36,6 +36,10 @@ int main(int argc, char** argv) try {
     add("memory", "Peak memory by triangles and items; opening a large cache", bench::memory);
     add("cycles", "Our pictures against those of Blender Cycles (kitchen, atrium)", bench::cycles);
     add("scaling", "Time per pixel as items and triangles grow", bench::scaling);
+    add("trade", "Error against the cost of spacing, level, rays and samples (first map)",
+        bench::trade);
+    add("oracle", "Noise with the baked cache against counts traced at the point", bench::oracle);
+    add("sequences", "What well-spread samples gain over random numbers", bench::sequences);
     app.require_subcommand(1);
     app.fallthrough();
     installInterruptHandler();
