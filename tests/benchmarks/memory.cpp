@@ -92,7 +92,7 @@ void memory(const Settings& settings) {
     std::array<Run, 3> runs;
     runs[0] = runScatter(settings, 250'000, 0.5);
     runs[1] = runScatter(settings, 3'000'000, 0.5);
-    runs[2] = runScatter(settings, 500'000, 0.022);
+    runs[2] = runScatter(settings, 500'000, 0.07);
     storePlane("bake", planeThrough(runs, &Run::bakePeak), json);
     storePlane("render", planeThrough(runs, &Run::renderPeak), json);
 

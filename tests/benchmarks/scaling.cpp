@@ -83,10 +83,10 @@ void scaling(const Settings& settings) {
                 settings.width, settings.height, "triangles", "spacing", "items", "bake s",
                 "0 samples us", settings.samples, "us");
     // Items go roughly with the inverse square of the spacing.
-    std::vector<double> spacings{0.5, 0.12, 0.03};
+    std::vector<double> spacings{1.0, 0.32, 0.1};
     std::vector<std::int64_t> triangles{100'000, 1'000'000};
     if (settings.full) {
-        spacings.push_back(0.008);
+        spacings.push_back(0.032);
         triangles.push_back(10'000'000);
     }
     std::vector<Point> byItems, byTriangles;
@@ -97,7 +97,7 @@ void scaling(const Settings& settings) {
     // The ground grows with the triangles: the spacing with its side, so that the items stay.
     for (const std::int64_t count : triangles)
         byTriangles.push_back(measure(settings, *makeScatter(settings, count),
-                                      0.12 * std::sqrt(static_cast<double>(count) / 1e6)));
+                                      0.32 * std::sqrt(static_cast<double>(count) / 1e6)));
     judge("items", byItems, json);
     judge("triangles", byTriangles, json);
     if (!settings.json.empty()) json.write(settings.json);
