@@ -15,9 +15,12 @@ namespace shadowcache {
 
 namespace {
 
-/// Side of the square of pixels that are rendered in a run: neighbours read the same cache items
-/// and share what their rays find.
-constexpr int kTile = 8;
+/// Side of the square of pixels that are rendered in a run: neighbours read the same cache items.
+constexpr int kTile = 16;
+
+/// Pixels of a tile are lit in this many groups, each scattered over the tile: what they share
+/// makes their errors alike, which nobody sees where neighbours belong to other groups.
+constexpr int kGroups = 4;
 
 /// Places of the frame that a survey looks at.
 constexpr int kSurveyPlaces = 1024;
@@ -56,9 +59,14 @@ struct TileScratch {
         Hit hit;
         Pixel* pixel;
     };
-    std::vector<ShadingPoint> points;
-    std::vector<Seen> seen;
-    std::vector<Estimate> estimates;
+    struct Group {
+        std::vector<ShadingPoint> points;
+        std::vector<Seen> seen;
+        std::vector<Estimate> estimates;
+
+        void clear() { points.clear(), seen.clear(); }
+    };
+    std::array<Group, kGroups> groups;
 };
 
 struct Frame {
@@ -107,8 +115,7 @@ struct Frame {
     /// The camera ray `k` of each pixel of a tile; what they see is lit together.
     void addCameraRays(int x0, int y0, int k, TileScratch& scratch, Workspace& workspace,
                        Pixel* out) const {
-        scratch.points.clear();
-        scratch.seen.clear();
+        for (TileScratch::Group& group : scratch.groups) group.clear();
         for (int y = y0; y < std::min(y0 + kTile, options.height); ++y)
             for (int x = x0; x < std::min(x0 + kTile, options.width); ++x) {
                 Pixel& pixel = out[(y - y0) * kTile + x - x0];
@@ -117,15 +124,18 @@ struct Frame {
                     pixel.color += context.environment.radiance(view.direction);
                     continue;
                 }
-                scratch.points.push_back(
-                    shadingPoint(view, pixelSeed(options.seed, number, x, y, k)));
-                scratch.seen.push_back({view.hit, &pixel});
+                const std::uint64_t seed = pixelSeed(options.seed, number, x, y, k);
+                TileScratch::Group& group = scratch.groups[mixBits(seed) % kGroups];
+                group.points.push_back(shadingPoint(view, seed));
+                group.seen.push_back({view.hit, &pixel});
             }
-        scratch.estimates.resize(scratch.points.size());
-        estimator.estimate(scratch.points, options.samples, workspace, scratch.estimates);
-        for (std::size_t i = 0; i < scratch.points.size(); ++i)
-            addToPixel(scratch.points[i], scratch.seen[i].hit, scratch.estimates[i], workspace,
-                       *scratch.seen[i].pixel);
+        for (TileScratch::Group& group : scratch.groups) {
+            group.estimates.resize(group.points.size());
+            estimator.estimate(group.points, options.samples, workspace, group.estimates);
+            for (std::size_t i = 0; i < group.points.size(); ++i)
+                addToPixel(group.points[i], group.seen[i].hit, group.estimates[i], workspace,
+                           *group.seen[i].pixel);
+        }
     }
 
     View look(int x, int y, int k) const {
@@ -201,7 +211,7 @@ Film render(const Estimator& estimator, const EstimatorContext& context, const C
     const Frame task{estimator, context, camera, frame, options};
     std::atomic<std::uint64_t> shadowRays{0}, setup{0}, trace{0};
     Progress progress("frame " + std::to_string(frame), tiles);
-    parallelFor(tiles, 16, [&](const Chunk& chunk) {
+    parallelFor(tiles, 4, [&](const Chunk& chunk) {
         const std::unique_ptr<Workspace> workspace = estimator.makeWorkspace();
         TileScratch scratch;
         std::array<Pixel, kTile * kTile> tile;
