@@ -4,6 +4,8 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <numeric>
+#include <span>
 #include <string>
 
 #include "common/error.h"
@@ -169,6 +171,72 @@ struct Frame {
     }
 };
 
+/// The tiles of a film, row by row.
+class Tiles {
+public:
+    explicit Tiles(const RenderOptions& options)
+        : width_(options.width),
+          height_(options.height),
+          across_((options.width + kTile - 1) / kTile),
+          down_((options.height + kTile - 1) / kTile) {}
+
+    std::size_t count() const {
+        return static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_);
+    }
+    int x(std::size_t tile) const { return static_cast<int>(tile) % across_ * kTile; }
+    int y(std::size_t tile) const { return static_cast<int>(tile) / across_ * kTile; }
+
+    /// Calls visit(index in the tile, index in the film) for every pixel of the tile.
+    template <class Visit>
+    void visit(std::size_t tile, const Visit& visit) const {
+        const int x0 = x(tile), y0 = y(tile);
+        for (int v = 0; v < std::min(kTile, height_ - y0); ++v)
+            for (int u = 0; u < std::min(kTile, width_ - x0); ++u)
+                visit(static_cast<std::size_t>(v * kTile + u),
+                      static_cast<std::size_t>(y0 + v) * static_cast<std::size_t>(width_) +
+                          static_cast<std::size_t>(x0 + u));
+    }
+
+private:
+    int width_, height_, across_, down_;
+};
+
+/// Renders `chosen` tiles in parallel and hands each to `take` with its pixels.
+template <class Take>
+void renderTiles(const Frame& task, std::span<const std::size_t> chosen, RenderStats& stats,
+                 const Take& take) {
+    const auto start = std::chrono::steady_clock::now();
+    const Tiles tiles(task.options);
+    std::atomic<std::uint64_t> cameraRays{0}, shadowRays{0}, setup{0}, trace{0};
+    parallelFor(chosen.size(), 4, [&](const Chunk& chunk) {
+        const std::unique_ptr<Workspace> workspace = task.estimator.makeWorkspace();
+        TileScratch scratch;
+        std::array<Pixel, kTile * kTile> pixels;
+        double rays = 0;
+        std::uint64_t count = 0;
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            throwIfInterrupted();
+            const std::size_t t = chosen[i];
+            task.renderTile(tiles.x(t), tiles.y(t), scratch, *workspace, pixels.data());
+            tiles.visit(t, [&](std::size_t inTile, std::size_t) {
+                rays += static_cast<double>(pixels[inTile].rays);
+                ++count;
+            });
+            take(t, pixels);
+        }
+        shadowRays += static_cast<std::uint64_t>(rays);
+        cameraRays += count * static_cast<std::uint64_t>(task.options.cameraRays);
+        setup += workspace->setupNanoseconds;
+        trace += workspace->traceNanoseconds;
+    });
+    stats.seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
+    stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();
+    stats.cameraRays += cameraRays;
+    stats.shadowRays += shadowRays;
+}
+
 }  // namespace
 
 std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraRay) {
@@ -201,49 +269,42 @@ void survey(Estimator& estimator, const EstimatorContext& context, const Camera&
 
 Film render(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
             int frame, const RenderOptions& options, RenderStats& stats) {
-    const auto start = std::chrono::steady_clock::now();
     Film film{options.width, options.height, {}};
     film.pixels.resize(static_cast<std::size_t>(options.width) *
                        static_cast<std::size_t>(options.height));
-    const int tilesX = (options.width + kTile - 1) / kTile;
-    const int tilesY = (options.height + kTile - 1) / kTile;
-    const auto tiles = static_cast<std::size_t>(tilesX) * static_cast<std::size_t>(tilesY);
-    const Frame task{estimator, context, camera, frame, options};
-    std::atomic<std::uint64_t> shadowRays{0}, setup{0}, trace{0};
-    Progress progress("frame " + std::to_string(frame), tiles);
-    parallelFor(tiles, 4, [&](const Chunk& chunk) {
-        const std::unique_ptr<Workspace> workspace = estimator.makeWorkspace();
-        TileScratch scratch;
-        std::array<Pixel, kTile * kTile> tile;
-        double rays = 0;
-        for (std::size_t t = chunk.begin; t < chunk.end; ++t) {
-            throwIfInterrupted();
-            const int x0 = static_cast<int>(t) % tilesX * kTile;
-            const int y0 = static_cast<int>(t) / tilesX * kTile;
-            task.renderTile(x0, y0, scratch, *workspace, tile.data());
-            const int width = std::min(kTile, options.width - x0);
-            for (int v = 0; v < std::min(kTile, options.height - y0); ++v)
-                for (int u = 0; u < width; ++u) {
-                    const Pixel& pixel = tile[static_cast<std::size_t>(v * kTile + u)];
-                    film.pixels[static_cast<std::size_t>(y0 + v) *
-                                    static_cast<std::size_t>(options.width) +
-                                static_cast<std::size_t>(x0 + u)] = pixel;
-                    rays += static_cast<double>(pixel.rays);
-                }
-        }
-        shadowRays += static_cast<std::uint64_t>(rays);
-        setup += workspace->setupNanoseconds;
-        trace += workspace->traceNanoseconds;
-        progress.add(chunk.end - chunk.begin);
-    });
-    stats.seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
-    stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();
-    stats.cameraRays += film.pixels.size() * static_cast<std::uint64_t>(options.cameraRays);
-    stats.shadowRays += shadowRays;
+    const Tiles tiles(options);
+    std::vector<std::size_t> all(tiles.count());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    Progress progress("frame " + std::to_string(frame), all.size());
+    renderTiles({estimator, context, camera, frame, options}, all, stats,
+                [&](std::size_t t, std::span<const Pixel> pixels) {
+                    tiles.visit(t, [&](std::size_t inTile, std::size_t inFilm) {
+                        film.pixels[inFilm] = pixels[inTile];
+                    });
+                    progress.add(1);
+                });
     requireFinite(film, frame, options.seed);
     return film;
+}
+
+std::vector<Pixel> renderSomeTiles(const Estimator& estimator, const EstimatorContext& context,
+                                   const Camera& camera, int frame, const RenderOptions& options,
+                                   int apart, RenderStats& stats) {
+    const Tiles tiles(options);
+    std::vector<std::size_t> some;
+    const auto step = static_cast<std::size_t>(apart);
+    for (std::size_t t = 0; t < tiles.count(); t += step)
+        some.push_back(std::min(t + hashWords(options.seed, 82, t) % step, tiles.count() - 1));
+    std::vector<std::vector<Pixel>> parts(some.size());
+    renderTiles({estimator, context, camera, frame, options}, some, stats,
+                [&](std::size_t t, std::span<const Pixel> pixels) {
+                    tiles.visit(t, [&](std::size_t inTile, std::size_t) {
+                        parts[t / step].push_back(pixels[inTile]);
+                    });
+                });
+    std::vector<Pixel> found;
+    for (const auto& part : parts) found.insert(found.end(), part.begin(), part.end());
+    return found;
 }
 
 Pixel renderPixel(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,

@@ -33,6 +33,11 @@ void survey(Estimator& estimator, const EstimatorContext& context, const Camera&
 Film render(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
             int frame, const RenderOptions& options, RenderStats& stats);
 
+/// The pixels of one tile in `apart` of the frame, chosen by the seed.
+std::vector<Pixel> renderSomeTiles(const Estimator& estimator, const EstimatorContext& context,
+                                   const Camera& camera, int frame, const RenderOptions& options,
+                                   int apart, RenderStats& stats);
+
 /// One camera ray's place on the set and the estimate there; `samples` are those it was made of.
 struct CameraSample {
     const ShadingPoint& point;

@@ -19,7 +19,7 @@ void validate(const RenderOptions& options) {
         throw Error("--size " + std::to_string(options.width) + "x" +
                     std::to_string(options.height) + ": wanted at most " +
                     std::to_string(kMaxPixels) + " pixels");
-    requireRange("samples", options.samples, 0, 1 << 20);
+    requireRange("samples", options.samples, 0, kMostSamples);
     requireRange("camera-rays", options.cameraRays, 1, 65536);
     for (int k = 0; k < 3; ++k) requireRange("albedo", options.albedo[k], 0.0f, 1.0f);
 }

@@ -9,6 +9,8 @@
 
 namespace shadowcache {
 
+inline constexpr int kMostSamples = 1 << 20;
+
 struct RenderOptions {
     int width = 960;
     int height = 540;
