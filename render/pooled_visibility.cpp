@@ -1,6 +1,9 @@
 #include "render/pooled_visibility.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "common/direction_mesh.h"
 
 namespace shadowcache {
 
@@ -16,6 +19,43 @@ void addCounts16(PooledBlock& block, const std::uint8_t* n, const std::uint8_t* 
         block.rays[i] += weight * rays;
         block.rays2[i] += weight * weight * rays;
     }
+}
+
+/// Middle of a cell, and the angle around it that holds the cell.
+struct CellCap {
+    Vec3f axis;
+    float angle;
+};
+
+std::vector<CellCap> makeCaps(int level) {
+    std::vector<CellCap> caps;
+    for (std::uint32_t c = 0; c < cellCount(level); ++c) {
+        const SphericalTriangle t = cellTriangle(level, c);
+        const Vec3d axis = cellCenter(level, c);
+        const double least = std::min({axis.dot(t.a), axis.dot(t.b), axis.dot(t.c)});
+        caps.push_back({Vec3f(axis), static_cast<float>(std::acos(std::min(1.0, least))) + 1e-4f});
+    }
+    return caps;
+}
+
+/// Caps of levels 0 to 3, the bases and their children.
+const std::vector<CellCap>& capsOf(int level) {
+    static const std::array<std::vector<CellCap>, 4> kCaps{makeCaps(0), makeCaps(1), makeCaps(2),
+                                                           makeCaps(3)};
+    return kCaps[static_cast<std::size_t>(level)];
+}
+
+bool touches(const CellCap& cap, const Vec3f& axis, float angle) {
+    const float sum = cap.angle + angle;
+    return sum >= static_cast<float>(kPi) || axis.dot(cap.axis) >= std::cos(sum);
+}
+
+/// What was open may be hidden now; what was hidden still is.
+void doubtCell(PooledBlock& block, int i) {
+    constexpr float kOpenStill = 0.75f;
+    if (!(block.open[i] > 0)) return;
+    block.open[i] *= kOpenStill;
+    block.rays[i] = block.rays2[i] = 1;
 }
 
 }  // namespace
@@ -99,6 +139,49 @@ void PooledVisibility::completeBlocks() {
             blocks_[s].weight[i] += weight;
         }
     }
+}
+
+void PooledVisibility::doubt(const Vec3f& axis, float angle) {
+    const std::vector<CellCap>& caps = capsOf(tiers_.baseLevel());
+    for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
+        PooledBlock& base = base_[c / kBlockCells];
+        const int lane = static_cast<int>(c % kBlockCells);
+        if (!touches(caps[c], axis, angle) || !(base.open[lane] > 0)) continue;
+        if (tiers_.refinements() == 0) {
+            doubtCell(base, lane);
+            continue;
+        }
+        PooledBlock& fine = childrenForDoubt(c);
+        for (int i = 0; i < kBlockCells; ++i) {
+            const std::uint32_t child = c * kBlockCells + static_cast<std::uint32_t>(i);
+            if (!touches(capsOf(tiers_.baseLevel() + 2)[child], axis, angle)) continue;
+            doubtCell(fine, i);
+            if (tiers_.refinements() < 2) continue;
+            const std::int16_t slot = slots_[tiers_.blockKey(1, child)];
+            for (int k = 0; slot >= 0 && k < kBlockCells; ++k)
+                doubtCell(blocks_[static_cast<std::size_t>(slot)], k);
+        }
+    }
+}
+
+/// The children of a base cell, made from the cell's own counts where no item has them.
+PooledBlock& PooledVisibility::childrenForDoubt(std::uint32_t parent) {
+    const std::uint16_t key = tiers_.blockKey(0, parent);
+    if (slots_[key] < 0) {
+        const PooledBlock& base = base_[parent / kBlockCells];
+        const std::size_t lane = parent % kBlockCells;
+        PooledBlock block{};
+        std::fill_n(block.open, kBlockCells, base.open[lane]);
+        std::fill_n(block.weight, kBlockCells, base.weight[lane]);
+        std::fill_n(block.rays, kBlockCells, base.rays[lane]);
+        std::fill_n(block.rays2, kBlockCells, base.rays2[lane]);
+        slots_[key] = static_cast<std::int16_t>(blocks_.size());
+        blocks_.push_back(block);
+        counted_.push_back(1);
+        countedOpen_.push_back(0);
+        used_.push_back(key);
+    }
+    return blocks_[static_cast<std::size_t>(slots_[key])];
 }
 
 }  // namespace shadowcache

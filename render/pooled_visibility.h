@@ -31,6 +31,10 @@ public:
     /// Pools `items`, whose weights sum to 1.
     void pool(std::span<const ItemView> items);
 
+    /// Something that the counts know nothing of may hide what lies within `angle` [rad] of the
+    /// unit vector `axis`: the regions there that were open become uncertain.
+    void doubt(const Vec3f& axis, float angle);
+
     const DirectionTiers& tiers() const { return tiers_; }
     /// Base cells 16 block .. 16 block + 15.
     const PooledBlock& base(std::uint32_t block) const { return base_[block]; }
@@ -59,6 +63,7 @@ private:
     void addBase(const ItemView& item);
     void addBlocks(const ItemView& item);
     void completeBlocks();
+    PooledBlock& childrenForDoubt(std::uint32_t parent);
 };
 
 }  // namespace shadowcache
