@@ -40,7 +40,7 @@ void parseShard(const std::string& text, BakeOptions& options) {
 void defineSet(CLI::App& app, Job& job, std::string& up) {
     const std::string group = "Set";
     app.add_option("SET", job.files,
-                   "Files of the set: OBJ, PLY, STL, OFF or OM; several make one set")
+                   "Files of the set: glTF, OBJ, PLY, STL, OFF or OM; several make one set")
         ->required()
         ->take_all();
     app.add_option("--up", up, "Up axis of the files: y or z")

@@ -1,6 +1,7 @@
 #include "bake/options.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <string>
@@ -9,6 +10,7 @@
 #include "common/cache_items.h"
 #include "common/error.h"
 #include "common/option_checks.h"
+#include "common/placed_mesh.h"
 
 namespace shadowcache {
 
@@ -24,11 +26,8 @@ double twoDigits(double x) {
 }
 
 /// Along the triangle's normal, as long as its area.
-Vec3d areaVector(const TriangleMesh& mesh, const Vec3i& t) {
-    const Vec3d a(mesh.positions[static_cast<std::size_t>(t.x)]);
-    const Vec3d b(mesh.positions[static_cast<std::size_t>(t.y)]);
-    const Vec3d c(mesh.positions[static_cast<std::size_t>(t.z)]);
-    return (b - a).cross(c - a) / 2;
+Vec3d areaVector(const std::array<Vec3d, 3>& corner) {
+    return (corner[1] - corner[0]).cross(corner[2] - corner[0]) / 2;
 }
 
 /// Items of a bake: two sides for each axis that normals of a voxel's surface lean to.
@@ -40,7 +39,7 @@ std::size_t countItems(const TriangleMesh& mesh, double spacing) {
     for (const Fragment& f : placeFragments(mesh, VoxelFrame(mesh, spacing))) {
         if (f.voxelKey != voxel) endVoxel(), axes = 0;
         voxel = f.voxelKey;
-        const Vec3d normal = areaVector(mesh, mesh.triangles[f.triangle]);
+        const Vec3d normal = areaVector(placedCorners(mesh, f.triangle));
         int axis = 0;
         for (int k = 1; k < 3; ++k)
             if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
@@ -63,15 +62,12 @@ void validate(const BakeOptions& options) {
 
 double chooseSpacing(const TriangleMesh& mesh) {
     double surface = 0;
-    Imath::Box3d box;
-    for (const Vec3i& t : mesh.triangles) {
-        surface += areaVector(mesh, t).length();
-        for (int k = 0; k < 3; ++k)
-            box.extendBy(Vec3d(mesh.positions[static_cast<std::size_t>(t[k])]));
-    }
+    const std::size_t count = placedCount(mesh);
+    for (std::size_t i = 0; i < count; ++i)
+        surface += areaVector(placedCorners(mesh, static_cast<std::uint32_t>(i))).length();
     constexpr double kPatches = 40000;
     const double bySurface = std::sqrt(surface / kPatches);
-    const double byExtent = box.size().length() / 400;
+    const double byExtent = placedBounds(mesh).size().length() / 400;
     double spacing = twoDigits(std::min(bySurface, byExtent));
     // Foliage and clutter have many more items than their extent suggests.
     for (;;) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/cache_items.h"
+#include "common/placed_mesh.h"
 #include "common/sequence.h"
 
 namespace shadowcache {
@@ -84,6 +85,10 @@ std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
         const Vec3f n = scene.normal(fragment.triangle);
         const int front = sideOf(n);
         sides[static_cast<std::size_t>(front)].push_back({&fragment, n});
+        const Material* material =
+            materialOf(scene.mesh(), placedTriangle(scene.mesh(), fragment.triangle).triangle);
+        // What no camera sees needs no items.
+        if (material && !material->doubleSided) continue;
         sides[static_cast<std::size_t>(front ^ 1)].push_back({&fragment, -n});
     }
     std::vector<Patch> patches;

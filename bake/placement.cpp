@@ -7,6 +7,7 @@
 
 #include "common/error.h"
 #include "common/parallel.h"
+#include "common/placed_mesh.h"
 
 namespace shadowcache {
 
@@ -18,14 +19,6 @@ constexpr int kMaxVoxels = 1 << (kLeafBits + 3);
 Vec3i floorVector(const Vec3d& v) {
     return {static_cast<int>(std::floor(v.x)), static_cast<int>(std::floor(v.y)),
             static_cast<int>(std::floor(v.z))};
-}
-
-Imath::Box3d bounds(const TriangleMesh& mesh) {
-    Imath::Box3d box;
-    for (const Vec3i& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k)
-            box.extendBy(Vec3d(mesh.positions[static_cast<std::size_t>(t[k])]));
-    return box;
 }
 
 std::string refusal(double spacing, double least) {
@@ -50,9 +43,8 @@ void clipAxis(Polygon& polygon, int axis, double limit, double sign) {
 
 Polygon wholeTriangle(const TriangleMesh& mesh, std::uint32_t triangle) {
     Polygon polygon;
-    for (int k = 0; k < 3; ++k)
-        polygon.corner[polygon.count++] =
-            Vec3d(mesh.positions[static_cast<std::size_t>(mesh.triangles[triangle][k])]);
+    for (const Vec3d& corner : placedCorners(mesh, triangle))
+        polygon.corner[polygon.count++] = corner;
     return polygon;
 }
 
@@ -85,7 +77,7 @@ void addSlabs(const Polygon& polygon, const VoxelFrame& frame, int axis, Vec3i v
 
 VoxelFrame::VoxelFrame(const TriangleMesh& mesh, double spacing)
     : spacing_(spacing), origin_(mesh.origin) {
-    const Imath::Box3d box = bounds(mesh);
+    const Imath::Box3d box = placedBounds(mesh);
     const Vec3d low = (box.min + origin_) / spacing, high = (box.max + origin_) / spacing;
     const Vec3d size = high - low;
     const double most = std::max({size.x, size.y, size.z});
@@ -141,8 +133,9 @@ double area(const Polygon& polygon) {
 
 std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame& frame) {
     constexpr std::size_t kChunkSize = 4096;
-    std::vector<std::vector<Fragment>> parts((mesh.triangles.size() + kChunkSize - 1) / kChunkSize);
-    parallelFor(mesh.triangles.size(), kChunkSize, [&](const Chunk& chunk) {
+    const std::size_t count = placedCount(mesh);
+    std::vector<std::vector<Fragment>> parts((count + kChunkSize - 1) / kChunkSize);
+    parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
         std::vector<Fragment>& out = parts[chunk.index];
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const auto triangle = static_cast<std::uint32_t>(i);

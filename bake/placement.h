@@ -11,8 +11,8 @@ namespace shadowcache {
 /// A part of a triangle in a voxel.
 struct Fragment {
     std::uint64_t voxelKey;  ///< order of voxels in the file (VoxelFrame::key)
-    std::uint32_t triangle;
-    float area;  ///< of the triangle's part in the voxel, > 0
+    std::uint32_t triangle;  ///< its number in the world (placed_mesh.h)
+    float area;              ///< of the triangle's part in the voxel, > 0
 };
 
 /// The grid of voxels over a mesh: voxel v is centred at v * spacing in world space.

@@ -14,7 +14,8 @@ install(TARGETS shadowcache_common EXPORT shadowcache_targets
     INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache")
 install(DIRECTORY common/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common"
     FILES_MATCHING PATTERN "*.h"
-    PATTERN "cache_grids.h" EXCLUDE  # OpenVDB's types stay inside
+    PATTERN "cache_grids.h" EXCLUDE  # the types of OpenVDB and Embree stay inside
+    PATTERN "embree_scene.h" EXCLUDE
     PATTERN "vdb_archive.h" EXCLUDE)
 install(FILES "${PROJECT_BINARY_DIR}/generated/common/version.h"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common")

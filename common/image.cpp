@@ -16,6 +16,8 @@
 #endif
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_HDR
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_PNG
 #define STBI_NO_STDIO
 #include <stb/stb_image.h>
 #define STB_IMAGE_WRITE_STATIC
@@ -26,6 +28,7 @@
 #include "common/error.h"
 #include "common/exr.h"
 #include "common/file_bytes.h"
+#include "common/material.h"
 #include "common/srgb.h"
 
 namespace shadowcache {
@@ -186,6 +189,27 @@ RadianceImage readRadiance(const std::filesystem::path& path) {
     }
     mend(result);
     return result;
+}
+
+Texture decodeTexture(std::string_view bytes, std::string& cause) {
+    Texture texture;
+    if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+        cause = "larger than 2 GB";
+        return texture;
+    }
+    int channels = 0;
+    const std::unique_ptr<stbi_uc, decltype(&std::free)> texels(
+        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
+                              static_cast<int>(bytes.size()), &texture.width, &texture.height,
+                              &channels, 4),
+        &std::free);
+    if (!texels) {
+        cause = stbi_failure_reason();
+        return {};
+    }
+    texture.rgba.assign(texels.get(), texels.get() + 4 * static_cast<std::size_t>(texture.width) *
+                                                         static_cast<std::size_t>(texture.height));
+    return texture;
 }
 
 void writePng(const std::filesystem::path& path, const Image& image, float exposure) {

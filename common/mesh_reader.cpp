@@ -156,10 +156,23 @@ struct MeshFormat {
 };
 
 constexpr MeshFormat kFormats[] = {
-    {".obj", readObj}, {".off", readOff}, {".om", readOm}, {".ply", readPly}, {".stl", readStl},
+    {".glb", readGltf}, {".gltf", readGltf}, {".obj", readObj}, {".off", readOff},
+    {".om", readOm},    {".ply", readPly},   {".stl", readStl},
 };
 
+std::string lowerExtension(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
 }  // namespace
+
+bool isGltf(const std::filesystem::path& path) {
+    const std::string extension = lowerExtension(path);
+    return extension == ".glb" || extension == ".gltf";
+}
 
 RawMesh readOm(const std::filesystem::path& path) {
     std::string bytes = readFileBytes(path);
@@ -182,9 +195,7 @@ RawMesh readOm(const std::filesystem::path& path) {
 }
 
 RawMesh readMeshFile(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lowerExtension(path);
     std::string known;
     for (const MeshFormat& format : kFormats) {
         if (extension == format.extension) return format.read(path);

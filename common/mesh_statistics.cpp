@@ -4,6 +4,7 @@
 #include <array>
 
 #include "common/parallel.h"
+#include "common/placed_mesh.h"
 #include "common/point_table.h"
 
 namespace shadowcache {
@@ -65,8 +66,10 @@ std::vector<Corners> weldedTriangles(const TriangleMesh& mesh, std::size_t& vert
     vertices = table.points().size();
 
     std::vector<Corners> triangles;
-    triangles.reserve(mesh.triangles.size());
-    for (const Vec3i& t : mesh.triangles) {
+    const std::size_t direct = directCount(mesh);
+    triangles.reserve(direct);
+    for (std::size_t i = 0; i < direct; ++i) {
+        const Vec3i& t = mesh.triangles[i];
         triangles.push_back({number[static_cast<std::size_t>(t.x)],
                              number[static_cast<std::size_t>(t.y)],
                              number[static_cast<std::size_t>(t.z)]});

@@ -1,26 +1,14 @@
 #include "common/scene.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
-#include "common/error.h"
-#include "common/parallel.h"
+#include "common/embree_scene.h"
+#include "common/placed_mesh.h"
 
 namespace shadowcache {
-
-struct Scene::Impl {
-    RTCDevice device = nullptr;
-    RTCScene scene = nullptr;
-
-    ~Impl() {
-        if (scene) rtcReleaseScene(scene);
-        if (device) rtcReleaseDevice(device);
-    }
-};
 
 namespace {
 
@@ -29,11 +17,6 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Sets of more are traced as single rays: the packets of neighbouring rays that win in the kitchen
 /// (83 k triangles, by a third) and tie in the atrium (155 k) lose around the dragon (871 k).
 constexpr std::size_t kManyTriangles = 300000;
-
-void throwOnError(RTCDevice device) {
-    if (rtcGetDeviceError(device) != RTC_ERROR_NONE)
-        throw Error("ray tracing: building the acceleration structure failed (out of memory?)");
-}
 
 void fillRays(const RayPacket& rays, RTCRay8& out) {
     constexpr std::size_t kBytes = sizeof(float) * RayPacket::kSize;
@@ -63,46 +46,57 @@ float maxAbs(const Vec3f& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
+/// Largest number that takes part in placing `p`, and in bringing rays back to it: what is rounded
+/// off is in proportion.
+float roundingScale(const Affine& map, const Vec3f& p) {
+    double scale = maxAbs(Vec3f(map.position));
+    for (int k = 0; k < 3; ++k)
+        scale +=
+            map.axis[static_cast<std::size_t>(k)].length() * std::abs(static_cast<double>(p[k]));
+    return static_cast<float>(2 * scale);
+}
+
+Ball ballAround(const Box3d& box) {
+    // Rounded up.
+    return {Vec3f(box.center()), static_cast<float>(box.size().length() / 2 * 1.00001)};
+}
+
 }  // namespace
 
-Scene::Scene(const TriangleMesh& mesh) : mesh_(mesh), impl_(std::make_unique<Impl>()) {
-    const std::string config = "threads=" + std::to_string(threadCount());
-    impl_->device = rtcNewDevice(config.c_str());
-    if (!impl_->device) throw Error("ray tracing: no device (Embree found no usable processor)");
-    impl_->scene = rtcNewScene(impl_->device);
-    RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    // Embree reads 16 bytes a corner; a copy of its own carries the padding.
-    void* corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                            sizeof(Vec3f), mesh.positions.size());
-    void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                            sizeof(Vec3i), mesh.triangles.size());
-    if (!corners || !indices) throwOnError(impl_->device);
-    std::uninitialized_copy(mesh.positions.begin(), mesh.positions.end(),
-                            static_cast<Vec3f*>(corners));
-    std::uninitialized_copy(mesh.triangles.begin(), mesh.triangles.end(),
-                            static_cast<Vec3i*>(indices));
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(impl_->scene, geometry);
-    rtcReleaseGeometry(geometry);
-    // Robust: no ray slips between neighbouring triangles.
-    rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
-    rtcCommitScene(impl_->scene);
-    throwOnError(impl_->device);
-}
+Scene::Scene(const TriangleMesh& mesh)
+    : mesh_(mesh),
+      // Embree 3.13 sometimes never returns from streams of coherent rays that meet instances.
+      many_(placedCount(mesh) >= kManyTriangles || !mesh.instances.empty()),
+      embree_(std::make_unique<EmbreeScene>(mesh)) {}
 
 Scene::~Scene() = default;
 
+void Scene::setMoving(const Scene* moving) {
+    moving_ = moving;
+    movingBalls_.clear();
+    for (; moving; moving = moving->moving_) {
+        const TriangleMesh& mesh = moving->mesh();
+        // Every ball costs every shading point a little.
+        constexpr std::size_t kMostBalls = 16;
+        if (mesh.instances.empty() || mesh.instances.size() > kMostBalls) {
+            movingBalls_.push_back(ballAround(placedBounds(mesh)));
+            continue;
+        }
+        for (const MeshInstance& instance : mesh.instances)
+            if (instance.toWorld.invertible())  // else it is hidden
+                movingBalls_.push_back(ballAround(instanceBounds(mesh, instance)));
+    }
+}
+
 Vec3f Scene::normal(std::uint32_t triangle) const noexcept {
-    const Vec3i& t = mesh_.triangles[triangle];
-    const Vec3d a(mesh_.positions[static_cast<std::size_t>(t.x)]);
-    const Vec3d b(mesh_.positions[static_cast<std::size_t>(t.y)]);
-    const Vec3d c(mesh_.positions[static_cast<std::size_t>(t.z)]);
-    return Vec3f((b - a).cross(c - a).normalized());
+    const auto [a, b, c] = placedCorners(mesh_, triangle);
+    const MeshInstance* instance = placedTriangle(mesh_, triangle).instance;
+    const Vec3d n = (b - a).cross(c - a).normalized();
+    return Vec3f(instance && instance->toWorld.mirrors() ? -n : n);
 }
 
 Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    QueryContext context(true);
     RTCRayHit query{};
     query.ray.org_x = origin.x;
     query.ray.org_y = origin.y;
@@ -113,20 +107,22 @@ Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept
     query.ray.tfar = kInfinity;
     query.ray.mask = ~0u;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(impl_->scene, &context, &query);
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(embree_->root(), &context.base, &query);
 
     Hit hit;
+    if (moving_) hit = moving_->intersect(origin, direction);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+    if (hit.found && hit.distance < query.ray.tfar) return hit;
     hit.found = true;
-    hit.triangle = query.hit.primID;
+    hit.scene = this;
+    hit.triangle = embree_->placedNumber(query.hit);
     hit.u = query.hit.u;
     hit.v = query.hit.v;
     hit.distance = query.ray.tfar;
-    const Vec3i& t = mesh_.triangles[hit.triangle];
-    const Vec3f& a = mesh_.positions[static_cast<std::size_t>(t.x)];
-    const Vec3f& b = mesh_.positions[static_cast<std::size_t>(t.y)];
-    const Vec3f& c = mesh_.positions[static_cast<std::size_t>(t.z)];
-    hit.position = a + (b - a) * hit.u + (c - a) * hit.v;
+    const auto [a, b, c] = placedCorners(mesh_, hit.triangle);
+    hit.position =
+        Vec3f(a + (b - a) * static_cast<double>(hit.u) + (c - a) * static_cast<double>(hit.v));
     hit.normal = normal(hit.triangle);
     return hit;
 }
@@ -134,15 +130,16 @@ Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept
 std::uint32_t Scene::visibility(const RayPacket& rays, int count) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    context.flags = mesh_.instances.empty() ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                            : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     alignas(32) RTCRay8 query;
     fillRays(rays, query);
     const Lanes lanes(count);
-    rtcOccluded8(lanes.valid, impl_->scene, &context, &query);
+    rtcOccluded8(lanes.valid, embree_->root(), &context, &query);
     std::uint32_t bits = 0;
     for (int i = 0; i < count; ++i)
         bits |= static_cast<std::uint32_t>(query.tfar[i] >= 0.0f) << i;  // -inf on a hit
-    return bits;
+    return moving_ && bits != 0 ? bits & moving_->visibility(rays, count) : bits;
 }
 
 void Scene::trace(RayStream& rays, std::size_t count) const noexcept {
@@ -159,28 +156,35 @@ void Scene::trace(RayStream& rays, std::size_t count) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     // Rays of a packet stay together among large triangles and part among small ones.
-    context.flags = mesh_.triangles.size() < kManyTriangles ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
-                                                            : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    rtcOccludedNp(impl_->scene, &context, &query, static_cast<unsigned>(count));
+    context.flags =
+        many_ ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcOccludedNp(embree_->root(), &context, &query, static_cast<unsigned>(count));
 }
 
 void Scene::distances(const RayPacket& rays, int count, float* out) const noexcept {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    QueryContext context(false);
     alignas(32) RTCRayHit8 query;
     fillRays(rays, query.ray);
     for (unsigned& id : query.hit.geomID) id = RTC_INVALID_GEOMETRY_ID;
     const Lanes lanes(count);
-    rtcIntersect8(lanes.valid, impl_->scene, &context, &query);
+    rtcIntersect8(lanes.valid, embree_->root(), &context.base, &query);
     std::copy_n(query.ray.tfar, count, out);  // still infinite where nothing was hit
+    if (!moving_) return;
+    float near[RayPacket::kSize];
+    moving_->distances(rays, count, near);
+    for (int i = 0; i < count; ++i) out[i] = std::min(out[i], near[i]);
 }
 
 Vec3f Scene::rayOrigin(const Vec3f& position, std::uint32_t triangle,
                        const Vec3f& side) const noexcept {
-    const Vec3i& t = mesh_.triangles[triangle];
-    const float scale = std::max({maxAbs(mesh_.positions[static_cast<std::size_t>(t.x)]),
-                                  maxAbs(mesh_.positions[static_cast<std::size_t>(t.y)]),
-                                  maxAbs(mesh_.positions[static_cast<std::size_t>(t.z)])});
+    const PlacedTriangle placed = placedTriangle(mesh_, triangle);
+    const Vec3i& t = mesh_.triangles[placed.triangle];
+    float scale = 0;
+    for (int k = 0; k < 3; ++k) {
+        const Vec3f& p = mesh_.positions[static_cast<std::size_t>(t[k])];
+        scale = std::max(scale,
+                         placed.instance ? roundingScale(placed.instance->toWorld, p) : maxAbs(p));
+    }
     // A point interpolated from three corners is off its plane by a few ulp (2^-23) of the largest.
     return position + side * (scale * 0x1p-19f);
 }

@@ -8,14 +8,18 @@
 
 namespace shadowcache {
 
+class EmbreeScene;
+class Scene;
+
 /// Where a ray meets the set, relative to the mesh's origin.
 struct Hit {
     bool found = false;
-    Vec3f position{0};   ///< on the triangle, from its corners
-    Vec3f normal{0};     ///< unit geometric normal, by the triangle's winding
-    float distance = 0;  ///< along the ray
-    std::uint32_t triangle = 0;
-    float u = 0, v = 0;  ///< barycentric coordinates of the second and third corner
+    const Scene* scene = nullptr;  ///< whose triangle it is: the one asked, or what moves in it
+    Vec3f position{0};             ///< on the triangle, from its corners
+    Vec3f normal{0};               ///< unit geometric normal, by the triangle's winding
+    float distance = 0;            ///< along the ray
+    std::uint32_t triangle = 0;    ///< its number in the world (placed_mesh.h)
+    float u = 0, v = 0;            ///< barycentric coordinates of the second and third corner
 };
 
 /// Eight shadow rays toward the sky, as arrays; origins relative to the mesh's origin, directions
@@ -46,6 +50,11 @@ struct RayStream {
     bool open(std::size_t i) const { return reach[i] >= 0; }
 };
 
+struct Ball {
+    Vec3f center;
+    float radius;
+};
+
 /// The set's triangles in an acceleration structure. Queries are thread-safe.
 class Scene {
 public:
@@ -59,7 +68,15 @@ public:
 
     const TriangleMesh& mesh() const { return mesh_; }
 
-    /// Nearest hit of a ray.
+    /// Puts what moves into the scene, in place of what was there before; null: nothing. Its mesh
+    /// has the same origin. All queries but trace() see it. Not thread-safe.
+    void setMoving(const Scene* moving);
+
+    /// Balls around what moves, relative to the mesh's origin.
+    const std::vector<Ball>& movingBalls() const { return movingBalls_; }
+
+    /// Nearest hit of a ray from a camera, which looks through holes and through the backs of
+    /// surfaces that are not double-sided.
     Hit intersect(const Vec3f& origin, const Vec3f& direction) const noexcept;
 
     /// Bit i: ray i (< count <= 8) reaches the sky.
@@ -72,7 +89,7 @@ public:
     /// Distances to the first hit of `count` rays, infinite where there is none.
     void distances(const RayPacket& rays, int count, float* out) const noexcept;
 
-    /// Unit geometric normal of a triangle.
+    /// Unit geometric normal of a triangle, by its winding in the file.
     Vec3f normal(std::uint32_t triangle) const noexcept;
 
     /// Origin for rays that leave `position` on `triangle` on the side of the unit vector `side`:
@@ -82,9 +99,11 @@ public:
                     const Vec3f& side) const noexcept;
 
 private:
-    struct Impl;
     const TriangleMesh& mesh_;
-    std::unique_ptr<Impl> impl_;
+    bool many_;
+    std::unique_ptr<EmbreeScene> embree_;
+    const Scene* moving_ = nullptr;
+    std::vector<Ball> movingBalls_;
 };
 
 }  // namespace shadowcache

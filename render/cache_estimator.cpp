@@ -121,7 +121,18 @@ private:
     void weigh(const ShadingPoint& point, CacheWorkspace& w) const {
         const int found = w.reader.gather(point.position, point.normal, w.items);
         w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));
+        for (const Ball& ball : context_.scene.movingBalls()) doubtBehind(ball, point, w.pooled);
         w.weights.weigh(w.pooled, point.normal, reliability_);
+    }
+
+    /// The counts know nothing of what moves.
+    static void doubtBehind(const Ball& ball, const ShadingPoint& point, PooledVisibility& pooled) {
+        const Vec3f towards = ball.center - point.rayOrigin;
+        const float distance = towards.length();
+        if (distance > ball.radius)
+            pooled.doubt(towards / distance, std::asin(ball.radius / distance));
+        else
+            pooled.doubt(point.normal, static_cast<float>(kPi));
     }
 
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override {

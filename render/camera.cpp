@@ -123,7 +123,14 @@ Camera lookAt(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double fov
     return camera;
 }
 
+Vec3d rayStart(const Camera& camera, double x, double y, double aspect) noexcept {
+    const Vec3d right = camera.forward.cross(camera.up);
+    return camera.origin + right * ((x - 0.5) * aspect * camera.height) +
+           camera.up * ((0.5 - y) * camera.height);
+}
+
 Vec3d rayDirection(const Camera& camera, double x, double y, double aspect) noexcept {
+    if (camera.height > 0) return camera.forward;
     const double tangent = std::tan(0.5 * camera.fovY);
     const Vec3d right = camera.forward.cross(camera.up);
     return (camera.forward + right * ((2.0 * x - 1.0) * aspect * tangent) +

@@ -7,12 +7,13 @@
 
 namespace shadowcache {
 
-/// Perspective camera in world space.
+/// Camera in world space.
 struct Camera {
     Vec3d origin{0, 0, 0};
     Vec3d forward{0, 0, -1};  ///< unit
     Vec3d up{0, 1, 0};        ///< unit, at right angles to forward
     double fovY = 1.0;        ///< full vertical angle of view in radians, in (0, pi)
+    double height = 0;        ///< above 0: orthographic, with a view of that height; no fovY
 };
 
 /// Moving camera of a file.
@@ -27,6 +28,9 @@ struct CameraTrack {
 ///
 /// @throws Error if the two coincide, `up` points along the view or fovY is out of (0, pi)
 Camera lookAt(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double fovY);
+
+/// Where the ray through a film position starts; x, y and aspect as for rayDirection.
+Vec3d rayStart(const Camera& camera, double x, double y, double aspect) noexcept;
 
 /// Unit direction of the ray through a film position.
 ///

@@ -10,6 +10,7 @@
 
 #include "common/error.h"
 #include "common/parallel.h"
+#include "common/placed_mesh.h"
 #include "common/progress.h"
 #include "common/sequence.h"
 
@@ -26,15 +27,6 @@ constexpr int kGroups = 4;
 
 /// Places of the frame that a survey looks at.
 constexpr int kSurveyPlaces = 1024;
-
-Rgb albedoAt(const TriangleMesh& mesh, const Hit& hit, const Rgb& fallback) {
-    if (mesh.colors.empty()) return fallback;
-    const Vec3i& t = mesh.triangles[hit.triangle];
-    const Rgb& a = mesh.colors[static_cast<std::size_t>(t.x)];
-    const Rgb& b = mesh.colors[static_cast<std::size_t>(t.y)];
-    const Rgb& c = mesh.colors[static_cast<std::size_t>(t.z)];
-    return a * (1 - hit.u - hit.v) + b * hit.u + c * hit.v;
-}
 
 /// A picture with a hole is worse than none: says how many pixels failed and how to replay one.
 void requireFinite(const Film& film, int frame, std::uint64_t seed) {
@@ -82,16 +74,16 @@ struct Frame {
 
     /// What the camera sees at a place of the film, in [0, 1).
     View look(double filmX, double filmY) const {
-        const Vec3f origin(camera.origin - context.scene.mesh().origin);
-        const Vec3f direction(rayDirection(camera, filmX, filmY,
-                                           static_cast<double>(options.width) / options.height));
+        const double aspect = static_cast<double>(options.width) / options.height;
+        const Vec3f origin(rayStart(camera, filmX, filmY, aspect) - context.scene.mesh().origin);
+        const Vec3f direction(rayDirection(camera, filmX, filmY, aspect));
         return {direction, context.scene.intersect(origin, direction)};
     }
 
     ShadingPoint shadingPoint(const View& view, std::uint64_t seed) const {
         const Hit& hit = view.hit;
         const Vec3f normal = hit.normal.dot(view.direction) > 0 ? -hit.normal : hit.normal;
-        return {context.scene.rayOrigin(hit.position, hit.triangle, normal),
+        return {hit.scene->rayOrigin(hit.position, hit.triangle, normal),
                 context.scene.mesh().origin + Vec3d(hit.position), normal, seed};
     }
 
@@ -155,7 +147,9 @@ struct Frame {
 
     void addToPixel(const ShadingPoint& point, const Hit& hit, const Estimate& e,
                     Workspace& workspace, Pixel& pixel) const {
-        const Rgb albedo = albedoAt(context.scene.mesh(), hit, options.albedo);
+        const TriangleMesh& mesh = hit.scene->mesh();
+        const Rgb albedo = albedoAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v,
+                                    options.albedo);
         if (observer && &pixel == observed) {
             estimator.estimate(point, options.samples, workspace);  // for its samples
             (*observer)({point, albedo, e, workspace.samples});

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <regex>
 #include <sstream>
 
 #include "common/atomic_file.h"
 #include "common/error.h"
 #include "common/json_file.h"
+#include "common/mesh_reader.h"
 #include "common/option_checks.h"
 #include "common/parallel.h"
 #include "common/process.h"
@@ -17,37 +17,16 @@
 #include "common/version.h"
 #include "render/camera.h"
 #include "render/compare.h"
+#include "render/frames.h"
+#include "render/gltf_shot.h"
 #include "render/integrator.h"
+#include "render/light_plan.h"
 #include "render/pixel_report.h"
+#include "render/resume.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// "R,G,B" -> one colour.
-std::optional<Rgb> parseColor(const std::string& text) {
-    Rgb c;
-    char rest = 0;
-    if (std::sscanf(text.c_str(), "%f,%f,%f%c", &c.x, &c.y, &c.z, &rest) != 3) return std::nullopt;
-    for (int k = 0; k < 3; ++k)
-        if (!(c[k] >= 0) || std::isinf(c[k]))
-            throw Error("--env " + text + ": wanted three radiances of 0 or more");
-    return c;
-}
-
-Environment loadEnvironment(const RenderJob& job) {
-    if (const auto color = parseColor(job.environment))
-        return Environment({1, 1, {*color}}, 0, Rgb(0.2126f, 0.7152f, 0.0722f));
-    const RadianceImage map = readRadiance(job.environment);
-    if (map.image.width != 2 * map.image.height)
-        std::fprintf(stderr,
-                     "shadowcache-render: warning: %s: %dx%d texels, a lat-long map is 2:1\n",
-                     job.environment.c_str(), map.image.width, map.image.height);
-    if (map.notFinite + map.negative > 0)
-        std::printf("map: %zu texels not finite and %zu negative, set to 0\n", map.notFinite,
-                    map.negative);
-    return Environment(map.image, job.environmentRotation, map.luminanceWeights);
-}
 
 /// The cache, if it is of this set.
 std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh& mesh) {
@@ -64,24 +43,69 @@ std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh&
     return cache;
 }
 
-Camera cameraOf(const RenderJob& job, const CameraTrack* track, int frame) {
-    if (track) return cameraAtFrame(*track, frame);
-    // A plan has its north, -Z, at the top.
-    const bool vertical = job.eye->x == job.lookAt->x && job.eye->z == job.lookAt->z;
-    const Vec3d up = vertical ? Vec3d(0, 0, -1) : Vec3d(0, 1, 0);
-    return lookAt(*job.eye, *job.lookAt, up, job.fovYDegrees * kPi / 180);
+/// Cameras of a job, by frame.
+class CameraSource {
+public:
+    CameraSource(const RenderJob& job, std::span<const GltfShot> shots) : job_(job) {
+        if (job.camera.empty()) return;
+        if (shots.empty() || std::filesystem::path(job.camera).extension() == ".json")
+            track_ = readCameraFile(job.camera);
+        else
+            named_ = findCamera(shots, job.camera);
+    }
+
+    Camera at(int frame) const {
+        if (track_) return cameraAtFrame(*track_, frame);
+        if (named_.shot) return named_.shot->camera(named_.node, frame);
+        // A plan has its north, -Z, at the top.
+        const bool vertical = job_.eye->x == job_.lookAt->x && job_.eye->z == job_.lookAt->z;
+        const Vec3d up = vertical ? Vec3d(0, 0, -1) : Vec3d(0, 1, 0);
+        return lookAt(*job_.eye, *job_.lookAt, up, job_.fovYDegrees * kPi / 180);
+    }
+
+private:
+    const RenderJob& job_;
+    std::optional<CameraTrack> track_;
+    NamedCamera named_;
+};
+
+std::vector<GltfShot> openShots(const RenderJob& job) {
+    std::vector<GltfShot> shots;
+    for (const auto& file : job.files)
+        if (isGltf(file)) shots.emplace_back(file, job.mesh, job.fps);
+    return shots;
+}
+
+/// Files whose change makes a picture another one.
+std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPlan::Light& light) {
+    std::vector<std::filesystem::path> inputs = job.files;
+    for (const DynamicFile& file : job.dynamic) {
+        inputs.push_back(file.mesh);
+        inputs.push_back(file.track);
+    }
+    for (const std::string& text : {job.cache.string(), job.camera, light.environment})
+        inputs.emplace_back(text);
+    return inputs;
 }
 
 struct Timing {
     double load = 0, build = 0;
 };
 
-Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache, double seconds, int frame) {
+/// All that a frame's file tells but the time it took.
+Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache,
+                       const LightPlan::Light& light, int frame) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
-        metadata.emplace_back("shadowcache:" + name, value);
+        if (name != "env" && name != "env-rotate")
+            metadata.emplace_back("shadowcache:" + name, value);
+    std::ostringstream angle;
+    angle.precision(17);
+    angle << light.rotation;
+    metadata.emplace_back("shadowcache:env", light.environment);
+    metadata.emplace_back("shadowcache:env-rotate", angle.str());
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
-    metadata.emplace_back("shadowcache:seconds", std::to_string(seconds));
+    metadata.emplace_back("shadowcache:inputs", inputsMark(inputsOf(job, light)));
     if (cache) {
         std::ostringstream print;
         print << std::hex << cache->header().fingerprint;
@@ -90,11 +114,11 @@ Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache, double se
     return metadata;
 }
 
-void writeFrame(const RenderJob& job, const Film& film, const ShadowCache* cache, double seconds,
+void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, double seconds,
                 int frame) {
     const auto path = framePath(job.output, frame, job.frames.size() > 1);
-    writeExr(path, film.width, film.height, channels(film, job.aovs),
-             frameMetadata(job, cache, seconds, frame),
+    metadata.emplace_back("shadowcache:seconds", std::to_string(seconds));
+    writeExr(path, film.width, film.height, channels(film, job.aovs), metadata,
              job.half ? PixelType::half : PixelType::full);
     if (!job.png) return;
     auto png = path;
@@ -168,7 +192,7 @@ const EstimatorEntry& validate(const RenderJob& job) {
     validate(job.render);
     validate(job.estimatorOptions);
     requireRange("threads", job.threads, 0, kMaxThreads);
-    requireRange("env-rotate", job.environmentRotation, -1e6, 1e6);
+    requireRange("fps", job.fps, 1e-3, 1e6);
     requireRange("exposure", job.exposure, -64.0f, 64.0f);
     requireRange("fov-y", job.fovYDegrees, 0.01, 179.0);
     if (job.debugPixel) {
@@ -188,96 +212,121 @@ const EstimatorEntry& validate(const RenderJob& job) {
     return entry;
 }
 
+/// A job under way: what is loaded once, and the frames.
+class Shot {
+public:
+    explicit Shot(const RenderJob& job)
+        : job_(job),
+          entry_(validate(job)),
+          plan_(job.environment, job.environmentRotation, job.frames),
+          light_(plan_) {
+        setThreadCount(job.threads);
+        installInterruptHandler();
+    }
+
+    void run() {
+        const double start = secondsNow();
+        plan_.requireFiles();
+        std::vector<GltfShot> shots = openShots(job_);
+        const CameraSource camera(job_, shots);
+        for (const int frame : job_.frames) camera.at(frame);
+        if (!job_.reference.empty()) reference_ = readReference(job_.reference, job_.render);
+        mesh_ = loadMesh(job_.files, job_.mesh);
+        std::printf("set: %s\n", describe(mesh_.report).c_str());
+        moving_.emplace(shots, job_.dynamic, job_.mesh, mesh_.origin, job_.fps);
+        for (const int frame : job_.frames) moving_->requireFrame(frame);
+        for (GltfShot& shot : shots) shot.dropData();
+        if (!moving_->empty())
+            std::printf("moving: %zu triangles, which are not in the cache\n",
+                        moving_->triangles());
+        cache_ = openCache(job_, mesh_);
+        const double loaded = secondsNow();
+        scene_.emplace(mesh_);
+        timing_ = {loaded - start, secondsNow() - loaded};
+        for (std::size_t i = 0; i < job_.frames.size(); ++i) frame(camera, i);
+        if (job_.debugPixel) return;
+        summarize();
+        if (!job_.stats.empty()) writeStats(job_, mesh_, cache_.get(), timing_, stats_, error_);
+    }
+
+private:
+    void frame(const CameraSource& camera, std::size_t i) {
+        throwIfInterrupted();
+        const int frame = job_.frames[i];
+        Metadata metadata = frameMetadata(job_, cache_.get(), plan_.at(i), frame);
+        if (job_.resume && isDone(metadata, frame)) return;
+        const double start = secondsNow();
+        if (light_.turnTo(i)) {
+            context_.reset(new EstimatorContext{*scene_, light_.environment(), cache_.get(),
+                                                job_.estimatorOptions});
+            estimator_ = entry_.make(*context_);
+        }
+        timing_.build += secondsNow() - start;
+        scene_->setMoving(moving_->pose(frame));
+        const double before = stats_.seconds;
+        const Camera view = camera.at(frame);
+        survey(*estimator_, *context_, view, frame, job_.render, stats_);
+        if (job_.debugPixel) {
+            const auto [x, y] = *job_.debugPixel;
+            reportPixel(*estimator_, *context_, view, frame, job_.render, x, y);
+            return;
+        }
+        const Film film = render(*estimator_, *context_, view, frame, job_.render, stats_);
+        writeFrame(job_, film, std::move(metadata), stats_.seconds - before, frame);
+        ++rendered_;
+        if (reference_) error_ = relativeError(colorImage(film), *reference_);
+    }
+
+    /// Whether the frame is there as it would be rendered; counts and tells what is not.
+    bool isDone(const Metadata& metadata, int frame) {
+        auto path = framePath(job_.output, frame, job_.frames.size() > 1);
+        const FrameState state = frameState(path, metadata);
+        if (state == FrameState::broken) std::printf("%s: broken, rendered again\n", path.c_str());
+        if (state == FrameState::changed)
+            std::printf("%s: of other settings or files, rendered again\n", path.c_str());
+        if (state != FrameState::done) return false;
+        if (job_.png && !std::filesystem::exists(path.replace_extension(".png"))) return false;
+        ++skipped_;
+        return true;
+    }
+
+    void summarize() const {
+        std::printf("%s: %zu frame%s", entry_.name, rendered_, rendered_ == 1 ? "" : "s");
+        if (job_.resume) std::printf(" (%zu more were done)", skipped_);
+        std::printf(", %d samples, %.1f M shadow rays in %.2f s", job_.render.samples,
+                    static_cast<double>(stats_.shadowRays) * 1e-6, stats_.seconds);
+        if (error_) std::printf(", relMSE %.3g", error_->mean);
+        std::printf(" -> %s\n", job_.output.c_str());
+    }
+
+    const RenderJob& job_;
+    const EstimatorEntry& entry_;
+    LightPlan plan_;
+    LightSource light_;
+    TriangleMesh mesh_;
+    std::optional<MovingSet> moving_;
+    std::unique_ptr<ShadowCache> cache_;
+    std::optional<Scene> scene_;
+    std::unique_ptr<EstimatorContext> context_;
+    std::unique_ptr<Estimator> estimator_;
+    std::optional<Image> reference_;
+    std::optional<RelativeError> error_;
+    RenderStats stats_;
+    Timing timing_;
+    std::size_t rendered_ = 0, skipped_ = 0;
+};
+
 }  // namespace
 
-std::vector<int> parseFrames(const std::string& text) {
-    static const std::regex range(R"((\d{1,7})(?:-(\d{1,7})(?:x(\d{1,7}))?)?)");
-    std::vector<int> frames;
-    std::istringstream parts(text);
-    std::string part;
-    while (std::getline(parts, part, ',')) {
-        std::smatch match;
-        const bool matched = std::regex_match(part, match, range);
-        const int first = matched ? std::stoi(match[1]) : 0;
-        const int last = matched && match[2].matched ? std::stoi(match[2]) : first;
-        const int step = matched && match[3].matched ? std::stoi(match[3]) : 1;
-        if (!matched || last < first || step < 1)
-            throw Error("--frames " + text +
-                        ": wanted A, A-B or A-BxSTEP with A <= B, several joined by commas");
-        for (int f = first; f <= last; f += step) frames.push_back(f);
-    }
-    if (frames.empty()) throw Error("--frames: empty, wanted A, A-B or A-BxSTEP");
-    return frames;
-}
-
-std::filesystem::path framePath(const std::filesystem::path& pattern, int frame, bool several) {
-    std::string name = pattern.filename().string();
-    static const std::regex printfStyle(R"(%0?(\d?)d)");
-    std::smatch match;
-    std::size_t at = name.find('#'), length = 0;
-    int width = 0;
-    if (at != std::string::npos) {
-        while (at + length < name.size() && name[at + length] == '#') ++length;
-        width = static_cast<int>(length);
-    } else if (std::regex_search(name, match, printfStyle)) {
-        at = static_cast<std::size_t>(match.position(0));
-        length = static_cast<std::size_t>(match.length(0));
-        width = match[1].length() ? std::stoi(match[1]) : 1;
-    } else {
-        if (several)
-            throw Error("--output " + pattern.string() +
-                        ": several frames need a place for their number, as in frame.####.exr");
-        return pattern;
-    }
-    char number[32];
-    std::snprintf(number, sizeof number, "%0*d", width, frame);
-    return pattern.parent_path() / name.replace(at, length, number);
-}
-
 void run(const RenderJob& job) {
-    const EstimatorEntry& entry = validate(job);
-    setThreadCount(job.threads);
-    installInterruptHandler();
+    Shot(job).run();
+}
 
-    const double start = secondsNow();
-    std::optional<CameraTrack> track;
-    if (!job.cameraFile.empty()) track = readCameraFile(job.cameraFile);
-    const auto camera = [&](int frame) { return cameraOf(job, track ? &*track : nullptr, frame); };
-    for (const int frame : job.frames) camera(frame);
-    std::optional<Image> reference;
-    if (!job.reference.empty()) reference = readReference(job.reference, job.render);
-    const TriangleMesh mesh = loadMesh(job.files, job.mesh);
-    std::printf("set: %s\n", describe(mesh.report).c_str());
-    const auto cache = openCache(job, mesh);
-    const Environment environment = loadEnvironment(job);
-    const double loaded = secondsNow();
-    const Scene scene(mesh);
-    const EstimatorContext context{scene, environment, cache.get(), job.estimatorOptions};
-    const std::unique_ptr<Estimator> estimator = entry.make(context);
-    const Timing timing{loaded - start, secondsNow() - loaded};
-
-    RenderStats stats;
-    std::optional<RelativeError> error;
-    for (const int frame : job.frames) {
-        throwIfInterrupted();
-        const double before = stats.seconds;
-        survey(*estimator, context, camera(frame), frame, job.render, stats);
-        if (job.debugPixel) {
-            const auto [x, y] = *job.debugPixel;
-            reportPixel(*estimator, context, camera(frame), frame, job.render, x, y);
-            continue;
-        }
-        const Film film = render(*estimator, context, camera(frame), frame, job.render, stats);
-        writeFrame(job, film, cache.get(), stats.seconds - before, frame);
-        if (reference) error = relativeError(colorImage(film), *reference);
+void listSet(const RenderJob& job) {
+    for (const auto& file : job.files) {
+        if (!isGltf(file)) throwFileError(file, "no glTF file, of which alone there is a list");
+        std::fputs(describe(GltfShot(file, job.mesh, job.fps)).c_str(), stdout);
     }
-    if (job.debugPixel) return;
-    std::printf("%s: %zu frame%s, %d samples, %.1f M shadow rays in %.2f s", entry.name,
-                job.frames.size(), job.frames.size() > 1 ? "s" : "", job.render.samples,
-                static_cast<double>(stats.shadowRays) * 1e-6, stats.seconds);
-    if (error) std::printf(", relMSE %.3g", error->mean);
-    std::printf(" -> %s\n", job.output.c_str());
-    if (!job.stats.empty()) writeStats(job, mesh, cache.get(), timing, stats, error);
 }
 
 }  // namespace shadowcache

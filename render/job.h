@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/mesh.h"
+#include "render/moving_set.h"
 #include "render/options.h"
 
 namespace shadowcache {
@@ -16,8 +17,10 @@ struct RenderJob {
     std::vector<std::filesystem::path> files;
     MeshOptions mesh;
 
-    std::string environment;  ///< a file, or "R,G,B"
-    double environmentRotation = 0;
+    std::vector<DynamicFile> dynamic;
+
+    std::string environment;  ///< as LightPlan reads it
+    std::string environmentRotation = "0";
 
     std::filesystem::path cache;
     bool staleOk = false;
@@ -26,12 +29,14 @@ struct RenderJob {
     EstimatorOptions estimatorOptions;
     RenderOptions render;
 
-    std::filesystem::path cameraFile;
+    std::string camera;  ///< a file, or the name of one of the set's cameras
+    double fps = 24;     ///< of glTF's cameras and moving nodes
     std::vector<int> frames{1};
     std::optional<Vec3d> eye, lookAt;
     double fovYDegrees = 45;
 
     std::filesystem::path output;
+    bool resume = false;  ///< keep frames that are done
     std::vector<std::string> aovs;
     bool half = false;
     bool png = false;
@@ -47,12 +52,7 @@ struct RenderJob {
 /// Does it. @throws Error
 void run(const RenderJob& job);
 
-/// "1-24x2" or "1,5,9-12" -> frame numbers. @throws Error
-std::vector<int> parseFrames(const std::string& text);
-
-/// Output file of a frame: a run of '#' (or %0Nd) becomes the number, padded with zeros.
-///
-/// @throws Error if several frames would share one file
-std::filesystem::path framePath(const std::filesystem::path& pattern, int frame, bool several);
+/// Prints the cameras, animations and sizes of the set's glTF files. @throws Error
+void listSet(const RenderJob& job);
 
 }  // namespace shadowcache

@@ -11,6 +11,7 @@
 #include "common/error.h"
 #include "common/version.h"
 #include "render/film.h"
+#include "render/frames.h"
 #include "render/job.h"
 
 namespace shadowcache {
@@ -21,20 +22,33 @@ struct Arguments {
     std::string up = "y", frames, size = "960x540", sequence = "sobol", budget = "uniform",
                 albedo = "0.5";
     std::string eye, target, debug;
+    std::vector<std::string> dynamic;
+    bool list = false;
 };
 
 void defineScene(CLI::App& app, RenderJob& job, Arguments& arguments) {
     const std::string group = "Scene";
     app.add_option("SET", job.files,
-                   "Files of the set: OBJ, PLY, STL, OFF or OM; several make one set")
+                   "Files of the set: glTF, OBJ, PLY, STL, OFF or OM; several make one set")
         ->required()
         ->take_all();
-    app.add_option("--env", job.environment, "Lat-long map (EXR or HDR), or one radiance R,G,B")
-        ->required()
+    app.add_option("--env", job.environment,
+                   "Lat-long map (EXR or HDR), or one radiance R,G,B; maps joined by commas, or a "
+                   "sequence with ####: one for each frame")
         ->group(group);
-    app.add_option("--env-rotate", job.environmentRotation,
-                   "Degrees to turn the map about +Y, counter-clockwise from above")
+    app.add_option(
+           "--env-rotate", job.environmentRotation,
+           "Degrees to turn the map about +Y, counter-clockwise from above; A-B: from A in the "
+           "first frame to B in the last")
         ->capture_default_str()
+        ->group(group);
+    app.add_option("--dynamic", arguments.dynamic,
+                   "FILE or FILE@TRACK.json: rendered and casts shadows, but is not in the cache")
+        ->take_all()
+        ->allow_extra_args(false)
+        ->group(group);
+    app.add_flag("--list", arguments.list,
+                 "Print the cameras, animations and sizes of a glTF set, and do nothing else")
         ->group(group);
     app.add_option("--albedo", arguments.albedo,
                    "Albedo where the set has no vertex colours: one value, or R,G,B, 0 to 1")
@@ -51,10 +65,14 @@ void defineScene(CLI::App& app, RenderJob& job, Arguments& arguments) {
 
 void defineCamera(CLI::App& app, RenderJob& job, Arguments& arguments) {
     const std::string group = "Camera";
-    auto* camera = app.add_option("--camera", job.cameraFile, "Camera move (JSON)")->group(group);
+    auto* camera = app.add_option("--camera", job.camera,
+                                  "Camera move (JSON), or the name of a camera of a glTF set")
+                       ->group(group);
     app.add_option("--frames", arguments.frames,
                    "Frames of the move: A, A-B, A-BxSTEP, joined by commas [1]")
-        ->needs(camera)
+        ->group(group);
+    app.add_option("--fps", job.fps, "Frames a second of a glTF set's animations")
+        ->capture_default_str()
         ->group(group);
     auto* eye = app.add_option("--eye", arguments.eye, "Place of the camera: X,Y,Z")
                     ->excludes(camera)
@@ -128,8 +146,10 @@ void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
     std::string aovs;
     for (const std::string& name : aovNames()) aovs += " " + name;
     app.add_option("-o,--output", job.output,
-                   "EXR to write (.exr); #### becomes the frame's number")
-        ->required()
+                   "EXR to write (.exr); #### or %04d becomes the frame's number")
+        ->group(group);
+    app.add_flag("--resume", job.resume,
+                 "Keep frames that are complete and of these settings and files")
         ->group(group);
     app.add_option("--aov", job.aovs, "More channels, any of:" + aovs)
         ->delimiter(',')
@@ -151,6 +171,14 @@ void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
     app.add_option("--threads", job.threads, "Threads; 0: one a core")
         ->capture_default_str()
         ->group(group);
+}
+
+/// CLI11 would ask for these with --list, too.
+void requireWhatRendersNeed(const RenderJob& job, const Arguments& arguments) {
+    if (job.environment.empty()) throw CLI::RequiredError("--env");
+    if (job.output.empty()) throw CLI::RequiredError("--output");
+    if (job.camera.empty() && arguments.eye.empty())
+        throw CLI::RequiredError("--camera, or --eye with --look-at,");
 }
 
 /// "A,B,C" -> finite numbers, as many as `count`.
@@ -189,6 +217,7 @@ void complete(RenderJob& job, const Arguments& arguments) {
         job.eye = parseVector("--eye", arguments.eye, "X,Y,Z");
         job.lookAt = parseVector("--look-at", arguments.target, "X,Y,Z");
     }
+    for (const std::string& text : arguments.dynamic) job.dynamic.push_back(parseDynamic(text));
     if (!arguments.frames.empty()) job.frames = parseFrames(arguments.frames);
     const auto [width, height] = parsePair("--size", arguments.size, "WxH, as in 960x540");
     job.render.width = width;
@@ -247,16 +276,21 @@ int main(int argc, char** argv) try {
         "0,1,0 -o still.exr --png\n"
         "  shadowcache-render set.ply --env sun.hdr --cache set.vdb --camera move.json --frames "
         "1-24 -o shot.####.exr\n"
+        "  shadowcache-render set.glb --env sky.####.exr --cache set.vdb --camera shot --frames "
+        "1-240 --resume -o shot.####.exr\n"
         "  shadowcache-render set.ply --env 1,1,1 --eye 1,1,1 --look-at 0,0,0 --estimator mis "
         "--samples 256 -o a.exr");
     try {
         app.parse(argc, argv);
-        if (job.cameraFile.empty() && arguments.eye.empty())
-            throw CLI::RequiredError("--camera, or --eye with --look-at,");
+        if (!arguments.list) requireWhatRendersNeed(job, arguments);
     } catch (const CLI::ParseError& e) {
         return app.exit(e);
     }
     complete(job, arguments);
+    if (arguments.list) {
+        listSet(job);
+        return 0;
+    }
     recordSettings(app, job);
     run(job);
     return 0;

@@ -174,7 +174,7 @@ TEST_F(CliRefusal, ImpossibleOptions) {
         {"render", "--triangles 19", "wanted 20 to 100000"},
         {"render", "--max-level 8", "wanted 0 to 7"},
         {"render", "--threshold -1", "wanted 0 to"},
-        {"render", "--env-rotate nan", "wanted -"},
+        {"render", "--env-rotate nan", "wanted degrees"},
         {"render", "--exposure inf", "wanted -64 to 64"},
         {"render", "--fov-y 180", "wanted 0.01 to 179"},
         {"render", "--albedo 1.5", "wanted 0 to 1"},

@@ -7,6 +7,7 @@
 
 #include "common/image.h"
 #include "common/mesh.h"
+#include "tests/gltf_builder.h"
 #include "tests/mesh_files.h"
 #include "tests/temporary_folder.h"
 
@@ -25,6 +26,23 @@ std::string squareExr() {
     return readBytes(folder.path() / "a.exr");
 }
 
+/// A square with a texture, its mesh used twice and an animation beside.
+std::string squareGlb() {
+    const TemporaryFolder folder;
+    writePng(folder.path() / "a.png", {2, 2, std::vector<Rgb>(4, Rgb(0.5f))}, 0);
+    GltfBuilder file = squareGltf();
+    const int view = file.view(readBytes(folder.path() / "a.png"));
+    file.append("images", {{"bufferView", view}, {"mimeType", "image/png"}});
+    file.append("textures", {{"source", 0}});
+    file.append("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+    file.json["meshes"][0]["primitives"][0]["material"] = 0;
+    file.root({{"mesh", 0}});
+    file.root({{"mesh", 0}, {"translation", {2, 0, 0}}});
+    file.animate(file.root({{"name", "empty"}}), "translation", "LINEAR", {0, 1},
+                 {0, 0, 0, 1, 0, 0});
+    return file.glb();
+}
+
 std::string flatHdr() {
     return "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n" + std::string(16, '\x81');
 }
@@ -41,12 +59,17 @@ struct Kind {
 std::vector<Kind> kinds() {
     const auto mesh = [](const std::filesystem::path& path) { load(path); };
     const auto image = [](const std::filesystem::path& path) { readRadiance(path); };
-    return {
-        {"a.obj", squareObj(), mesh, false},       {"a.off", squareOff(), mesh, true},
-        {"text.ply", squarePlyText(), mesh, true}, {"binary.ply", squarePly(), mesh, true},
-        {"binary.stl", squareStl(), mesh, true},   {"text.stl", squareStlText(), mesh, true},
-        {"one.om", squareOm(), mesh, true},        {"two.om", squareAndTriangleOm2(), mesh, true},
-        {"a.exr", squareExr(), image, true},       {"a.hdr", flatHdr(), image, true}};
+    return {{"a.obj", squareObj(), mesh, false},
+            {"a.off", squareOff(), mesh, true},
+            {"text.ply", squarePlyText(), mesh, true},
+            {"binary.ply", squarePly(), mesh, true},
+            {"binary.stl", squareStl(), mesh, true},
+            {"text.stl", squareStlText(), mesh, true},
+            {"a.glb", squareGlb(), mesh, true},
+            {"one.om", squareOm(), mesh, true},
+            {"two.om", squareAndTriangleOm2(), mesh, true},
+            {"a.exr", squareExr(), image, true},
+            {"a.hdr", flatHdr(), image, true}};
 }
 
 TEST(HostileInput, GoodFilesAreRead) {
@@ -117,7 +140,7 @@ TEST(HostileInput, ForeignFiles) {
         expectError([&] { kind.read(path); }, path.string(), "");
     }
     expectError([&] { load(folder.write("a.fbx", "Kaydara")); }, "a.fbx",
-                "extension '.fbx', expected one of .obj, .off, .om, .ply, .stl");
+                "extension '.fbx', expected one of .glb, .gltf, .obj, .off, .om, .ply, .stl");
 }
 
 TEST(HostileInput, NewerFiles) {
