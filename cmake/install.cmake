@@ -15,7 +15,8 @@ install(TARGETS shadowcache_common EXPORT shadowcache_targets
 install(DIRECTORY common/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common"
     FILES_MATCHING PATTERN "*.h"
     PATTERN "cache_grids.h" EXCLUDE  # OpenVDB's types stay inside
-    PATTERN "vdb_archive.h" EXCLUDE)
+    PATTERN "vdb_archive.h" EXCLUDE
+    PATTERN "command_*.h" EXCLUDE)  # of the programs alone
 install(FILES "${PROJECT_BINARY_DIR}/generated/common/version.h"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common")
 install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
