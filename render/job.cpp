@@ -15,8 +15,10 @@
 #include "common/process.h"
 #include "common/progress.h"
 #include "common/version.h"
+#include "render/aov_pictures.h"
 #include "render/camera.h"
 #include "render/compare.h"
+#include "render/explain.h"
 #include "render/integrator.h"
 #include "render/pixel_report.h"
 
@@ -99,6 +101,8 @@ void writeFrame(const RenderJob& job, const Film& film, const ShadowCache* cache
     if (!job.png) return;
     auto png = path;
     writePng(png.replace_extension(".png"), colorImage(film), job.exposure);
+    for (const auto& [aov, picture] : aovPictures(png, job.aovs))
+        writePng(picture, falseColorImage(film, aov), 0);
 }
 
 void writeStats(const RenderJob& job, const TriangleMesh& mesh, const ShadowCache* cache,
@@ -150,13 +154,17 @@ Image readReference(const std::filesystem::path& path, const RenderOptions& pict
     return image;
 }
 
-void validateOutputs(const RenderJob& job) {
+void validateOutputs(const RenderJob& job, const EstimatorEntry& entry) {
     requireExtension(job.output, ".exr");
-    channels(Film{}, job.aovs);
+    for (const std::string& aov : job.aovs)
+        if (needsInsight(aov) && !entry.needsCache)
+            throw Error("--aov " + aov + ": wanted --estimator cache, which alone knows it");
     for (const int frame : job.frames) {
         auto path = framePath(job.output, frame, job.frames.size() > 1);
         requireWritable(path);
-        if (job.png) requireWritable(path.replace_extension(".png"));
+        if (!job.png) continue;
+        requireWritable(path.replace_extension(".png"));
+        for (const auto& [aov, picture] : aovPictures(path, job.aovs)) requireWritable(picture);
     }
     if (!job.stats.empty()) requireWritable(job.stats);
 }
@@ -184,7 +192,7 @@ const EstimatorEntry& validate(const RenderJob& job) {
     if (job.render.samples < entry.minSamples)
         throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
                     " wants at least " + std::to_string(entry.minSamples));
-    validateOutputs(job);
+    validateOutputs(job, entry);
     return entry;
 }
 
@@ -256,8 +264,18 @@ void run(const RenderJob& job) {
     const std::unique_ptr<Estimator> estimator = entry.make(context);
     const Timing timing{loaded - start, secondsNow() - loaded};
 
+    if (job.explain) {
+        const Forecast forecast{entry, !job.estimator.empty(), static_cast<int>(job.frames.size()),
+                                timing.load + timing.build};
+        const int first = job.frames.front();
+        std::fputs(explain(*estimator, context, camera(first), first, job.render, forecast).c_str(),
+                   stdout);
+        return;
+    }
     RenderStats stats;
     std::optional<RelativeError> error;
+    RenderOptions options = job.render;
+    options.insight = std::ranges::any_of(job.aovs, needsInsight);
     for (const int frame : job.frames) {
         throwIfInterrupted();
         const double before = stats.seconds;
@@ -267,7 +285,7 @@ void run(const RenderJob& job) {
             reportPixel(*estimator, context, camera(frame), frame, job.render, x, y);
             continue;
         }
-        const Film film = render(*estimator, context, camera(frame), frame, job.render, stats);
+        const Film film = render(*estimator, context, camera(frame), frame, options, stats);
         writeFrame(job, film, cache.get(), stats.seconds - before, frame);
         if (reference) error = relativeError(colorImage(film), *reference);
     }
