@@ -16,13 +16,7 @@ namespace shadowcache {
 
 namespace {
 
-/// What an item says to its voxel.
-struct Word {
-    Vec3f value{0, 0, 0};
-    double rank = -1;  ///< the highest of a voxel's items is heard; below 0: nothing to say
-};
-using ItemWord = std::function<Word(ItemRegions&, std::size_t item)>;
-
+/// What the grids that show one side of each voxel are made of.
 struct Source {
     const CacheHeader& header;
     const CacheItems& items;
@@ -30,31 +24,11 @@ struct Source {
     double environmentRotation;
 };
 
-/// A voxel shows the side that sees most: the other side of a wall, or the inside of a solid, would
-/// only dim it.
-VolumeGrid bestOfSides(const GridRequest& request, VolumeKind kind, const Source& source,
-                       const ItemWord& wordOf) {
-    VolumeGrid grid{request.name, kind, std::vector<Vec3f>(source.runs.voxels.size(), Vec3f(0))};
-    parallelFor(grid.values.size(), 256, [&](const Chunk& chunk) {
-        ItemRegions regions(source.header.tiers());
-        for (std::size_t v = chunk.begin; v < chunk.end; ++v) {
-            double best = -1;
-            for (std::size_t i = source.runs.firstItem[v]; i < source.runs.firstItem[v + 1]; ++i) {
-                regions.use(source.items, i);
-                const Word word = wordOf(regions, i);
-                if (word.rank <= best) continue;
-                best = word.rank;
-                grid.values[v] = word.value;
-            }
-        }
-    });
-    return grid;
-}
-
-/// Open share of a sky, and the middle of the open part.
+/// Open share of a sky, the middle of the open part, and what of it lies above the horizon [sr].
 struct Opening {
     double share = 0;
     Vec3d middle{0, 0, 0};
+    double above = 0;
 };
 
 class OpeningMeter {
@@ -74,6 +48,7 @@ public:
             const double open = cell.solidAngle * region.share();
             opening.middle += cell.center * open;
             opening.share += open;
+            if (cell.center.y > 0) opening.above += open;
             area += cell.solidAngle;
         }
         if (area > 0) opening.share /= area;
@@ -88,39 +63,64 @@ private:
     std::array<std::vector<Cell>, kMaxCacheLevel + 1> cells_;
 };
 
-VolumeGrid makeOpenness(const GridRequest& request, const Source& source) {
+/// Value of an item; its regions and what is open of them are known.
+using ItemValue = std::function<Vec3f(ItemRegions&, const Opening&, std::size_t item)>;
+
+/// A voxel shows the side that sees most of what is above the horizon: the inside of a solid, or
+/// the underside of the ground, would only hide it.
+VolumeGrid bestOfSides(const GridRequest& request, VolumeKind kind, const Source& source,
+                       const ItemValue& valueOf) {
+    VolumeGrid grid{request.name, kind, std::vector<Vec3f>(source.runs.voxels.size(), Vec3f(0))};
     const OpeningMeter meter;
-    return bestOfSides(request, VolumeKind::fog, source, [&](ItemRegions& regions, std::size_t) {
-        const double share = meter.measure(regions.finest()).share;
-        return Word{Vec3f(static_cast<float>(share)), share};
+    parallelFor(grid.values.size(), 256, [&](const Chunk& chunk) {
+        ItemRegions regions(source.header.tiers());
+        for (std::size_t v = chunk.begin; v < chunk.end; ++v) {
+            std::size_t best = source.runs.firstItem[v];
+            Opening widest{0, Vec3d(0), -1};
+            for (std::size_t i = best; i < source.runs.firstItem[v + 1]; ++i) {
+                regions.use(source.items, i);
+                const Opening opening = meter.measure(regions.finest());
+                if (opening.above <= widest.above) continue;
+                widest = opening;
+                best = i;
+            }
+            regions.use(source.items, best);
+            grid.values[v] = valueOf(regions, widest, best);
+        }
     });
+    return grid;
+}
+
+VolumeGrid makeOpenness(const GridRequest& request, const Source& source) {
+    return bestOfSides(request, VolumeKind::fog, source,
+                       [](ItemRegions&, const Opening& opening, std::size_t) {
+                           return Vec3f(static_cast<float>(opening.share));
+                       });
 }
 
 VolumeGrid makeMeanDirection(const GridRequest& request, const Source& source) {
-    const OpeningMeter meter;
+    return bestOfSides(request, VolumeKind::direction, source,
+                       [](ItemRegions&, const Opening& opening, std::size_t) {
+                           const double length = opening.middle.length();
+                           return length > 0 ? Vec3f(opening.middle / length) : Vec3f(0);
+                       });
+}
+
+/// 1 less the mean standard deviation of a ray's answer, in units of the greatest there can be.
+VolumeGrid makeConfidence(const GridRequest& request, const Source& source) {
     return bestOfSides(
-        request, VolumeKind::direction, source, [&](ItemRegions& regions, std::size_t) {
-            const Opening opening = meter.measure(regions.finest());
-            const double length = opening.middle.length();
-            return Word{length > 0 ? Vec3f(opening.middle / length) : Vec3f(0), opening.share};
+        request, VolumeKind::fog, source, [](ItemRegions& regions, const Opening&, std::size_t) {
+            double doubt = 0, area = 0;
+            for (const CountedRegion& r : regions.finest()) {
+                const double solidAngle = 1.0 / cellCount(r.level);  // of the sphere, about
+                doubt += solidAngle * 2 * std::sqrt(r.posterior * (1 - r.posterior));
+                area += solidAngle;
+            }
+            return Vec3f(area > 0 ? static_cast<float>(1 - doubt / area) : 0.0f);
         });
 }
 
-/// 1 less the mean standard deviation of a ray's answer, in units of the greatest there can be; of
-/// the side that is least sure.
-VolumeGrid makeConfidence(const GridRequest& request, const Source& source) {
-    return bestOfSides(request, VolumeKind::fog, source, [](ItemRegions& regions, std::size_t) {
-        double doubt = 0, area = 0;
-        for (const CountedRegion& r : regions.finest()) {
-            const double solidAngle = 1.0 / cellCount(r.level);  // of the sphere, about
-            doubt += solidAngle * 2 * std::sqrt(r.posterior * (1 - r.posterior));
-            area += solidAngle;
-        }
-        if (area <= 0) return Word{};
-        return Word{Vec3f(static_cast<float>(1 - doubt / area)), doubt / area};
-    });
-}
-
+/// Of all sides that face the direction, the mean.
 VolumeGrid makeDirection(const GridRequest& request, const Source& source) {
     Vec3d direction;
     char rest = 0;
@@ -130,11 +130,20 @@ VolumeGrid makeDirection(const GridRequest& request, const Source& source) {
         throw Error("--export-grid direction=" + request.argument +
                     ": wanted a direction, as in direction=0,1,0");
     const std::uint32_t cell = locateCell(kMaxCacheLevel, direction.normalized());
-    return bestOfSides(request, VolumeKind::fog, source, [cell](ItemRegions& regions, std::size_t) {
-        const CountedRegion r = regions.along(cell);
-        if (r.d == 0) return Word{};
-        return Word{Vec3f(static_cast<float>(r.share())), r.share()};
-    });
+    VolumeGrid grid{request.name, VolumeKind::fog, {}};
+    ItemRegions regions(source.header.tiers());
+    for (std::size_t v = 0; v < source.runs.voxels.size(); ++v) {
+        double open = 0, counted = 0;
+        for (std::size_t i = source.runs.firstItem[v]; i < source.runs.firstItem[v + 1]; ++i) {
+            regions.use(source.items, i);
+            const CountedRegion r = regions.along(cell);
+            if (r.d == 0) continue;
+            open += r.share();
+            counted += 1;
+        }
+        grid.values.emplace_back(counted > 0 ? static_cast<float>(open / counted) : 0.0f);
+    }
+    return grid;
 }
 
 Environment readEnvironment(const GridRequest& request, const Source& source) {
@@ -147,22 +156,27 @@ Environment readEnvironment(const GridRequest& request, const Source& source) {
 
 VolumeGrid makeEnvironment(const GridRequest& request, const Source& source) {
     const Environment sky = readEnvironment(request, source);
-    return bestOfSides(request, VolumeKind::fog, source, [&](ItemRegions& regions, std::size_t i) {
-        const SkyLight light = skyLight(regions.finest(), source.items.normal[i], sky);
-        const double all = static_cast<double>(sky.luminance(light.unshadowed));
-        if (!(all > 0)) return Word{};
-        const double share = std::min(1.0, static_cast<double>(sky.luminance(light.seen)) / all);
-        return Word{Vec3f(static_cast<float>(share)), share};
-    });
+    return bestOfSides(
+        request, VolumeKind::fog, source, [&](ItemRegions& regions, const Opening&, std::size_t i) {
+            const SkyLight light = skyLight(regions.finest(), source.items.normal[i], sky);
+            const float all = sky.luminance(light.unshadowed);
+            const float seen = sky.luminance(light.seen);
+            return Vec3f(all > 0 ? std::min(1.0f, seen / all) : 0.0f);
+        });
 }
 
 VolumeGrid makeIrradiance(const GridRequest& request, const Source& source) {
     const Environment sky = readEnvironment(request, source);
-    return bestOfSides(
-        request, VolumeKind::color, source, [&](ItemRegions& regions, std::size_t i) {
-            const Rgb seen = skyLight(regions.finest(), source.items.normal[i], sky).seen;
-            return Word{Vec3f(seen.x, seen.y, seen.z), static_cast<double>(sky.luminance(seen))};
-        });
+    return bestOfSides(request, VolumeKind::color, source,
+                       [&](ItemRegions& regions, const Opening&, std::size_t i) {
+                           const Rgb seen =
+                               skyLight(regions.finest(), source.items.normal[i], sky).seen;
+                           return Vec3f(seen.x, seen.y, seen.z);
+                       });
+}
+
+VolumeGrid makeSurface(const GridRequest& request, const Source& source) {
+    return {request.name, VolumeKind::fog, std::vector<Vec3f>(source.runs.voxels.size(), Vec3f(1))};
 }
 
 struct Kind {
@@ -172,10 +186,6 @@ struct Kind {
     const char* summary;
     VolumeGrid (*make)(const GridRequest&, const Source&);
 };
-
-VolumeGrid makeSurface(const GridRequest& request, const Source& source) {
-    return {request.name, VolumeKind::fog, std::vector<Vec3f>(source.runs.voxels.size(), Vec3f(1))};
-}
 
 constexpr Kind kKinds[] = {
     {"openness", "openness", "openness", "open share of the sky (fog volume)", makeOpenness},

@@ -23,7 +23,7 @@ struct GridRequest {
 /// @throws Error naming the SPEC and the kinds there are
 GridRequest parseGridRequest(const std::string& spec);
 
-/// The grid asked for, of the side of each voxel's surfaces that sees most.
+/// The grid asked for, of the side of each voxel's surfaces that sees most of the sky above.
 ///
 /// @param environmentRotation  degrees that maps are turned by, as the renderer does
 /// @throws Error for an argument or a map that cannot be read

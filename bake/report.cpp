@@ -63,7 +63,7 @@ void addSlices(HtmlPage& page, const CacheFacts& facts) {
     page.paragraph(
         "The set cut open at a quarter, at half and at three quarters of its extent, and looked at "
         "from above, from +Z and from +X. Colours are the open share of the sky over each voxel's "
-        "most open side; what lies deeper behind the cut is paler.");
+        "side that sees most of the upper sky; what lies deeper behind the cut is paler.");
     page.colorScale("closed", "open");
     const VoxelRuns runs = findVoxels(facts.items);
     const VolumeGrid openness =

@@ -1,6 +1,9 @@
 # shadowcache_help_files(PROGRAM): the program's man page and its completion for bash, made by the
 # program itself and installed with it.
 function(shadowcache_help_files program)
+    if(SHADOWCACHE_SANITIZE)
+        return()  # not what is installed
+    endif()
     set(page "${PROJECT_BINARY_DIR}/help/${program}.1")
     set(completion "${PROJECT_BINARY_DIR}/help/${program}")
     file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/help")

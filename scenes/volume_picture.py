@@ -73,7 +73,7 @@ def glow(grid):
         is_direction = "direction" in grid.name
         color = nodes.new("ShaderNodeVectorMath")
         color.operation = "MULTIPLY_ADD"
-        color.inputs[1].default_value = (0.5, 0.5, 0.5) if is_direction else (1.5, 1.5, 1.5)
+        color.inputs[1].default_value = (0.5, 0.5, 0.5) if is_direction else (0.3, 0.3, 0.3)
         color.inputs[2].default_value = (0.5, 0.5, 0.5) if is_direction else (0, 0, 0)
         links.new(ratio.outputs[0], color.inputs[0])
     links.new(there.outputs[0], density.inputs[0])
@@ -101,7 +101,7 @@ high = Vector(max(c[k] for c in corners) for k in range(3))
 middle, radius = (low + high) / 2, (high - low).length / 2
 camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
 back = Vector((0.35, -0.75, 1.0)).normalized()
-camera.location = middle + back * radius * 2.5
+camera.location = middle + back * radius * 2.9
 camera.rotation_euler = back.to_track_quat("Z", "Y").to_euler()
 camera.data.angle = math.radians(44)
 camera.data.clip_end = 10 * radius
