@@ -1,86 +1,136 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <string>
 #include <vector>
 
-#include "bake/summary.h"
+#include "bake/grid_export.h"
+#include "bake/info_text.h"
+#include "bake/report.h"
+#include "common/atomic_file.h"
+#include "common/command_line.h"
 #include "common/error.h"
-#include "common/json_file.h"
-#include "common/version.h"
+#include "common/option_checks.h"
+#include "common/parallel.h"
 
 namespace shadowcache {
 namespace {
 
-std::string fingerprintText(const CacheHeader& header) {
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx",
-                  static_cast<unsigned long long>(header.fingerprint));
-    return text;
+struct Arguments {
+    std::filesystem::path cache, output, report;
+    bool json = false;
+    std::string place;
+    std::vector<std::string> grids;
+    double environmentRotation = 0;
+    int threads = 0;
+};
+
+void define(CLI::App& app, Arguments& a) {
+    app.add_option("CACHE", a.cache, "Cache, from shadowcache-bake")->required();
+    app.add_flag("--json", a.json, "The same as JSON");
+    app.add_option("--report", a.report,
+                   "Write one HTML page with settings, slices and histograms (.html)");
+    auto* place =
+        app.add_option("--at", a.place,
+                       "X,Y,Z,NX,NY,NZ: what a place with that normal knows of the sky; with -o "
+                       "also as a lat-long picture (.png)")
+            ->group("A place");
+    const std::string group = "Grids for volume tools";
+    std::string kinds;
+    for (const std::string& kind : gridKinds()) kinds += (kinds.empty() ? "" : ",") + kind;
+    auto* grids = app.add_option("--export-grid", a.grids,
+                                 "[NAME:]KIND..., to -o (.vdb). NAME is the grid's; `density` is "
+                                 "what many tools show first. KIND is one of" +
+                                     gridKindsHelp())
+                      ->take_all()
+                      ->type_name("SPEC:{" + kinds + "}")
+                      ->excludes(place)
+                      ->group(group);
+    app.add_option("--env-rotate", a.environmentRotation,
+                   "Degrees to turn maps about +Y, counter-clockwise from above")
+        ->needs(grids)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("-o,--output", a.output, "File for --at or --export-grid")->group("Output");
+    app.add_option("--threads", a.threads, "Threads; 0: one a core")
+        ->capture_default_str()
+        ->group("Output");
+    app.footer(
+        "Examples:\n"
+        "  shadowcache-info room.vdb\n"
+        "  shadowcache-info room.vdb --json > room.json\n"
+        "  shadowcache-info room.vdb --report room.html\n"
+        "  shadowcache-info room.vdb --at 1,0,2,0,1,0 -o sky.png\n"
+        "  shadowcache-info room.vdb --export-grid openness mean-direction -o grids.vdb\n"
+        "  shadowcache-info room.vdb --export-grid density:direction=0,1,0 -o noon.vdb\n"
+        "  shadowcache-info room.vdb --export-grid irradiance=sky.exr --env-rotate 90 -o "
+        "light.vdb");
 }
 
-void printJson(const CacheHeader& header, const CacheItems& items, const CacheSummary& summary,
-               std::uint64_t fileBytes) {
-    JsonFile out;
-    out.set("format", static_cast<std::uint64_t>(kCacheFormat));
-    out.set("version", header.version);
-    out.set("fingerprint", fingerprintText(header));
-    out.set("spacing", header.spacing);
-    out.set("level", static_cast<std::uint64_t>(header.level));
-    out.set("refinement", std::string(header.adaptive ? "adaptive" : "uniform"));
-    out.set("rays", static_cast<std::uint64_t>(header.rays));
-    out.set("seeds", header.seeds);
-    out.set("up_axis", header.upAxis);
-    out.set("unit", header.unit);
-    out.set("bounds.low", std::vector{summary.low.x, summary.low.y, summary.low.z});
-    out.set("bounds.high", std::vector{summary.high.x, summary.high.y, summary.high.z});
-    out.set("items", std::uint64_t{items.size()});
-    out.set("voxels", summary.voxels);
-    out.set("blocks", std::uint64_t{items.blocks.size()});
-    out.set("regions.base", summary.base.counted);
-    out.set("regions.base_pure_share", summary.base.pureShare());
-    out.set("regions.finer", summary.finer.counted);
-    out.set("regions.finer_pure_share", summary.finer.pureShare());
-    out.set("openness",
-            std::vector<std::uint64_t>(summary.openness.begin(), summary.openness.end()));
-    out.set("bytes.file", fileBytes);
-    for (const auto& [name, bytes] : summary.bytes) out.set("bytes." + name, bytes);
-    std::fputs(out.text().c_str(), stdout);
-}
-
-void printTally(const char* name, const RegionTally& tally) {
-    std::printf("%-14s %llu, %.1f %% of them pure\n", name,
-                static_cast<unsigned long long>(tally.counted), 100 * tally.pureShare());
-}
-
-void printText(const CacheHeader& header, const CacheItems& items, const CacheSummary& summary,
-               std::uint64_t fileBytes) {
-    std::printf("baked by       shadowcache-bake %s, format %d\n", header.version.c_str(),
-                kCacheFormat);
-    std::printf("set            fingerprint %s, up axis %s, %g metres a unit\n",
-                fingerprintText(header).c_str(), header.upAxis.c_str(), header.unit);
-    std::printf("bounds         %g, %g, %g to %g, %g, %g\n", summary.low.x, summary.low.y,
-                summary.low.z, summary.high.x, summary.high.y, summary.high.z);
-    std::printf("directions     level %d (%s), %d rays, seeds %s\n", header.level,
-                header.adaptive ? "adaptive" : "uniform", header.rays, header.seeds.c_str());
-    std::printf("items          %zu in %llu voxels of %g, %zu blocks\n", items.size(),
-                static_cast<unsigned long long>(summary.voxels), header.spacing,
-                items.blocks.size());
-    printTally("base regions", summary.base);
-    printTally("finer regions", summary.finer);
-    std::printf("items by open share of their directions\n");
-    for (std::size_t bin = 0; bin < CacheSummary::kBins; ++bin) {
-        const double share = static_cast<double>(summary.openness[bin]) /
-                             static_cast<double>(std::max<std::size_t>(1, items.size()));
-        std::printf("  %3zu to %3zu %%  %5.1f %%  %s\n", bin * 10, bin * 10 + 10, 100 * share,
-                    std::string(static_cast<std::size_t>(std::lround(share * 50)), '#').c_str());
+/// Whatever can be refused is refused before the long work.
+void validate(const Arguments& a) {
+    requireRange("threads", a.threads, 0, kMaxThreads);
+    requireRange("env-rotate", a.environmentRotation, -1e6, 1e6);
+    if (!a.report.empty()) {
+        requireExtension(a.report, ".html");
+        requireWritable(a.report);
     }
-    std::printf("bytes          %llu in the file; uncompressed:\n",
-                static_cast<unsigned long long>(fileBytes));
-    for (const auto& [name, bytes] : summary.bytes)
-        std::printf("  %-18s %llu\n", name.c_str(), static_cast<unsigned long long>(bytes));
+    if (a.output.empty()) {
+        if (!a.grids.empty()) throw Error("--export-grid: wanted -o FILE.vdb to write to");
+        return;
+    }
+    if (a.grids.empty() && a.place.empty())
+        throw Error("--output " + a.output.string() + ": wanted --at or --export-grid with it");
+    requireExtension(a.output, a.grids.empty() ? ".png" : ".vdb");
+    requireWritable(a.output);
+    std::error_code ignored;
+    if (std::filesystem::equivalent(a.output, a.cache, ignored))
+        throwFileError(a.output, "is the cache itself, wanted another output");
+}
+
+void tell(const std::string& text) {
+    std::fputs(text.c_str(), stdout);
+    if (std::fflush(stdout) != 0) throw Error("standard output cannot be written");
+}
+
+void tellOfPlace(const Arguments& a) {
+    Vec3d position, normal;
+    char rest = 0;
+    if (std::sscanf(a.place.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%c", &position.x, &position.y,
+                    &position.z, &normal.x, &normal.y, &normal.z, &rest) != 6 ||
+        !std::isfinite(position.length() + normal.length()) || !(normal.length() > 0))
+        throw Error("--at " + a.place + ": wanted X,Y,Z,NX,NY,NZ, a place and a normal");
+    const ShadowCache cache(a.cache);
+    const SkyView view(cache, position, Vec3f(normal.normalized()));
+    tell(a.json ? skyAsJson(view) : skyAsText(view));
+    constexpr int kWidth = 1024;
+    if (!a.output.empty()) writePng(a.output, view.picture(kWidth), 0);
+}
+
+void writeReport(const Arguments& a, const CacheFacts& facts) {
+    const std::string page = reportPage(a.cache.filename().string(), facts);
+    AtomicFile file(a.report);
+    file.write(page.data(), page.size());
+    file.commit();
+    tell("report -> " + a.report.string() + "\n");
+}
+
+void run(const Arguments& a) {
+    std::vector<GridRequest> requests;
+    for (const std::string& spec : a.grids) requests.push_back(parseGridRequest(spec));
+    validate(a);
+    setThreadCount(a.threads);
+    if (!a.place.empty()) return tellOfPlace(a);
+    const CacheFacts facts = readFacts(a.cache);
+    if (requests.empty() && a.report.empty())
+        return tell(a.json ? factsAsJson(facts) : factsAsText(facts));
+    if (!a.report.empty()) writeReport(a, facts);
+    if (requests.empty()) return;
+    exportGrids(requests, a.environmentRotation, facts.header, facts.items, a.output);
+    std::string names;
+    for (const GridRequest& request : requests) names += " " + request.name;
+    tell("grids" + names + " -> " + a.output.string() + "\n");
 }
 
 }  // namespace
@@ -88,22 +138,12 @@ void printText(const CacheHeader& header, const CacheItems& items, const CacheSu
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
-    CLI::App app("Says what a shadow cache holds.", "shadowcache-info");
-    std::filesystem::path path;
-    bool json = false;
-    app.set_version_flag("--version", std::string("shadowcache-info ") + kVersion);
-    app.add_option("CACHE", path, "Cache, from shadowcache-bake")->required();
-    app.add_flag("--json", json, "The same as JSON");
-    app.footer(
-        "Examples:\n"
-        "  shadowcache-info room.vdb\n"
-        "  shadowcache-info room.vdb --json > room.json");
-    CLI11_PARSE(app, argc, argv);
-    CacheHeader header;
-    const CacheItems items = readCache(path, header);
-    const CacheSummary summary = summarize(header, items);
-    (json ? printJson : printText)(header, items, summary, std::filesystem::file_size(path));
-    if (std::fflush(stdout) != 0) throw Error("standard output cannot be written");
+    CLI::App app("Says and shows what a shadow cache holds.", "shadowcache-info");
+    Arguments arguments;
+    beginCommandLine(app);
+    define(app, arguments);
+    if (const auto status = parseCommandLine(app, argc, argv)) return *status;
+    run(arguments);
     return 0;
 } catch (const std::exception& e) {
     std::fprintf(stderr, "shadowcache-info: %s\n", e.what());

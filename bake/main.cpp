@@ -7,6 +7,7 @@
 
 #include "bake/baker.h"
 #include "common/atomic_file.h"
+#include "common/command_line.h"
 #include "common/error.h"
 #include "common/json_file.h"
 #include "common/option_checks.h"
@@ -52,7 +53,7 @@ void defineSet(CLI::App& app, Job& job, std::string& up) {
         ->group(group);
 }
 
-void defineBake(CLI::App& app, Job& job, std::string& shard) {
+void defineBake(CLI::App& app, Job& job, std::string& shard, bool& uniform) {
     const std::string group = "Bake";
     app.add_option("--spacing", job.bake.spacing,
                    "Side of a voxel in metres; smaller is sharper, and costs the inverse square "
@@ -65,7 +66,8 @@ void defineBake(CLI::App& app, Job& job, std::string& shard) {
     app.add_option("--rays", job.bake.rays, "Rays per region where rays disagree, 1 to 255")
         ->capture_default_str()
         ->group(group);
-    app.add_flag("!--uniform", job.bake.adaptive,
+    // No negated flag: CLI11 would write it to a settings file the wrong way round.
+    app.add_flag("--uniform", uniform,
                  "Every region at the finest level, not only where rays disagree")
         ->group(group);
     app.add_option("--seed", job.bake.seed, "Seed; caches of different seeds merge to a better one")
@@ -165,14 +167,14 @@ int main(int argc, char** argv) try {
                  "shadowcache-bake");
     Job job;
     std::string up = "y", shard;
-    // Of an option given twice the last one counts, so that scripts can add to a command line.
-    app.option_defaults()->take_last();
-    app.set_version_flag("--version", std::string("shadowcache-bake ") + kVersion);
+    bool uniform = false;
+    beginCommandLine(app);
     defineSet(app, job, up);
-    defineBake(app, job, shard);
+    defineBake(app, job, shard, uniform);
     defineOutput(app, job);
     app.footer(kFooter);
-    CLI11_PARSE(app, argc, argv);
+    if (const auto status = parseCommandLine(app, argc, argv)) return *status;
+    job.bake.adaptive = !uniform;
     if (!shard.empty()) parseShard(shard, job.bake);
     job.mesh.zUp = up == "z";
     run(job);

@@ -5,25 +5,26 @@
 
 #include "bake/merge.h"
 #include "common/atomic_file.h"
+#include "common/command_line.h"
 #include "common/option_checks.h"
 #include "common/progress.h"
-#include "common/version.h"
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
     CLI::App app("Adds up the counts of several bakes of one set.", "shadowcache-merge");
     std::vector<std::filesystem::path> inputs;
     std::filesystem::path output;
-    app.set_version_flag("--version", std::string("shadowcache-merge ") + kVersion);
+    beginCommandLine(app);
     app.add_option("CACHE", inputs, "Caches of one set: other seeds, or the shards of one bake")
-        ->required();
+        ->required()
+        ->take_all();
     app.add_option("-o,--output", output, "Cache to write (OpenVDB, .vdb)")->required();
     app.footer(
         "Caches must agree in the set, the spacing and the direction level.\n\n"
         "Examples:\n"
         "  shadowcache-merge part*.vdb -o set.vdb\n"
         "  shadowcache-merge seed1.vdb seed2.vdb -o better.vdb");
-    CLI11_PARSE(app, argc, argv);
+    if (const auto status = parseCommandLine(app, argc, argv)) return *status;
     requireExtension(output, ".vdb");
     requireWritable(output);
     installInterruptHandler();

@@ -1,6 +1,7 @@
 #include "bake/summary.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 namespace shadowcache {
@@ -31,6 +32,11 @@ void findBounds(const CacheHeader& header, const CacheItems& items, CacheSummary
         }
 }
 
+std::size_t shareBin(unsigned n, unsigned d) {
+    if (n == 0) return 0;
+    return n == d ? CacheSummary::kBins + 1 : 1 + n * CacheSummary::kBins / d;
+}
+
 template <class T>
 std::uint64_t bytesOf(const std::vector<T>& values) {
     return values.size() * sizeof(T);
@@ -48,9 +54,14 @@ CacheSummary summarize(const CacheHeader& header, const CacheItems& items) {
         ++summary.openness[std::min(static_cast<std::size_t>(open * CacheSummary::kBins),
                                     CacheSummary::kBins - 1)];
     }
-    for (std::size_t c = 0; c < items.d.size(); ++c) summary.base.add(items.n[c], items.d[c]);
+    const auto add = [&](RegionTally& tally, unsigned n, unsigned d) {
+        tally.add(n, d);
+        ++summary.rays[static_cast<std::size_t>(std::bit_width(d))];
+        if (d > 0) ++summary.shares[shareBin(n, d)];
+    };
+    for (std::size_t c = 0; c < items.d.size(); ++c) add(summary.base, items.n[c], items.d[c]);
     for (const CountBlock& block : items.blocks)
-        for (std::size_t c = 0; c < block.d.size(); ++c) summary.finer.add(block.n[c], block.d[c]);
+        for (std::size_t c = 0; c < block.d.size(); ++c) add(summary.finer, block.n[c], block.d[c]);
 
     const std::uint64_t blockBytes = items.blocks.size() * std::uint64_t{kBlockCells};
     summary.bytes = {{"items.position", bytesOf(items.position)},

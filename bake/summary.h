@@ -31,6 +31,10 @@ struct CacheSummary {
     std::uint64_t voxels = 0;
     RegionTally base, finer;                      ///< coarsest regions; those of blocks
     std::array<std::uint64_t, kBins> openness{};  ///< items by the open share of their regions
+    /// Regions by their rays: none, 1, 2 to 3, 4 to 7, ... 128 to 255.
+    std::array<std::uint64_t, 9> rays{};
+    /// Regions with rays by the share that got out: none, tenths of those between, all.
+    std::array<std::uint64_t, kBins + 2> shares{};
     std::vector<std::pair<std::string, std::uint64_t>> bytes;  ///< by attribute, uncompressed
 };
 

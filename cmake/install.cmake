@@ -16,7 +16,8 @@ install(DIRECTORY common/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/c
     FILES_MATCHING PATTERN "*.h"
     PATTERN "cache_grids.h" EXCLUDE  # the types of OpenVDB and Embree stay inside
     PATTERN "embree_scene.h" EXCLUDE
-    PATTERN "vdb_archive.h" EXCLUDE)
+    PATTERN "vdb_archive.h" EXCLUDE
+    PATTERN "command_*.h" EXCLUDE)  # of the programs alone
 install(FILES "${PROJECT_BINARY_DIR}/generated/common/version.h"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common")
 install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")

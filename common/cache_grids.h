@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "common/cache_items.h"
+#include "common/volume_grids.h"
 
 namespace shadowcache {
 
@@ -34,6 +35,17 @@ struct CacheGrids {
 
 /// Registers OpenVDB's types; once is enough.
 void initializeOpenVdb();
+
+inline openvdb::Coord toCoord(const Vec3i& v) {
+    return {v.x, v.y, v.z};
+}
+
+/// The grids' place in world space.
+openvdb::math::Transform::Ptr makeTransform(double spacing);
+
+/// The grid in OpenVDB's terms.
+openvdb::GridBase::Ptr makeVdbGrid(const CacheHeader& header, const std::vector<Vec3i>& voxels,
+                                   const VolumeGrid& grid);
 
 /// @throws Error naming the file and the cause
 CacheGrids readGrids(const std::filesystem::path& path);

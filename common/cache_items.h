@@ -50,6 +50,9 @@ struct CacheHeader {
     DirectionTiers tiers() const { return {level}; }
 };
 
+/// Sixteen hexadecimal digits, as files and people have it.
+std::string fingerprintText(std::uint64_t fingerprint);
+
 /// Format of the file; raised on any change of its bytes or of the direction mesh.
 inline constexpr int kCacheFormat = 1;
 

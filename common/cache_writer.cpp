@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 
 #include "common/atomic_file.h"
 #include "common/cache_grids.h"
@@ -14,10 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 using openvdb::points::AttributeSet;
 using openvdb::points::PointDataTree;
-
-openvdb::Coord toCoord(const Vec3i& v) {
-    return {v.x, v.y, v.z};
-}
 
 /// Items [begin, end) of one 8^3 leaf.
 struct LeafRange {
@@ -133,14 +128,6 @@ void fillBlockLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& it
     d.compact();
 }
 
-/// The grids' place in world space. OpenVDB refuses voxels below 1.5e-5 units: finer ones are shown
-/// a thousandfold; lookups go by the metadata's spacing.
-openvdb::math::Transform::Ptr makeTransform(double spacing) {
-    constexpr double kLeastVoxel = 2e-5;
-    while (spacing > 0 && spacing < kLeastVoxel) spacing *= 1000;
-    return openvdb::math::Transform::createLinearTransform(spacing);
-}
-
 PointGrid::Ptr makePointGrid(const char* name, double spacing) {
     auto grid = PointGrid::create();
     grid->setName(name);
@@ -186,56 +173,7 @@ PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
     return grids;
 }
 
-/// Grids that any volume tool shows: the open share of the sky above each voxel's surfaces, and
-/// where the open part lies on average.
-struct VolumeGrids {
-    openvdb::FloatGrid::Ptr openness;
-    openvdb::Vec3SGrid::Ptr direction;
-};
-
-VolumeGrids buildVolumeGrids(const CacheHeader& header, const CacheItems& items) {
-    const int level = header.tiers().baseLevel();
-    const std::size_t cells = header.tiers().baseCells();
-    std::vector<Vec3f> centers;
-    for (std::uint32_t c = 0; c < cells; ++c) centers.emplace_back(cellCenter(level, c));
-    VolumeGrids grids{openvdb::FloatGrid::create(0.0f), openvdb::Vec3SGrid::create()};
-    grids.openness->setName(kOpennessGrid);
-    grids.openness->setGridClass(openvdb::GRID_FOG_VOLUME);
-    grids.openness->setSaveFloatAsHalf(true);
-    grids.direction->setName(kOpenDirectionGrid);
-    grids.direction->setVectorType(openvdb::VEC_INVARIANT);
-    grids.direction->setSaveFloatAsHalf(true);
-    grids.openness->setTransform(makeTransform(header.spacing));
-    grids.direction->setTransform(makeTransform(header.spacing));
-
-    auto openness = grids.openness->getAccessor();
-    auto direction = grids.direction->getAccessor();
-    for (std::size_t i = 0; i < items.size();) {
-        const Vec3i voxel = items.voxel[i];
-        double open = 0, counted = 0;
-        Vec3f sum(0, 0, 0);
-        for (; i < items.size() && items.voxel[i] == voxel; ++i)
-            for (std::size_t c = 0; c < cells; ++c) {
-                const unsigned d = items.d[i * cells + c];
-                if (d == 0) continue;
-                const float share =
-                    static_cast<float>(items.n[i * cells + c]) / static_cast<float>(d);
-                open += static_cast<double>(share);
-                counted += 1;
-                sum += centers[c] * share;
-            }
-        if (counted == 0) continue;
-        openness.setValue(toCoord(voxel), static_cast<float>(open / counted));
-        sum /= static_cast<float>(counted);
-        direction.setValue(toCoord(voxel), {sum.x, sum.y, sum.z});
-    }
-    return grids;
-}
-
 openvdb::MetaMap toMetadata(const CacheHeader& header, const CacheItems& items) {
-    char fingerprint[17];
-    std::snprintf(fingerprint, sizeof fingerprint, "%016llx",
-                  static_cast<unsigned long long>(header.fingerprint));
     openvdb::MetaMap meta;
     meta.insertMeta(kFormatKey, openvdb::Int32Metadata(kCacheFormat));
     meta.insertMeta("level", openvdb::Int32Metadata(header.level));
@@ -245,7 +183,7 @@ openvdb::MetaMap toMetadata(const CacheHeader& header, const CacheItems& items) 
     meta.insertMeta("seeds", openvdb::StringMetadata(header.seeds));
     meta.insertMeta("up_axis", openvdb::StringMetadata(header.upAxis));
     meta.insertMeta("unit", openvdb::DoubleMetadata(header.unit));
-    meta.insertMeta("fingerprint", openvdb::StringMetadata(fingerprint));
+    meta.insertMeta("fingerprint", openvdb::StringMetadata(fingerprintText(header.fingerprint)));
     meta.insertMeta("version", openvdb::StringMetadata(header.version));
     meta.insertMeta("items", openvdb::Int64Metadata(static_cast<std::int64_t>(items.size())));
     return meta;
@@ -258,9 +196,14 @@ std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
     initializeOpenVdb();
     requireWritable(path);
     const PointGrids points = buildPointGrids(header, items);
-    const VolumeGrids volumes = buildVolumeGrids(header, items);
+    const VoxelRuns runs = findVoxels(items);
+    const auto volume = [&](const VolumeGrid& grid) {
+        return makeVdbGrid(header, runs.voxels, grid);
+    };
     // The points stand last, where whoever reads them meets the end of a file cut short.
-    writeVdb(path, {volumes.openness, volumes.direction, points.blocks, points.items},
+    writeVdb(path,
+             {volume(opennessGrid(header, items, runs)),
+              volume(openDirectionGrid(header, items, runs)), points.blocks, points.items},
              toMetadata(header, items));
     return fs::file_size(path);
 }

@@ -212,7 +212,7 @@ Texture decodeTexture(std::string_view bytes, std::string& cause) {
     return texture;
 }
 
-void writePng(const std::filesystem::path& path, const Image& image, float exposure) {
+std::string encodePng(const Image& image, float exposure) {
     const float gain = std::exp2(exposure);
     std::vector<unsigned char> bytes;
     bytes.reserve(image.pixels.size() * 3);
@@ -226,8 +226,14 @@ void writePng(const std::filesystem::path& path, const Image& image, float expos
     };
     if (!stbi_write_png_to_func(append, &png, image.width, image.height, 3, bytes.data(),
                                 image.width * 3)) {
-        throwFileError(path, "could not be encoded as PNG");
+        throw Error("a picture of " + std::to_string(image.width) + "x" +
+                    std::to_string(image.height) + " could not be encoded as PNG");
     }
+    return png;
+}
+
+void writePng(const std::filesystem::path& path, const Image& image, float exposure) {
+    const std::string png = encodePng(image, exposure);
     AtomicFile file(path);
     file.write(png.data(), png.size());
     file.commit();

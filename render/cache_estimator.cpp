@@ -78,7 +78,25 @@ public:
         return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
     }
 
+    CacheInsight insight(const ShadingPoint& point, int samples,
+                         Workspace& workspace) const override {
+        auto& w = static_cast<CacheWorkspace&>(workspace);
+        CacheInsight insight;
+        insight.items = weigh(point, w);
+        insight.openness = openness_.measure(w.pooled, point.normal);
+        for (std::size_t g = 0; g < w.weights.size(); ++g)
+            insight.regions += static_cast<int>(
+                std::count_if(w.weights.spread(g), w.weights.spread(g) + kBlockCells,
+                              [](float spread) { return spread > 0; }));
+        if (samples > 0 && context_.options.adaptive)
+            samples = budget_.samplesOf(predictedNoise(w), point.seed);
+        if (samples > 0)
+            insight.expectedNoise = static_cast<float>(w.weights.spreadSum() / std::sqrt(samples));
+        return insight;
+    }
+
 private:
+    const OpennessMeter openness_{context_.cache->header().tiers()};
     Reliability reliability_;
     SampleBudget budget_;
     double darkest_ = 0;  ///< irradiance below which errors count no more [luminance]
@@ -118,11 +136,13 @@ private:
                                            static_cast<double>(weights.z) * p[2]};
     }
 
-    void weigh(const ShadingPoint& point, CacheWorkspace& w) const {
+    /// @return number of items found
+    int weigh(const ShadingPoint& point, CacheWorkspace& w) const {
         const int found = w.reader.gather(point.position, point.normal, w.items);
         w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));
         for (const Ball& ball : context_.scene.movingBalls()) doubtBehind(ball, point, w.pooled);
         w.weights.weigh(w.pooled, point.normal, reliability_);
+        return found;
     }
 
     /// The counts know nothing of what moves.

@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "common/sequence.h"
+#include "common/suggestion.h"
 #include "render/estimators.h"
 
 namespace shadowcache {
@@ -98,6 +99,10 @@ std::unique_ptr<Workspace> Estimator::makeWorkspace() const {
     return std::make_unique<Workspace>();
 }
 
+CacheInsight Estimator::insight(const ShadingPoint&, int, Workspace&) const {
+    return {};
+}
+
 std::uint64_t Estimator::survey(std::span<const ShadingPoint>, int) {
     return 0;
 }
@@ -135,12 +140,14 @@ std::span<const EstimatorEntry> estimatorTable() {
 }
 
 const EstimatorEntry& findEstimator(const std::string& name) {
+    std::vector<std::string> names;
     std::string known;
     for (const EstimatorEntry& entry : kEstimators) {
         if (name == entry.name) return entry;
-        known += (known.empty() ? "" : ", ") + std::string(entry.name);
+        names.emplace_back(entry.name);
+        known += (known.empty() ? "" : ", ") + names.back();
     }
-    throw Error("--estimator " + name + ": wanted one of " + known);
+    throw Error("--estimator " + name + ": wanted one of " + known + suggestion(name, names));
 }
 
 }  // namespace shadowcache

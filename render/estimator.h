@@ -9,6 +9,7 @@
 #include "common/environment.h"
 #include "common/scene.h"
 #include "common/shadow_cache.h"
+#include "render/cache_insight.h"
 
 namespace shadowcache {
 
@@ -109,6 +110,10 @@ public:
     /// @param samples  what each pixel will be given, or their mean where the estimator shares out
     /// @return number of shadow rays it took
     virtual std::uint64_t survey(std::span<const ShadingPoint> points, int samples);
+
+    /// What the cache says of the place, before any ray; nothing where the estimator needs none.
+    virtual CacheInsight insight(const ShadingPoint& point, int samples,
+                                 Workspace& workspace) const;
 
     /// Unbiased estimates from `samples` samples at each point: queues them, traces them, keeps the
     /// time. Points that are near each other may gain from what the others' rays find.

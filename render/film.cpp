@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "common/error.h"
@@ -15,7 +16,24 @@ struct Aov {
     std::string name;
     std::vector<std::string> parts;  ///< channel suffixes
     std::function<float(const Pixel&, int)> value;
+    std::optional<AovScale> scale = std::nullopt;
+    bool insight = false;
 };
+
+template <float Pixel::*Member>
+float valueOf(const Pixel& p) {
+    return p.*Member;
+}
+
+/// An AOV of one channel that is drawn in false colour.
+template <float Pixel::*Member>
+Aov scalarAov(const char* name, float most) {
+    return {name,
+            {"Y"},
+            [](const Pixel& p, int) { return p.*Member; },
+            AovScale{most, valueOf<Member>},
+            true};
+}
 
 const std::vector<Aov>& aovTable() {
     static const std::vector<std::string> rgb{"R", "G", "B"}, xyz{"X", "Y", "Z"};
@@ -27,8 +45,21 @@ const std::vector<Aov>& aovTable() {
         {"depth", {"Z"}, [](const Pixel& p, int) { return p.depth; }},
         {"variance", {"Y"}, [](const Pixel& p, int) { return p.variance; }},
         {"rays", {"Y"}, [](const Pixel& p, int) { return p.rays; }},
+        scalarAov<&Pixel::openness>("openness", 1),
+        scalarAov<&Pixel::expectedNoise>("expected_noise", 0),
+        scalarAov<&Pixel::items>("items", 16),
+        scalarAov<&Pixel::misses>("misses", 1),
     };
     return table;
+}
+
+const Aov& findAov(const std::string& name) {
+    std::string known;
+    for (const Aov& aov : aovTable()) {
+        if (aov.name == name) return aov;
+        known += (known.empty() ? "" : ", ") + aov.name;
+    }
+    throw Error("--aov " + name + ": wanted one of " + known);
 }
 
 Channel makeChannel(const Film& film, const std::string& name,
@@ -56,6 +87,14 @@ const std::vector<std::string>& aovNames() {
     return names;
 }
 
+std::optional<AovScale> aovScale(const std::string& name) {
+    return findAov(name).scale;
+}
+
+bool needsInsight(const std::string& aov) {
+    return findAov(aov).insight;
+}
+
 std::vector<Channel> channels(const Film& film, const std::vector<std::string>& aovs) {
     std::vector<Channel> out;
     const std::array<const char*, 3> rgb{"R", "G", "B"};
@@ -64,16 +103,10 @@ std::vector<Channel> channels(const Film& film, const std::vector<std::string>& 
         out.push_back(makeChannel(film, rgb[static_cast<std::size_t>(k)],
                                   [k](const Pixel& p) { return p.color[k]; }));
     for (const std::string& name : aovs) {
-        const Aov* found = nullptr;
-        std::string known;
-        for (const Aov& aov : aovTable()) {
-            if (aov.name == name) found = &aov;
-            known += (known.empty() ? "" : ", ") + aov.name;
-        }
-        if (!found) throw Error("--aov " + name + ": wanted one of " + known);
-        for (std::size_t k = 0; k < found->parts.size(); ++k)
-            out.push_back(makeChannel(film, name + "." + found->parts[k], [&](const Pixel& p) {
-                return found->value(p, static_cast<int>(k));
+        const Aov& aov = findAov(name);
+        for (std::size_t k = 0; k < aov.parts.size(); ++k)
+            out.push_back(makeChannel(film, name + "." + aov.parts[k], [&](const Pixel& p) {
+                return aov.value(p, static_cast<int>(k));
             }));
     }
     return out;

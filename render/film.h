@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/image.h"
@@ -17,6 +18,12 @@ struct Pixel {
     float depth = 0;          ///< distance from the camera; 0: the sky
     float variance = 0;       ///< of the irradiance's luminance, estimated from the samples
     float rays = 0;           ///< shadow rays traced
+    // What the cache says before any ray, if RenderOptions::insight.
+    float openness = 0;       ///< open share of the sky, weighted by the cosine
+    float expectedNoise = 0;  ///< standard deviation of the irradiance's luminance
+    float items = 0;          ///< cache items found
+    float regions = 0;        ///< regions that samples are drawn from
+    float misses = 0;         ///< share of the camera rays that met the set and found no item
 };
 
 struct Film {
@@ -30,6 +37,18 @@ bool isFinite(const Pixel& pixel);
 
 /// Names that channels() knows.
 const std::vector<std::string>& aovNames();
+
+/// How an AOV is drawn in false colour.
+struct AovScale {
+    float most;  ///< value of the brightest colour; 0: the highest in the picture, about
+    float (*value)(const Pixel&);
+};
+
+/// Nothing for an AOV that is no false-colour picture.
+std::optional<AovScale> aovScale(const std::string& name);
+
+/// Whether an AOV shows what the cache says (RenderOptions::insight).
+bool needsInsight(const std::string& aov);
 
 /// R, G, B and the channels of the AOVs named, for writeExr.
 ///

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 #include <span>
 #include <string>
@@ -103,6 +104,12 @@ struct Frame {
             pixel->position *= scale;
             pixel->depth *= scale;
             pixel->variance *= scale * scale;
+            pixel->openness *= scale;
+            // Errors of camera rays are independent.
+            pixel->expectedNoise = std::sqrt(pixel->expectedNoise) * scale;
+            pixel->items *= scale;
+            pixel->regions *= scale;
+            pixel->misses *= scale;
         }
     }
 
@@ -162,6 +169,16 @@ struct Frame {
         pixel.depth += hit.distance;
         pixel.variance += e.variance;
         pixel.rays += static_cast<float>(e.rays);
+        if (options.insight)
+            addInsight(estimator.insight(point, options.samples, workspace), pixel);
+    }
+
+    static void addInsight(const CacheInsight& insight, Pixel& pixel) {
+        pixel.openness += insight.openness;
+        pixel.expectedNoise += insight.expectedNoise * insight.expectedNoise;
+        pixel.items += static_cast<float>(insight.items);
+        pixel.regions += static_cast<float>(insight.regions);
+        pixel.misses += insight.items == 0 ? 1.0f : 0.0f;
     }
 };
 

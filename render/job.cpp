@@ -15,8 +15,10 @@
 #include "common/process.h"
 #include "common/progress.h"
 #include "common/version.h"
+#include "render/aov_pictures.h"
 #include "render/camera.h"
 #include "render/compare.h"
+#include "render/explain.h"
 #include "render/frames.h"
 #include "render/gltf_shot.h"
 #include "render/integrator.h"
@@ -123,6 +125,8 @@ void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, doubl
     if (!job.png) return;
     auto png = path;
     writePng(png.replace_extension(".png"), colorImage(film), job.exposure);
+    for (const auto& [aov, picture] : aovPictures(png, job.aovs))
+        writePng(picture, falseColorImage(film, aov), 0);
 }
 
 void writeStats(const RenderJob& job, const TriangleMesh& mesh, const ShadowCache* cache,
@@ -174,13 +178,17 @@ Image readReference(const std::filesystem::path& path, const RenderOptions& pict
     return image;
 }
 
-void validateOutputs(const RenderJob& job) {
+void validateOutputs(const RenderJob& job, const EstimatorEntry& entry) {
     requireExtension(job.output, ".exr");
-    channels(Film{}, job.aovs);
+    for (const std::string& aov : job.aovs)
+        if (needsInsight(aov) && !entry.needsCache)
+            throw Error("--aov " + aov + ": wanted --estimator cache, which alone knows it");
     for (const int frame : job.frames) {
         auto path = framePath(job.output, frame, job.frames.size() > 1);
         requireWritable(path);
-        if (job.png) requireWritable(path.replace_extension(".png"));
+        if (!job.png) continue;
+        requireWritable(path.replace_extension(".png"));
+        for (const auto& [aov, picture] : aovPictures(path, job.aovs)) requireWritable(picture);
     }
     if (!job.stats.empty()) requireWritable(job.stats);
 }
@@ -208,7 +216,7 @@ const EstimatorEntry& validate(const RenderJob& job) {
     if (job.render.samples < entry.minSamples)
         throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
                     " wants at least " + std::to_string(entry.minSamples));
-    validateOutputs(job);
+    validateOutputs(job, entry);
     return entry;
 }
 
@@ -243,7 +251,12 @@ public:
         const double loaded = secondsNow();
         scene_.emplace(mesh_);
         timing_ = {loaded - start, secondsNow() - loaded};
-        for (std::size_t i = 0; i < job_.frames.size(); ++i) frame(camera, i);
+        options_ = job_.render;
+        options_.insight = std::ranges::any_of(job_.aovs, needsInsight);
+        for (std::size_t i = 0; i < job_.frames.size(); ++i) {
+            frame(camera, i);
+            if (job_.explain) return;
+        }
         if (job_.debugPixel) return;
         summarize();
         if (!job_.stats.empty()) writeStats(job_, mesh_, cache_.get(), timing_, stats_, error_);
@@ -254,7 +267,7 @@ private:
         throwIfInterrupted();
         const int frame = job_.frames[i];
         Metadata metadata = frameMetadata(job_, cache_.get(), plan_.at(i), frame);
-        if (job_.resume && isDone(metadata, frame)) return;
+        if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
         if (light_.turnTo(i)) {
             context_.reset(new EstimatorContext{*scene_, light_.environment(), cache_.get(),
@@ -265,13 +278,21 @@ private:
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;
         const Camera view = camera.at(frame);
+        if (job_.explain) {
+            const Forecast forecast{entry_, !job_.estimator.empty(),
+                                    static_cast<int>(job_.frames.size()),
+                                    timing_.load + timing_.build};
+            std::fputs(explain(*estimator_, *context_, view, frame, options_, forecast).c_str(),
+                       stdout);
+            return;
+        }
         survey(*estimator_, *context_, view, frame, job_.render, stats_);
         if (job_.debugPixel) {
             const auto [x, y] = *job_.debugPixel;
             reportPixel(*estimator_, *context_, view, frame, job_.render, x, y);
             return;
         }
-        const Film film = render(*estimator_, *context_, view, frame, job_.render, stats_);
+        const Film film = render(*estimator_, *context_, view, frame, options_, stats_);
         writeFrame(job_, film, std::move(metadata), stats_.seconds - before, frame);
         ++rendered_;
         if (reference_) error_ = relativeError(colorImage(film), *reference_);
@@ -311,6 +332,7 @@ private:
     std::unique_ptr<Estimator> estimator_;
     std::optional<Image> reference_;
     std::optional<RelativeError> error_;
+    RenderOptions options_;
     RenderStats stats_;
     Timing timing_;
     std::size_t rendered_ = 0, skipped_ = 0;

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "common/command_line.h"
 #include "common/error.h"
-#include "common/version.h"
 #include "render/film.h"
 #include "render/frames.h"
 #include "render/job.h"
@@ -93,10 +93,13 @@ void defineCamera(CLI::App& app, RenderJob& job, Arguments& arguments) {
 
 void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
     const std::string group = "Estimator";
-    std::string names;
-    for (const EstimatorEntry& entry : estimatorTable())
+    std::string names, choices;
+    for (const EstimatorEntry& entry : estimatorTable()) {
         names += std::string("\n  ") + entry.name + ": " + entry.summary;
+        choices += (choices.empty() ? "" : ",") + std::string(entry.name);
+    }
     app.add_option("--estimator", job.estimator, "How the light is estimated:" + names)
+        ->type_name("NAME:{" + choices + "}")
         ->group(group);
     app.add_option("--cache", job.cache, "Cache of the set, from shadowcache-bake")->group(group);
     app.add_flag("--stale-ok", job.staleOk, "Use a cache of another set: unbiased all the same")
@@ -157,7 +160,10 @@ void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->check(CLI::IsMember(aovNames()))
         ->group(group);
     app.add_flag("--half", job.half, "16-bit channels instead of 32-bit")->group(group);
-    app.add_flag("--png", job.png, "An sRGB PNG beside each EXR")->group(group);
+    app.add_flag("--png", job.png,
+                 "An sRGB PNG beside each EXR; of the AOVs openness, expected_noise, items and "
+                 "misses one in false colour")
+        ->group(group);
     app.add_option("--exposure", job.exposure, "Stops to brighten the PNG by")
         ->capture_default_str()
         ->group(group);
@@ -167,6 +173,10 @@ void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
     app.add_option("--stats", job.stats, "Write what it took as JSON")->group(group);
     app.add_option("--debug", arguments.debug,
                    "Write nothing, but print how the pixel X,Y comes about")
+        ->group(group);
+    app.add_flag("--explain", job.explain,
+                 "Write nothing, but say which estimator works on what, and what noise and time "
+                 "to expect")
         ->group(group);
     app.add_option("--threads", job.threads, "Threads; 0: one a core")
         ->capture_default_str()
@@ -236,21 +246,6 @@ void complete(RenderJob& job, const Arguments& arguments) {
         std::min(job.estimatorOptions.minLevel, job.estimatorOptions.maxLevel);
 }
 
-/// Every option's name and value, for the pictures' metadata.
-void recordSettings(const CLI::App& app, RenderJob& job) {
-    for (const CLI::Option* option : app.get_options()) {
-        const std::string name = option->get_single_name();
-        if (name == "help" || name == "version") continue;
-        std::string value = option->get_default_str();
-        if (option->count() > 0) {
-            value.clear();
-            for (const std::string& part : option->reduced_results())
-                value += (value.empty() ? "" : " ") + part;
-        }
-        if (!value.empty()) job.settings.emplace_back(name, value);
-    }
-}
-
 }  // namespace
 }  // namespace shadowcache
 
@@ -263,9 +258,7 @@ int main(int argc, char** argv) try {
         "shadowcache-render");
     RenderJob job;
     Arguments arguments;
-    // Of an option given twice the last one counts: a replay's options go behind the command line.
-    app.option_defaults()->take_last();
-    app.set_version_flag("--version", std::string("shadowcache-render ") + kVersion);
+    beginCommandLine(app);
     defineScene(app, job, arguments);
     defineCamera(app, job, arguments);
     defineEstimator(app, job, arguments);
@@ -279,19 +272,18 @@ int main(int argc, char** argv) try {
         "  shadowcache-render set.glb --env sky.####.exr --cache set.vdb --camera shot --frames "
         "1-240 --resume -o shot.####.exr\n"
         "  shadowcache-render set.ply --env 1,1,1 --eye 1,1,1 --look-at 0,0,0 --estimator mis "
-        "--samples 256 -o a.exr");
-    try {
-        app.parse(argc, argv);
+        "--samples 256 -o a.exr\n"
+        "  shadowcache-render --config shot.toml --explain");
+    const auto check = [&] {
         if (!arguments.list) requireWhatRendersNeed(job, arguments);
-    } catch (const CLI::ParseError& e) {
-        return app.exit(e);
-    }
+    };
+    if (const auto status = parseCommandLine(app, argc, argv, check)) return *status;
     complete(job, arguments);
     if (arguments.list) {
         listSet(job);
         return 0;
     }
-    recordSettings(app, job);
+    job.settings = settingsOf(app);
     run(job);
     return 0;
 } catch (const std::exception& e) {

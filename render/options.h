@@ -17,6 +17,7 @@ struct RenderOptions {
     int samples = 64;    ///< shadow rays a camera ray
     int cameraRays = 1;  ///< camera rays a pixel; one goes through the pixel's centre
     std::uint64_t seed = 1;
+    bool insight = false;  ///< keep what the cache says of each place, for the AOVs that show it
     Rgb albedo{0.5f, 0.5f, 0.5f};  ///< where the set has no vertex colours
 };
 

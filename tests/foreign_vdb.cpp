@@ -77,6 +77,34 @@ StockReading readWithStockOpenVdb(const std::filesystem::path& path) {
     return reading;
 }
 
+std::vector<StockVolume> readVolumesWithStockOpenVdb(const std::filesystem::path& path) {
+    openvdb::initialize();
+    openvdb::io::File file(path.string());
+    file.open();
+    std::vector<StockVolume> volumes;
+    const openvdb::GridPtrVecPtr grids = file.getGrids();
+    for (const openvdb::GridBase::Ptr& grid : *grids) {
+        StockVolume volume{grid->getName(),
+                           grid->valueType(),
+                           openvdb::GridBase::gridClassToString(grid->getGridClass()),
+                           openvdb::GridBase::vecTypeToString(grid->getVectorType()),
+                           grid->voxelSize()[0],
+                           {}};
+        const auto fill = [&](const auto& typed, auto valueOf) {
+            for (auto value = typed->cbeginValueOn(); value; ++value) {
+                const openvdb::Coord c = value.getCoord();
+                volume.values[{c.x(), c.y(), c.z()}] = valueOf(*value);
+            }
+        };
+        if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
+            fill(scalar, [](float v) { return std::array{v, v, v}; });
+        if (const auto vector = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid))
+            fill(vector, [](const openvdb::Vec3s& v) { return std::array{v[0], v[1], v[2]}; });
+        volumes.push_back(std::move(volume));
+    }
+    return volumes;
+}
+
 std::string withoutUuids(std::string bytes) {
     // Magic number, versions, the flag for offsets, then 36 characters.
     constexpr std::size_t kBegin = 8 + 4 + 4 + 4 + 1, kLength = 36;

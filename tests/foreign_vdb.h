@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <vector>
 
 namespace shadowcache::test {
 
@@ -24,6 +27,14 @@ struct StockReading {
     double longestDirection = 0;
 };
 StockReading readWithStockOpenVdb(const std::filesystem::path& path);
+
+/// A grid of one value a voxel.
+struct StockVolume {
+    std::string name, valueType, gridClass, vectorType;
+    double voxelSize = 0;
+    std::map<std::array<int, 3>, std::array<float, 3>> values;  ///< of active voxels
+};
+std::vector<StockVolume> readVolumesWithStockOpenVdb(const std::filesystem::path& path);
 
 /// The bytes of an OpenVDB file without what differs from one writing to the next: its own UUID.
 std::string withoutUuids(std::string bytes);

@@ -18,6 +18,14 @@ endfunction()
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")
 run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${WORK}/prefix")
+foreach(program bake render info merge)
+    file(GLOB page "${WORK}/prefix/share/man/man1/shadowcache-${program}.1")
+    file(GLOB completion
+        "${WORK}/prefix/share/bash-completion/completions/shadowcache-${program}")
+    if(NOT page OR NOT completion)
+        message(FATAL_ERROR "shadowcache-${program} has no man page or no completion")
+    endif()
+endforeach()
 run("${CMAKE_COMMAND}" -S "${SOURCE}/docs/examples/read_cache" -B "${WORK}/build" -G "${GENERATOR}"
     -D "CMAKE_CXX_COMPILER=${COMPILER}" -D CMAKE_BUILD_TYPE=Release
     -D "CMAKE_PREFIX_PATH=${WORK}/prefix")

@@ -1,0 +1,18 @@
+# shadowcache_help_files(PROGRAM): the program's man page and its completion for bash, made by the
+# program itself and installed with it.
+function(shadowcache_help_files program)
+    if(SHADOWCACHE_SANITIZE)
+        return()  # not what is installed
+    endif()
+    set(page "${PROJECT_BINARY_DIR}/help/${program}.1")
+    set(completion "${PROJECT_BINARY_DIR}/help/${program}")
+    file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/help")
+    add_custom_command(OUTPUT "${page}" "${completion}"
+        COMMAND ${program} --man-page > "${page}"
+        COMMAND ${program} --bash-completion > "${completion}"
+        DEPENDS ${program} VERBATIM)
+    add_custom_target(${program}-help ALL DEPENDS "${page}" "${completion}")
+    install(FILES "${page}" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
+    install(FILES "${completion}"
+        DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
+endfunction()

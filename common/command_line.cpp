@@ -1,0 +1,123 @@
+#include "common/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <sstream>
+
+#include "common/atomic_file.h"
+#include "common/command_help.h"
+#include "common/option_checks.h"
+#include "common/suggestion.h"
+#include "common/version.h"
+
+namespace shadowcache {
+
+namespace {
+
+void printAndEnd(const std::string& text) {
+    std::fputs(text.c_str(), stdout);
+    throw CLI::Success();
+}
+
+/// What was typed, or stands in the settings file, and is no option; empty if there is none.
+std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
+    const std::vector<std::string> left = app.remaining();
+    for (const std::string& word : left)
+        if (word.starts_with("-") && word.size() > 1) return word.substr(0, word.find('='));
+    // Behind an unknown option its value may have been taken for something else.
+    const bool extras = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    return extras && !left.empty() ? left.front() : "";
+}
+
+/// The long option that was meant, with as many dashes as were typed; empty if none is near.
+std::string meantOption(const CLI::App& app, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& name : option->get_lnames())
+            if (!option->get_group().empty()) names.push_back(name);
+    const std::size_t dashes = std::min(word.find_first_not_of('-'), word.size());
+    const std::string name = nearestWord(word.substr(dashes), names);
+    return name.empty() ? "" : (dashes > 0 ? "--" : "") + name;
+}
+
+/// Options as a settings file, without those that were left empty: read back, they would count as
+/// given.
+std::string givenSettings(const CLI::App& app) {
+    std::istringstream all(app.config_to_str(true, false));
+    std::string given;
+    for (std::string line; std::getline(all, line);)
+        if (!line.ends_with("=\"\"")) given += line + "\n";
+    return given;
+}
+
+int reportWrongUsage(const CLI::App& app, const CLI::ParseError& error) {
+    const std::string word = unknownWord(app, error);
+    if (word.empty()) return app.exit(error);
+    const std::string meant = meantOption(app, word);
+    std::fprintf(stderr, "%s: %s: no such option%s\nRun with --help for more information.\n",
+                 app.get_name().c_str(), word.c_str(),
+                 meant.empty() ? "" : (", did you mean " + meant + "?").c_str());
+    return static_cast<int>(CLI::ExitCodes::ExtrasError);
+}
+
+}  // namespace
+
+void beginCommandLine(CLI::App& app) {
+    app.option_defaults()->take_last();
+    app.set_version_flag("--version", app.get_name() + " " + kVersion);
+    // Unknown keys of a settings file are treated like unknown options.
+    app.allow_config_extras(CLI::config_extras_mode::capture);
+}
+
+std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
+                                    const std::function<void()>& check) {
+    const std::string group = "Settings file";
+    std::filesystem::path written;
+    app.set_config("--config", "", "Take options from a file (TOML); the command line goes first")
+        ->type_name("TEXT")
+        ->group(group);
+    app.add_option("--write-config", written, "Write this run's options to a file (.toml)")
+        ->configurable(false)
+        ->group(group);
+    const auto addPrinter = [&app](const char* name, std::string (*text)(const CLI::App&)) {
+        app.add_flag_callback(name, [&app, text] { printAndEnd(text(app)); })
+            ->configurable(false)
+            ->group("");
+    };
+    addPrinter("--man-page", manPage);
+    addPrinter("--bash-completion", bashCompletion);
+    try {
+        app.parse(argc, argv);
+        check();
+    } catch (const CLI::Success& e) {
+        return app.exit(e);
+    } catch (const CLI::ParseError& e) {
+        return reportWrongUsage(app, e);
+    }
+    if (!written.empty()) {
+        requireExtension(written, ".toml");
+        const std::string text = givenSettings(app);
+        AtomicFile file(written);
+        file.write(text.data(), text.size());
+        file.commit();
+    }
+    return std::nullopt;
+}
+
+std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app) {
+    std::vector<std::pair<std::string, std::string>> settings;
+    for (const CLI::Option* option : app.get_options()) {
+        if (!option->get_configurable()) continue;
+        std::string value = option->get_default_str();
+        if (option->count() > 0) {
+            value.clear();
+            for (const std::string& part : option->reduced_results())
+                value += (value.empty() ? "" : " ") + part;
+        }
+        if (!value.empty()) settings.emplace_back(option->get_single_name(), value);
+    }
+    return settings;
+}
+
+}  // namespace shadowcache
