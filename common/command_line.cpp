@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <sstream>
 
 #include "common/atomic_file.h"
 #include "common/command_help.h"
@@ -39,16 +38,6 @@ std::string meantOption(const CLI::App& app, const std::string& word) {
     const std::size_t dashes = std::min(word.find_first_not_of('-'), word.size());
     const std::string name = nearestWord(word.substr(dashes), names);
     return name.empty() ? "" : (dashes > 0 ? "--" : "") + name;
-}
-
-/// Options as a settings file, without those that were left empty: read back, they would count as
-/// given.
-std::string givenSettings(const CLI::App& app) {
-    std::istringstream all(app.config_to_str(true, false));
-    std::string given;
-    for (std::string line; std::getline(all, line);)
-        if (!line.ends_with("=\"\"")) given += line + "\n";
-    return given;
 }
 
 int reportWrongUsage(const CLI::App& app, const CLI::ParseError& error) {
@@ -97,7 +86,8 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
     }
     if (!written.empty()) {
         requireExtension(written, ".toml");
-        const std::string text = givenSettings(app);
+        // Only what was given: a default, read back, would count as given and may exclude another.
+        const std::string text = app.config_to_str(false, false);
         AtomicFile file(written);
         file.write(text.data(), text.size());
         file.commit();

@@ -173,10 +173,12 @@ void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
     app.add_option("--stats", job.stats, "Write what it took as JSON")->group(group);
     app.add_option("--debug", arguments.debug,
                    "Write nothing, but print how the pixel X,Y comes about")
+        ->configurable(false)
         ->group(group);
     app.add_flag("--explain", job.explain,
                  "Write nothing, but say which estimator works on what, and what noise and time "
                  "to expect")
+        ->configurable(false)
         ->group(group);
     app.add_option("--threads", job.threads, "Threads; 0: one a core")
         ->capture_default_str()

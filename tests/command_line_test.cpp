@@ -80,6 +80,11 @@ TEST_F(CommandLine, SettingsFileRepeatsARun) {
             EXPECT_EQ(second.metadata.at(key), value) << key;
         }
 
+    // What was not given is not written: a default would exclude what a camera file brings.
+    runWell("render", move("--frames 2 -o c.exr --explain --write-config move.toml"));
+    runWell("render", "--config move.toml");
+    EXPECT_TRUE(std::filesystem::exists(path("c.exr")));
+
     // The command line goes first.
     runWell("render", "--config shot.toml --seed 10 -o b.exr");
     EXPECT_EQ(readExr(path("b.exr")).metadata.at("shadowcache:seed"), "10");

@@ -2,6 +2,8 @@
 # one shell and an empty folder. A block behind the line "<!-- needs PROGRAM -->" runs only where
 # that program is installed. Needs PAGE, WORK, SOURCE and PATHS (folders of the programs, joined by :).
 file(READ "${PAGE}" text)
+# A list's items cannot end in a backslash: what one continues is joined to it.
+string(REPLACE "\\\n" " " text "${text}")
 string(REPLACE ";" "\\;" text "${text}")
 string(REPLACE "\n" ";" lines "${text}")
 set(script "set -euo pipefail\n")
