@@ -76,10 +76,12 @@ struct Timing {
     double load = 0, build = 0;
 };
 
-Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache, double seconds, int frame) {
+Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
+                       double seconds, int frame) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
         metadata.emplace_back("shadowcache:" + name, value);
+    metadata.emplace_back("shadowcache:bias", biasOf(entry, job.render.samples));
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
     metadata.emplace_back("shadowcache:seconds", std::to_string(seconds));
     if (cache) {
@@ -90,22 +92,24 @@ Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache, double se
     return metadata;
 }
 
-void writeFrame(const RenderJob& job, const Film& film, const ShadowCache* cache, double seconds,
-                int frame) {
+void writeFrame(const RenderJob& job, const EstimatorEntry& entry, const Film& film,
+                const ShadowCache* cache, double seconds, int frame) {
     const auto path = framePath(job.output, frame, job.frames.size() > 1);
     writeExr(path, film.width, film.height, channels(film, job.aovs),
-             frameMetadata(job, cache, seconds, frame),
+             frameMetadata(job, entry, cache, seconds, frame),
              job.half ? PixelType::half : PixelType::full);
     if (!job.png) return;
     auto png = path;
     writePng(png.replace_extension(".png"), colorImage(film), job.exposure);
 }
 
-void writeStats(const RenderJob& job, const TriangleMesh& mesh, const ShadowCache* cache,
-                const Timing& timing, const RenderStats& stats,
+void writeStats(const RenderJob& job, const EstimatorEntry& entry, const TriangleMesh& mesh,
+                const ShadowCache* cache, const Timing& timing, const RenderStats& stats,
                 const std::optional<RelativeError>& error) {
     JsonFile out;
     out.set("version", std::string(kVersion));
+    out.set("estimator", std::string(entry.name));
+    out.set("bias", biasOf(entry, job.render.samples));
     out.set("triangles", std::uint64_t{mesh.triangles.size()});
     out.set("seconds.load", timing.load);
     out.set("seconds.build", timing.build);
@@ -119,6 +123,7 @@ void writeStats(const RenderJob& job, const TriangleMesh& mesh, const ShadowCach
     out.set("cache.bytes", std::uint64_t{cache ? cache->memoryBytes() : 0});
     if (error) {
         out.set("error.relmse", error->mean);
+        out.set("error.l2", error->l2);
         out.set("error.p50", error->p50);
         out.set("error.p99", error->p99);
         out.set("error.max", error->max);
@@ -254,6 +259,9 @@ void run(const RenderJob& job) {
     const Scene scene(mesh);
     const EstimatorContext context{scene, environment, cache.get(), job.estimatorOptions};
     const std::unique_ptr<Estimator> estimator = entry.make(context);
+    if (job.debugPixel && estimator->inOrder())
+        throw Error(std::string("--debug: a pixel of --estimator ") + entry.name +
+                    " depends on the pixels before it and has no story of its own");
     const Timing timing{loaded - start, secondsNow() - loaded};
 
     RenderStats stats;
@@ -268,7 +276,7 @@ void run(const RenderJob& job) {
             continue;
         }
         const Film film = render(*estimator, context, camera(frame), frame, job.render, stats);
-        writeFrame(job, film, cache.get(), stats.seconds - before, frame);
+        writeFrame(job, entry, film, cache.get(), stats.seconds - before, frame);
         if (reference) error = relativeError(colorImage(film), *reference);
     }
     if (job.debugPixel) return;
@@ -277,7 +285,7 @@ void run(const RenderJob& job) {
                 static_cast<double>(stats.shadowRays) * 1e-6, stats.seconds);
     if (error) std::printf(", relMSE %.3g", error->mean);
     std::printf(" -> %s\n", job.output.c_str());
-    if (!job.stats.empty()) writeStats(job, mesh, cache.get(), timing, stats, error);
+    if (!job.stats.empty()) writeStats(job, entry, mesh, cache.get(), timing, stats, error);
 }
 
 }  // namespace shadowcache
