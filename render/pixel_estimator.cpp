@@ -32,13 +32,8 @@ public:
           height_(static_cast<std::size_t>(context.options.pixelHeight)),
           pixels_(width_ * height_) {
         std::vector<double> power(pixels_.size()), area(pixels_.size());
-        for (std::size_t i = 0; i < context.environment.texelCount(); ++i) {
-            const Environment::Texel t = context.environment.texel(i);
-            const std::size_t k = pixelAlong(t.center);
-            const auto solidAngle = static_cast<double>(t.solidAngle);
-            area[k] += solidAngle;
-            power[k] += solidAngle * static_cast<double>(context.environment.luminance(t.radiance));
-        }
+        for (std::size_t i = 0; i < context.environment.texelCount(); ++i)
+            addTexel(context.environment, i, power, area);
         for (std::size_t k = 0; k < pixels_.size(); ++k) {
             pixels_[k] = rectangle(k);
             const double mean = area[k] > 0 ? power[k] / area[k] : 0;
@@ -55,10 +50,26 @@ private:
     std::size_t width_, height_;
     std::vector<MapPixel> pixels_;
 
-    std::size_t pixelAlong(const Vec3f& w) const {
-        const double turn =
-            std::atan2(static_cast<double>(w.x), static_cast<double>(w.z)) / (2 * kPi);
-        const double polar = std::acos(std::clamp(static_cast<double>(w.y), -1.0, 1.0)) / kPi;
+    /// Shares a texel out among the rectangles that it lies in; one no brighter than the map is in
+    /// the mean goes to that of its middle.
+    void addTexel(const Environment& environment, std::size_t i, std::vector<double>& power,
+                  std::vector<double>& area) const {
+        const Environment::Texel t = environment.texel(i);
+        const auto luminance = static_cast<double>(environment.luminance(t.radiance));
+        const int parts = luminance > environment.totalPower() / (4 * kPi) ? 8 : 1;
+        const double share = static_cast<double>(t.solidAngle) / (parts * parts);
+        for (int y = 0; y < parts; ++y)
+            for (int x = 0; x < parts; ++x) {
+                const std::size_t k =
+                    pixelAlong(environment.placeIn(i, (x + 0.5) / parts, (y + 0.5) / parts));
+                area[k] += share;
+                power[k] += share * luminance;
+            }
+    }
+
+    std::size_t pixelAlong(const Vec3d& w) const {
+        const double turn = std::atan2(w.x, w.z) / (2 * kPi);
+        const double polar = std::acos(std::clamp(w.y, -1.0, 1.0)) / kPi;
         const auto x =
             static_cast<std::size_t>((turn - std::floor(turn)) * static_cast<double>(width_));
         const auto y = static_cast<std::size_t>(polar * static_cast<double>(height_));
@@ -93,7 +104,7 @@ private:
         return {Vec3f(middle), 0, area, std::sqrt(std::max(0.0, 1 - least * least)) + 1e-6};
     }
 
-    /// Texels reach into rectangles that do not hold their middles.
+    /// The parts of texels are sampled: where one is missed, the density must be positive.
     double leastLuminance(const MapPixel& pixel) const {
         if (printed_) return 0;
         constexpr double kShare = 2e-2;
