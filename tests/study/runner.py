@@ -73,7 +73,7 @@ class View:
     """A set with its cache under a map, seen by one camera."""
 
     def __init__(self, runner, name, mesh, cache, env, camera, size, albedo="0.5",
-                 reference_samples=2048):
+                 reference_samples=1024):
         self.runner, self.name, self.size = runner, name, size
         self.base = [mesh, "--env", env, *camera, "--size", size, "--albedo", albedo]
         self.cache = cache
