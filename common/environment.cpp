@@ -368,6 +368,17 @@ Environment::Texel Environment::texel(std::size_t i) const noexcept {
         static_cast<float>(kTwoPi / static_cast<double>(width_)) * (rowCos_[y] - rowCos_[y + 1])};
 }
 
+Vec3d Environment::placeIn(std::size_t i, double x, double y) const noexcept {
+    const std::size_t row = sorted_[i].index / width_, column = sorted_[i].index % width_;
+    const auto top = static_cast<double>(rowCos_[row]),
+               bottom = static_cast<double>(rowCos_[row + 1]);
+    const double cosPolar = top + (bottom - top) * y;
+    const double sinPolar = std::sqrt(std::max(0.0, 1 - cosPolar * cosPolar));
+    const double longitude =
+        kPi + rotation_ - kTwoPi * (static_cast<double>(column) + x) / static_cast<double>(width_);
+    return {sinPolar * std::sin(longitude), cosPolar, sinPolar * std::cos(longitude)};
+}
+
 float Environment::maxLuminance(const Vec3d& axis, double angle) const noexcept {
     const double polar = std::acos(std::clamp(axis.y, -1.0, 1.0));
     const auto row = [&](double p) {

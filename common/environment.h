@@ -95,6 +95,9 @@ public:
         float solidAngle;
     };
     std::size_t texelCount() const { return sorted_.size(); }
+    /// Unit direction to place (x, y) in [0, 1]^2 of texel i; uniform places are uniform in solid
+    /// angle.
+    Vec3d placeIn(std::size_t i, double x, double y) const noexcept;
     /// Texels in the order of their cells; those of one level-kLevel cell are texelsOf(cell).
     Texel texel(std::size_t i) const noexcept;
     std::array<std::uint32_t, 2> texelsOf(std::uint32_t cell) const noexcept {

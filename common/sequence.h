@@ -30,6 +30,10 @@ constexpr float toUnitFloat(std::uint32_t word) {
     return static_cast<float>(word >> 8) * 0x1p-24f;
 }
 
+/// Where numbers in [0, 1) come from: Owen-scrambled Sobol' points; hashes; or Hammersley points
+/// with the radical inverse of Larcher and Pillichshammer, randomised by XOR or by a shift.
+enum class Sequence { sobol, random, larcherXor, larcherShift };
+
 /// Dimensions that owenSobol offers.
 inline constexpr int kSobolDimensions = 4;
 
@@ -41,5 +45,19 @@ inline constexpr int kSobolDimensions = 4;
 /// (seeds per dimension must differ; the shuffle of the index, too, comes from `seed`).
 void owenSobol(std::uint32_t first, int dimension, std::uint64_t seed,
                std::span<std::uint32_t> out) noexcept;
+
+/// Radical inverse of Larcher and Pillichshammer in base 2, as a 32-bit fraction: with i / 2^m it
+/// makes (0, m, 2)-nets of less discrepancy than van der Corput's. [Kollig & Keller 2002]
+constexpr std::uint32_t larcherPillichshammer(std::uint32_t i) {
+    std::uint32_t inverse = 0;
+    for (std::uint32_t v = 0x80000000u; i != 0; i >>= 1, v |= v >> 1)
+        if (i & 1) inverse ^= v;
+    return inverse;
+}
+
+/// All words of `dimension` (< kSobolDimensions) of a randomised point set of out.size() points.
+/// Each word alone is uniform over 32 bits, over the seeds.
+void fillSequence(Sequence sequence, int dimension, std::uint64_t seed,
+                  std::span<std::uint32_t> out) noexcept;
 
 }  // namespace shadowcache

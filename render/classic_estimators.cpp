@@ -5,6 +5,7 @@
 
 #include "common/sequence.h"
 #include "render/estimators.h"
+#include "render/hemisphere.h"
 
 namespace shadowcache {
 
@@ -14,15 +15,6 @@ namespace {
 double refine(std::uint32_t word, std::uint64_t seed, int i) {
     const std::uint64_t low = hashWords(seed, 77, static_cast<std::uint64_t>(i)) >> 43;
     return (static_cast<double>(word) + static_cast<double>(low) * 0x1p-21) * 0x1p-32;
-}
-
-/// Turns (u, v) into a direction around `n` whose cosine is `cosTheta`.
-Vec3f aroundNormal(const Vec3f& n, float cosTheta, float v) {
-    Vec3f s, t;
-    tangentFrame(n, s, t);
-    const float sinTheta = std::sqrt(std::max(0.0f, 1 - cosTheta * cosTheta));
-    const float phi = 2 * static_cast<float>(kPi) * v;
-    return s * (sinTheta * std::cos(phi)) + t * (sinTheta * std::sin(phi)) + n * cosTheta;
 }
 
 class Uniform final : public Estimator {

@@ -21,15 +21,18 @@ RelativeError relativeError(const Image& image, const Image& reference) {
 
     std::vector<double> errors(count);
     RelativeError result;
+    double squares = 0;
     for (std::size_t i = 0; i < count; ++i) {
         for (int k = 0; k < 3; ++k) {
             const auto ref = static_cast<double>(reference.pixels[i][k]);
             const double difference = static_cast<double>(image.pixels[i][k]) - ref;
+            squares += difference * difference;
             const double scale = ref * ref + 0.01 * mean * mean;
             if (scale > 0) errors[i] += difference * difference / scale / 3;
         }
         result.mean += errors[i] / static_cast<double>(count);
     }
+    result.l2 = std::sqrt(squares / (3 * static_cast<double>(count)));
     std::sort(errors.begin(), errors.end());
     const auto quantile = [&](double q) {
         return errors[std::min(count - 1,

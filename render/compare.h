@@ -8,6 +8,7 @@ namespace shadowcache {
 /// RGB.
 struct RelativeError {
     double mean = 0;                             ///< relMSE
+    double l2 = 0;                               ///< root of the mean of (x - ref)^2
     double p50 = 0, p99 = 0, p999 = 0, max = 0;  ///< over pixels (mean of the three colours)
 };
 

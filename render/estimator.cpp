@@ -3,7 +3,6 @@
 #include <chrono>
 
 #include "common/error.h"
-#include "common/sequence.h"
 #include "common/suggestion.h"
 #include "render/estimators.h"
 
@@ -24,8 +23,21 @@ constexpr EstimatorEntry kEstimators[] = {
     {"mis", "half environment, half cosine, balance heuristic", 1, false, makeMis},
     {"paper", "piecewise-constant importance over a triangulated map, times cached visibility", 1,
      false, makePaper},
+    {"paper-image", "`paper` with its own cache: filled by the picture's earlier pixels", 1, false,
+     makePaperImage},
+    {"pixel", "importance from a low-resolution map", 1, false, makePixel},
     {"cache", "cached visibility as a control variate (needs --cache; the default with one)", 0,
      true, makeCache},
+    {"pixel-printed", "`pixel` as the paper prints it", 1, false, makePixelPrinted,
+     "pixels whose middle is below the horizon are left out"},
+    {"preconvolved", "the map's irradiance as if nothing hid it, without rays", 0, false,
+     makePreconvolved, "visibility is left out"},
+    {"ambient-occlusion", "`preconvolved` times the open share of the hemisphere, from rays", 1,
+     false, makeAmbientOcclusion, "visibility is one number for all directions"},
+    {"ambient-occlusion-cached", "the same from the cache, without rays", 0, true,
+     makeAmbientOcclusionCached, "visibility is one number for all directions, and cached"},
+    {"lights", "a finite set of directional lights, one ray each", 0, false, makeLights,
+     "the map is a few directional lights"},
 };
 
 }  // namespace
@@ -85,13 +97,7 @@ std::span<const std::uint32_t> Workspace::numbers(Sequence sequence, std::uint64
                                                   int dimension, int count) {
     std::vector<std::uint32_t>& out = numbers_[dimension];
     out.resize(static_cast<std::size_t>(count));
-    if (sequence == Sequence::sobol) {
-        owenSobol(0, dimension, seed, out);
-    } else {
-        for (std::size_t i = 0; i < out.size(); ++i)
-            out[i] = static_cast<std::uint32_t>(
-                hashWords(seed, static_cast<std::uint64_t>(dimension) + 16, i) >> 32);
-    }
+    fillSequence(sequence, dimension, seed, out);
     return out;
 }
 
@@ -137,6 +143,11 @@ Estimate Estimator::estimate(const ShadingPoint& point, int samples, Workspace& 
 
 std::span<const EstimatorEntry> estimatorTable() {
     return kEstimators;
+}
+
+std::string biasOf(const EstimatorEntry& entry, int samples) {
+    if (entry.bias) return entry.bias;
+    return samples > 0 ? "none" : "no rays: what the cache gets wrong stays";
 }
 
 const EstimatorEntry& findEstimator(const std::string& name) {

@@ -8,13 +8,11 @@
 
 #include "common/environment.h"
 #include "common/scene.h"
+#include "common/sequence.h"
 #include "common/shadow_cache.h"
 #include "render/cache_insight.h"
 
 namespace shadowcache {
-
-/// Where numbers in [0, 1) come from.
-enum class Sequence { sobol, random };
 
 struct EstimatorOptions {
     Sequence sequence = Sequence::sobol;
@@ -24,6 +22,12 @@ struct EstimatorOptions {
     int maxLevel = 6;       ///< `paper`: highest level, 0 .. 7
     double alpha = 0.7;     ///< `paper`: trust in the cache, [0, 1)
     int threshold = 3;      ///< `paper`: fewest pooled rays of a region that count
+    double beta = 0;        ///< `paper`: share of samples uniform over the hemisphere, [0, 1]
+    bool exactConvolution = false;  ///< `paper`: convolutions at the normal itself, no tables
+    int cacheLevel = 7;             ///< `paper`: finest level of the counts it uses, 0 .. 7
+    int lights = 40;                ///< `lights`: K, 1 .. 10000
+    int pixelWidth = 200;           ///< `pixel`: low-resolution map, 8x4 .. 4096x2048
+    int pixelHeight = 100;
 };
 
 /// What every estimator works with; all outlive it.
@@ -40,6 +44,8 @@ struct ShadingPoint {
     Vec3d position;      ///< world space
     Vec3f normal;        ///< unit, on the viewer's side
     std::uint64_t seed;  ///< of all random numbers of this point
+    int filmX = 0;       ///< pixel of the camera ray that found it
+    int filmY = 0;
 };
 
 /// Irradiance from the environment and what it took.
@@ -115,7 +121,11 @@ public:
     virtual CacheInsight insight(const ShadingPoint& point, int samples,
                                  Workspace& workspace) const;
 
-    /// Unbiased estimates from `samples` samples at each point: queues them, traces them, keeps the
+    /// Whether estimates depend on earlier ones of the same workspace, so that a frame must be
+    /// rendered in one fixed order.
+    virtual bool inOrder() const { return false; }
+
+    /// Estimates from `samples` samples at each point: queues them, traces them, keeps the
     /// time. Points that are near each other may gain from what the others' rays find.
     void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
                   std::span<Estimate> estimates) const;
@@ -144,7 +154,11 @@ struct EstimatorEntry {
     int minSamples;
     bool needsCache;
     std::unique_ptr<Estimator> (*make)(const EstimatorContext&);
+    const char* bias = nullptr;  ///< what its expectation leaves out or gets wrong; null: nothing
 };
+
+/// How the estimates of `samples` samples are biased: "none", or the cause.
+std::string biasOf(const EstimatorEntry& entry, int samples);
 
 /// Every estimator that `--estimator` offers.
 std::span<const EstimatorEntry> estimatorTable();

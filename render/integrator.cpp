@@ -81,11 +81,15 @@ struct Frame {
         return {direction, context.scene.intersect(origin, direction)};
     }
 
-    ShadingPoint shadingPoint(const View& view, std::uint64_t seed) const {
+    ShadingPoint shadingPoint(const View& view, std::uint64_t seed, int filmX, int filmY) const {
         const Hit& hit = view.hit;
         const Vec3f normal = hit.normal.dot(view.direction) > 0 ? -hit.normal : hit.normal;
         return {hit.scene->rayOrigin(hit.position, hit.triangle, normal),
-                context.scene.mesh().origin + Vec3d(hit.position), normal, seed};
+                context.scene.mesh().origin + Vec3d(hit.position),
+                normal,
+                seed,
+                filmX,
+                filmY};
     }
 
     /// Renders pixels (x0, y0) .. (x0 + kTile - 1, y0 + kTile - 1) as far as the film goes:
@@ -127,7 +131,7 @@ struct Frame {
                 }
                 const std::uint64_t seed = pixelSeed(options.seed, number, x, y, k);
                 TileScratch::Group& group = scratch.groups[mixBits(seed) % kGroups];
-                group.points.push_back(shadingPoint(view, seed));
+                group.points.push_back(shadingPoint(view, seed, x, y));
                 group.seen.push_back({view.hit, &pixel});
             }
         for (TileScratch::Group& group : scratch.groups) {
@@ -219,7 +223,8 @@ void renderTiles(const Frame& task, std::span<const std::size_t> chosen, RenderS
     const auto start = std::chrono::steady_clock::now();
     const Tiles tiles(task.options);
     std::atomic<std::uint64_t> cameraRays{0}, shadowRays{0}, setup{0}, trace{0};
-    parallelFor(chosen.size(), 4, [&](const Chunk& chunk) {
+    const std::size_t run = task.estimator.inOrder() ? std::max<std::size_t>(1, chosen.size()) : 4;
+    parallelFor(chosen.size(), run, [&](const Chunk& chunk) {
         const std::unique_ptr<Workspace> workspace = task.estimator.makeWorkspace();
         TileScratch scratch;
         std::array<Pixel, kTile * kTile> pixels;
@@ -267,8 +272,11 @@ void survey(Estimator& estimator, const EstimatorContext& context, const Camera&
     for (int k = 0; k < kSurveyPlaces; ++k) {
         // The numbers of a survey belong to no pixel.
         const std::uint64_t seed = pixelSeed(options.seed, frame, -1, -1, k);
-        const View view = task.look(toUnit(hashWords(seed, 1)), toUnit(hashWords(seed, 2)));
-        if (view.hit.found) points.push_back(task.shadingPoint(view, seed));
+        const double u = toUnit(hashWords(seed, 1)), v = toUnit(hashWords(seed, 2));
+        const View view = task.look(u, v);
+        if (view.hit.found)
+            points.push_back(task.shadingPoint(view, seed, static_cast<int>(u * options.width),
+                                               static_cast<int>(v * options.height)));
     }
     stats.shadowRays += estimator.survey(points, options.samples);
     stats.cameraRays += kSurveyPlaces;

@@ -95,7 +95,7 @@ struct Timing {
 };
 
 /// All that a frame's file tells but the time it took.
-Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache,
+Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
                        const LightPlan::Light& light, int frame) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
@@ -106,6 +106,7 @@ Metadata frameMetadata(const RenderJob& job, const ShadowCache* cache,
     angle << light.rotation;
     metadata.emplace_back("shadowcache:env", light.environment);
     metadata.emplace_back("shadowcache:env-rotate", angle.str());
+    metadata.emplace_back("shadowcache:bias", biasOf(entry, job.render.samples));
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
     metadata.emplace_back("shadowcache:inputs", inputsMark(inputsOf(job, light)));
     if (cache) {
@@ -129,11 +130,13 @@ void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, doubl
         writePng(picture, falseColorImage(film, aov), 0);
 }
 
-void writeStats(const RenderJob& job, const TriangleMesh& mesh, const ShadowCache* cache,
-                const Timing& timing, const RenderStats& stats,
+void writeStats(const RenderJob& job, const EstimatorEntry& entry, const TriangleMesh& mesh,
+                const ShadowCache* cache, const Timing& timing, const RenderStats& stats,
                 const std::optional<RelativeError>& error) {
     JsonFile out;
     out.set("version", std::string(kVersion));
+    out.set("estimator", std::string(entry.name));
+    out.set("bias", biasOf(entry, job.render.samples));
     out.set("triangles", std::uint64_t{mesh.triangles.size()});
     out.set("seconds.load", timing.load);
     out.set("seconds.build", timing.build);
@@ -147,6 +150,7 @@ void writeStats(const RenderJob& job, const TriangleMesh& mesh, const ShadowCach
     out.set("cache.bytes", std::uint64_t{cache ? cache->memoryBytes() : 0});
     if (error) {
         out.set("error.relmse", error->mean);
+        out.set("error.l2", error->l2);
         out.set("error.p50", error->p50);
         out.set("error.p99", error->p99);
         out.set("error.max", error->max);
@@ -259,14 +263,14 @@ public:
         }
         if (job_.debugPixel) return;
         summarize();
-        if (!job_.stats.empty()) writeStats(job_, mesh_, cache_.get(), timing_, stats_, error_);
+        if (!job_.stats.empty()) writeStats(job_, entry_, mesh_, cache_.get(), timing_, stats_, error_);
     }
 
 private:
     void frame(const CameraSource& camera, std::size_t i) {
         throwIfInterrupted();
         const int frame = job_.frames[i];
-        Metadata metadata = frameMetadata(job_, cache_.get(), plan_.at(i), frame);
+        Metadata metadata = frameMetadata(job_, entry_, cache_.get(), plan_.at(i), frame);
         if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
         if (light_.turnTo(i)) {
@@ -274,6 +278,9 @@ private:
                                                 job_.estimatorOptions});
             estimator_ = entry_.make(*context_);
         }
+        if (job_.debugPixel && estimator_->inOrder())
+            throw Error(std::string("--debug: a pixel of --estimator ") + entry_.name +
+                        " depends on the pixels before it and has no story of its own");
         timing_.build += secondsNow() - start;
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -21,7 +22,7 @@ namespace {
 struct Arguments {
     std::string up = "y", frames, size = "960x540", sequence = "sobol", budget = "uniform",
                 albedo = "0.5";
-    std::string eye, target, debug;
+    std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
     std::vector<std::string> dynamic;
     bool list = false;
 };
@@ -91,11 +92,57 @@ void defineCamera(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->group(group);
 }
 
+/// As --sequence has them, in the order of Sequence.
+const std::vector<std::string>& sequenceNames() {
+    static const std::vector<std::string> names{"sobol", "random", "larcher-xor", "larcher-shift"};
+    return names;
+}
+
+void definePaper(CLI::App& app, RenderJob& job, Arguments& arguments) {
+    const std::string paper = "Estimators `paper` and `paper-image`";
+    app.add_option("--triangles", job.estimatorOptions.triangles,
+                   "M, triangles of the map, 20 to 100000")
+        ->capture_default_str()
+        ->group(paper);
+    app.add_option("--alpha", job.estimatorOptions.alpha, "Trust in the cache, 0 to below 1")
+        ->capture_default_str()
+        ->group(paper);
+    app.add_option("--threshold", job.estimatorOptions.threshold,
+                   "Fewest pooled rays of a region that count")
+        ->capture_default_str()
+        ->group(paper);
+    app.add_option("--max-level", job.estimatorOptions.maxLevel,
+                   "Finest level of the triangles, to 7")
+        ->capture_default_str()
+        ->group(paper);
+    app.add_option("--beta", job.estimatorOptions.beta,
+                   "Share of samples uniform over the hemisphere, 0 to 1")
+        ->capture_default_str()
+        ->group(paper);
+    app.add_option("--convolution", arguments.convolution,
+                   "table: convolutions between 32 x 64 tabulated normals; exact: at the normal")
+        ->check(CLI::IsMember({"table", "exact"}))
+        ->capture_default_str()
+        ->group(paper);
+    app.add_option("--cache-level", job.estimatorOptions.cacheLevel,
+                   "Finest level of the counts it uses, 0 to 7")
+        ->capture_default_str()
+        ->group(paper);
+    const std::string others = "Estimators `lights` and `pixel`";
+    app.add_option("--lights", job.estimatorOptions.lights, "K, directional lights, 1 to 10000")
+        ->capture_default_str()
+        ->group(others);
+    app.add_option("--pixel-map", arguments.pixelMap, "Low-resolution map: WxH, 8x4 to 4096x2048")
+        ->capture_default_str()
+        ->group(others);
+}
+
 void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
     const std::string group = "Estimator";
     std::string names, choices;
     for (const EstimatorEntry& entry : estimatorTable()) {
-        names += std::string("\n  ") + entry.name + ": " + entry.summary;
+        names += std::string("\n  ") + entry.name + ": " + entry.summary +
+                 (entry.bias ? " (biased)" : "");
         choices += (choices.empty() ? "" : ",") + std::string(entry.name);
     }
     app.add_option("--estimator", job.estimator, "How the light is estimated:" + names)
@@ -122,26 +169,13 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str()
         ->group(group);
-    app.add_option("--sequence", arguments.sequence, "Numbers: sobol (Owen-scrambled) or random")
-        ->check(CLI::IsMember({"sobol", "random"}))
+    app.add_option("--sequence", arguments.sequence,
+                   "Numbers: sobol (Owen-scrambled), random, larcher-xor or larcher-shift (the "
+                   "radical inverse of Larcher and Pillichshammer, randomised)")
+        ->check(CLI::IsMember(sequenceNames()))
         ->capture_default_str()
         ->group(group);
-    const std::string paper = "Estimator `paper`";
-    app.add_option("--triangles", job.estimatorOptions.triangles,
-                   "M, triangles of the map, 20 to 100000")
-        ->capture_default_str()
-        ->group(paper);
-    app.add_option("--alpha", job.estimatorOptions.alpha, "Trust in the cache, 0 to below 1")
-        ->capture_default_str()
-        ->group(paper);
-    app.add_option("--threshold", job.estimatorOptions.threshold,
-                   "Fewest pooled rays of a region that count")
-        ->capture_default_str()
-        ->group(paper);
-    app.add_option("--max-level", job.estimatorOptions.maxLevel,
-                   "Finest level of the triangles, to 7")
-        ->capture_default_str()
-        ->group(paper);
+    definePaper(app, job, arguments);
 }
 
 void defineOutput(CLI::App& app, RenderJob& job, Arguments& arguments) {
@@ -241,8 +275,14 @@ void complete(RenderJob& job, const Arguments& arguments) {
     if (!arguments.debug.empty())
         job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
     job.mesh.zUp = arguments.up == "z";
-    job.estimatorOptions.sequence =
-        arguments.sequence == "random" ? Sequence::random : Sequence::sobol;
+    const auto& names = sequenceNames();
+    job.estimatorOptions.sequence = static_cast<Sequence>(
+        std::find(names.begin(), names.end(), arguments.sequence) - names.begin());
+    job.estimatorOptions.exactConvolution = arguments.convolution == "exact";
+    const auto [pixelWidth, pixelHeight] =
+        parsePair("--pixel-map", arguments.pixelMap, "WxH, as in 200x100");
+    job.estimatorOptions.pixelWidth = pixelWidth;
+    job.estimatorOptions.pixelHeight = pixelHeight;
     job.estimatorOptions.adaptive = arguments.budget == "adaptive";
     job.estimatorOptions.minLevel =
         std::min(job.estimatorOptions.minLevel, job.estimatorOptions.maxLevel);

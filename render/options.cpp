@@ -29,6 +29,11 @@ void validate(const EstimatorOptions& options) {
     requireRange("max-level", options.maxLevel, 0, 7);
     requireRange("min-level", options.minLevel, 0, options.maxLevel);
     requireRange("threshold", options.threshold, 0, 1000);
+    requireRange("beta", options.beta, 0.0, 1.0);
+    requireRange("cache-level", options.cacheLevel, 0, 7);
+    requireRange("lights", options.lights, 1, 10000);
+    requireRange("pixel-map (width)", options.pixelWidth, 8, 4096);
+    requireRange("pixel-map (height)", options.pixelHeight, 4, 2048);
     if (!(options.alpha >= 0 && options.alpha < 1)) {
         std::ostringstream text;
         text << "--alpha " << options.alpha

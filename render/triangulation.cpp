@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <unordered_map>
 
 #include "common/parallel.h"
 
@@ -10,7 +11,7 @@ namespace shadowcache {
 
 namespace {
 
-/// Sums over the texels whose centres a cell holds.
+/// Sums over the parts of texels that lie in a cell.
 struct Sums {
     double area = 0, power = 0, square = 0;
     Vec3d flux{0, 0, 0};
@@ -25,48 +26,53 @@ struct Sums {
     double variance() const { return area > 0 ? std::max(0.0, square - power * power / area) : 0; }
 };
 
+/// Points along a side of a texel that lies in several triangles.
+constexpr int kSubdivisions = 8;
+
+using SumsByCell = std::unordered_map<std::uint32_t, Sums>;
+
+Sums sumsOf(const Vec3d& direction, double luminance, double area) {
+    return {area, luminance * area, luminance * luminance * area, direction * (luminance * area)};
+}
+
+/// Adds texel `i` to the cells of level `finest` that it lies in; to the one that holds its middle
+/// if it is no brighter than the map is in the mean.
+void addTexel(const Environment& environment, std::size_t i, int finest, SumsByCell& sums) {
+    const Environment::Texel t = environment.texel(i);
+    const auto luminance = static_cast<double>(environment.luminance(t.radiance));
+    const auto area = static_cast<double>(t.solidAngle);
+    const std::uint32_t cell = locateCell(finest, Vec3d(t.center));
+    bool spread = false;
+    if (luminance > environment.totalPower() / (4 * kPi))
+        for (const double x : {0.0, 1.0})
+            for (const double y : {0.0, 1.0})
+                spread = spread || locateCell(finest, environment.placeIn(i, x, y)) != cell;
+    if (!spread) {
+        sums[cell] += sumsOf(Vec3d(t.center), luminance, area);
+        return;
+    }
+    for (int y = 0; y < kSubdivisions; ++y)
+        for (int x = 0; x < kSubdivisions; ++x) {
+            const Vec3d place =
+                environment.placeIn(i, (x + 0.5) / kSubdivisions, (y + 0.5) / kSubdivisions);
+            sums[locateCell(finest, place)] +=
+                sumsOf(place, luminance, area / (kSubdivisions * kSubdivisions));
+        }
+}
+
 /// Sums per cell of every level up to `finest`.
 std::vector<std::vector<Sums>> sumLevels(const Environment& environment, int finest) {
     std::vector<std::vector<Sums>> levels(static_cast<std::size_t>(finest) + 1);
     for (int l = 0; l <= finest; ++l) levels[static_cast<std::size_t>(l)].resize(cellCount(l));
-    // Texels are sorted by cells of the environment's level: disjoint parts of every finer level.
-    const int own = std::min(finest, Environment::kLevel);
-    parallelFor(cellCount(Environment::kLevel), 256, [&](const Chunk& chunk) {
-        for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
-            const auto range = environment.texelsOf(static_cast<std::uint32_t>(c));
-            for (std::uint32_t i = range[0]; i < range[1]; ++i) {
-                const Environment::Texel t = environment.texel(i);
-                const auto y = static_cast<double>(environment.luminance(t.radiance));
-                const auto area = static_cast<double>(t.solidAngle);
-                const Sums sums{area, y * area, y * y * area, Vec3d(t.center) * (y * area)};
-                std::uint32_t cell = static_cast<std::uint32_t>(c);
-                if (finest > Environment::kLevel) {
-                    const std::uint32_t fine = locateCell(finest, Vec3d(t.center));
-                    for (int l = Environment::kLevel + 1; l <= finest; ++l) {
-                        // A rounding at a border must not leave this thread's part.
-                        const std::uint32_t at = ancestorCell(fine, finest, l);
-                        if (ancestorCell(at, l, Environment::kLevel) == cell)
-                            levels[static_cast<std::size_t>(l)][at] += sums;
-                    }
-                }
-                if (own == Environment::kLevel) levels[Environment::kLevel][c] += sums;
-            }
-        }
+    constexpr std::size_t kChunk = 8192;
+    std::vector<SumsByCell> parts((environment.texelCount() + kChunk - 1) / kChunk);
+    parallelFor(environment.texelCount(), kChunk, [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+            addTexel(environment, i, finest, parts[chunk.index]);
     });
-    if (finest < Environment::kLevel) {
-        for (std::uint32_t c = 0; c < cellCount(Environment::kLevel); ++c) {
-            const auto range = environment.texelsOf(c);
-            for (std::uint32_t i = range[0]; i < range[1]; ++i) {
-                const Environment::Texel t = environment.texel(i);
-                const auto y = static_cast<double>(environment.luminance(t.radiance));
-                const auto area = static_cast<double>(t.solidAngle);
-                levels[static_cast<std::size_t>(finest)]
-                      [ancestorCell(c, Environment::kLevel, finest)] +=
-                    {area, y * area, y * y * area, Vec3d(t.center) * (y * area)};
-            }
-        }
-    }
-    for (int l = own - 1; l >= 0; --l)
+    for (const SumsByCell& part : parts)
+        for (const auto& [cell, sums] : part) levels.back()[cell] += sums;
+    for (int l = finest - 1; l >= 0; --l)
         for (std::size_t c = 0; c < cellCount(l); ++c)
             for (std::size_t k = 4 * c; k < 4 * c + 4; ++k)
                 levels[static_cast<std::size_t>(l)][c] +=
@@ -83,11 +89,12 @@ MapTriangle makeTriangle(const Environment& environment, int level, std::uint32_
     t.axis = cellCenter(level, cell);
     t.radius = std::acos(
         std::min({t.axis.dot(t.corners.a), t.axis.dot(t.corners.b), t.axis.dot(t.corners.c)}));
+    t.sinRadius = std::sin(t.radius);
     t.area = solidAngle(t.corners);
     t.flux = sums.flux;
     t.power = sums.power;
-    // Texels overlap triangles that do not hold their centres; a lit one must keep the density
-    // positive.
+    // The parts of texels are sampled: where one is missed, the density must be positive all the
+    // same.
     constexpr double kShare = 2e-2;
     t.floor = kShare * static_cast<double>(environment.maxLuminance(t.axis, t.radius));
     return t;

@@ -14,11 +14,11 @@ struct MapTriangle {
     SphericalTriangle corners;
     Vec3d axis;     ///< unit, at the middle
     double radius;  ///< angle around the axis that holds the triangle [rad]
+    double sinRadius;
     double area;    ///< [sr]
-    Vec3d flux;     ///< integral of luminance times direction over its texels
-    double power;   ///< integral of the luminance over its texels
-    double floor;   ///< least average luminance to assume: positive wherever a texel that overlaps
-                    ///< is lit
+    Vec3d flux;     ///< integral of luminance times direction
+    double power;   ///< integral of the luminance
+    double floor;   ///< least average luminance to assume: positive wherever there is light
 };
 
 /// Splits the icosahedron to `minLevel`, then, always the triangle over which the luminance varies

@@ -71,6 +71,29 @@ TEST_F(Cli, RenderSaysWhatItTook) {
     EXPECT_GE(stats["rays"]["camera"].get<int>(), 12 * 8);
 }
 
+TEST_F(Cli, BiasIsSaid) {
+    bake();
+    const auto biasOf = [&](const std::string& options) {
+        runWell("render", still(options + " --cache set.vdb -o bias.exr --stats bias.json"));
+        const std::string said = readExr(path("bias.exr")).metadata.at("shadowcache:bias");
+        EXPECT_EQ(readJson(path("bias.json"))["bias"].get<std::string>(), said);
+        return said;
+    };
+    for (const char* name : {"mis", "pixel", "paper-image", "cache"})
+        EXPECT_EQ(biasOf(std::string("--triangles 100 --estimator ") + name), "none") << name;
+    for (const char* name : {"pixel-printed", "preconvolved", "ambient-occlusion",
+                             "ambient-occlusion-cached", "lights", "cache --samples 0"})
+        EXPECT_NE(biasOf(std::string("--estimator ") + name), "none") << name;
+}
+
+TEST_F(Cli, DebugRefusesAPixelThatDependsOnOthers) {
+    const auto before = files();
+    expectRefusal(
+        run("render", still("--triangles 100 --estimator paper-image -o a.exr --debug 6,4")),
+        "render", "paper-image", "depends on the pixels before");
+    EXPECT_EQ(files(), before);
+}
+
 TEST_F(Cli, FramesMakeTheirFiles) {
     const auto before = files();
     runWell("render", move("--frames 1-5x2 -o f.####.exr --png"));

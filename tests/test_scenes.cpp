@@ -241,7 +241,8 @@ double agreementPValue(const Estimates& estimates, const Rgb& truth) {
 std::vector<NamedEstimator> everyEstimator(const EstimatorContext& context) {
     std::vector<NamedEstimator> all;
     for (const EstimatorEntry& entry : estimatorTable())
-        if (context.cache || !entry.needsCache) all.push_back({entry.name, entry.make(context)});
+        if (!entry.bias && (context.cache || !entry.needsCache))
+            all.push_back({entry.name, entry.make(context)});
     return all;
 }
 
