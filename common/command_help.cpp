@@ -31,8 +31,11 @@ std::vector<const CLI::Option*> optionsOf(const CLI::App& app, const std::string
 
 std::string entry(const CLI::Option& option, bool positional) {
     CLI::Formatter formatter;
-    return ".TP\n\\fB" + roff(formatter.make_option_name(&option, positional)) + "\\fR" +
-           roff(formatter.make_option_opts(&option)) + "\n" + roff(option.get_description()) + "\n";
+    // Long lists of choices may break after a comma.
+    const std::string type =
+        std::regex_replace(roff(formatter.make_option_opts(&option)), std::regex(","), ",\\:");
+    return ".TP\n\\fB" + roff(formatter.make_option_name(&option, positional)) + "\\fR" + type +
+           "\n" + roff(option.get_description()) + "\n";
 }
 
 /// The choices that stand in the name of an option's type as {a,b}; empty if it has none.

@@ -57,6 +57,11 @@ void beginCommandLine(CLI::App& app) {
     app.set_version_flag("--version", app.get_name() + " " + kVersion);
     // Unknown keys of a settings file are treated like unknown options.
     app.allow_config_extras(CLI::config_extras_mode::capture);
+    // CLI11 would cut "shot.####.exr" at the first #, quoted or not: comments have lines of their
+    // own.
+    const auto format = std::make_shared<CLI::ConfigTOML>();
+    format->comment('\1');
+    app.config_formatter(format);
 }
 
 std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
