@@ -65,8 +65,8 @@ struct TriangleMesh {
 };
 
 struct MeshOptions {
-    bool zUp = false;             ///< the files' up axis is +Z: rotated so that +Y is up
-    double scale = 1.0;           ///< files' unit in metres, > 0
+    bool zUp = false;               ///< the files' up axis is +Z: rotated so that +Y is up
+    double scale = 1.0;             ///< files' unit in metres, > 0
     std::optional<Vec3d> origin{};  ///< of the mesh; else its middle
 };
 

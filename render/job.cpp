@@ -263,7 +263,8 @@ public:
         }
         if (job_.debugPixel) return;
         summarize();
-        if (!job_.stats.empty()) writeStats(job_, entry_, mesh_, cache_.get(), timing_, stats_, error_);
+        if (!job_.stats.empty())
+            writeStats(job_, entry_, mesh_, cache_.get(), timing_, stats_, error_);
     }
 
 private:

@@ -83,7 +83,7 @@ TEST_F(CommandLine, SettingsFileRepeatsARun) {
     // What was not given is not written: a default would exclude what a camera file brings.
     runWell("render", move("--frames 2 -o c.####.exr --explain --write-config move.toml"));
     runWell("render", "--config move.toml");
-    EXPECT_TRUE(std::filesystem::exists(path("c.exr")));
+    EXPECT_TRUE(std::filesystem::exists(path("c.0002.exr")));
 
     // The command line goes first.
     runWell("render", "--config shot.toml --seed 10 -o b.exr");
