@@ -16,6 +16,8 @@ struct RenderStats {
     double traceSeconds = 0;  ///< of it in tracing shadow rays and adding them up, likewise
     std::uint64_t cameraRays = 0;
     std::uint64_t shadowRays = 0;
+    int samples = 0;      ///< of a camera ray, in the last frame
+    double ownError = 0;  ///< relMSE of the last frame as its own samples tell it
 };
 
 /// Everything random about a sample is a pure function of (seed, frame, pixel, camera ray, index,

@@ -25,6 +25,7 @@
 #include "render/light_plan.h"
 #include "render/pixel_report.h"
 #include "render/resume.h"
+#include "render/target_error.h"
 
 namespace shadowcache {
 
@@ -148,6 +149,8 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
     out.set("rays.shadow", stats.shadowRays);
     out.set("cache.items", std::uint64_t{cache ? cache->itemCount() : 0});
     out.set("cache.bytes", std::uint64_t{cache ? cache->memoryBytes() : 0});
+    out.set("samples", static_cast<std::uint64_t>(stats.samples));
+    out.set("error.by_own_variance", stats.ownError);
     if (error) {
         out.set("error.relmse", error->mean);
         out.set("error.l2", error->l2);
@@ -205,6 +208,7 @@ const EstimatorEntry& validate(const RenderJob& job) {
     validate(job.estimatorOptions);
     requireRange("threads", job.threads, 0, kMaxThreads);
     requireRange("fps", job.fps, 1e-3, 1e6);
+    requireRange("target-error", job.targetError, 0.0, 1e6);
     requireRange("exposure", job.exposure, -64.0f, 64.0f);
     requireRange("fov-y", job.fovYDegrees, 0.01, 179.0);
     if (job.debugPixel) {
@@ -294,16 +298,31 @@ private:
                        stdout);
             return;
         }
-        survey(*estimator_, *context_, view, frame, job_.render, stats_);
+        RenderOptions options = options_;
+        if (job_.targetError > 0)
+            options.samples = samplesForError(*estimator_, *context_, view, frame, options_,
+                                              job_.targetError, stats_);
+        else
+            survey(*estimator_, *context_, view, frame, options, stats_);
         if (job_.debugPixel) {
             const auto [x, y] = *job_.debugPixel;
             reportPixel(*estimator_, *context_, view, frame, job_.render, x, y);
             return;
         }
-        const Film film = render(*estimator_, *context_, view, frame, options_, stats_);
+        const Film film = render(*estimator_, *context_, view, frame, options, stats_);
+        stats_.samples = options.samples;
+        stats_.ownError = measuredError(film.pixels, context_->environment.luminanceWeights());
+        if (job_.targetError > 0) reportError(frame);
         writeFrame(job_, film, std::move(metadata), stats_.seconds - before, frame);
         ++rendered_;
         if (reference_) error_ = relativeError(colorImage(film), *reference_);
+    }
+
+    /// Says what the frame's own samples tell of its error.
+    void reportError(int frame) const {
+        std::printf("frame %d: %d samples, relMSE %.3g by its own variance, wanted %.3g%s\n", frame,
+                    stats_.samples, stats_.ownError, job_.targetError,
+                    stats_.samples == kMostSamples ? " (no more samples are allowed)" : "");
     }
 
     /// Whether the frame is there as it would be rendered; counts and tells what is not.
@@ -322,7 +341,8 @@ private:
     void summarize() const {
         std::printf("%s: %zu frame%s", entry_.name, rendered_, rendered_ == 1 ? "" : "s");
         if (job_.resume) std::printf(" (%zu more were done)", skipped_);
-        std::printf(", %d samples, %.1f M shadow rays in %.2f s", job_.render.samples,
+        std::printf(", %d samples, %.1f M shadow rays in %.2f s",
+                    job_.targetError > 0 ? stats_.samples : job_.render.samples,
                     static_cast<double>(stats_.shadowRays) * 1e-6, stats_.seconds);
         if (error_) std::printf(", relMSE %.3g", error_->mean);
         std::printf(" -> %s\n", job_.output.c_str());

@@ -151,9 +151,14 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
     app.add_option("--cache", job.cache, "Cache of the set, from shadowcache-bake")->group(group);
     app.add_flag("--stale-ok", job.staleOk, "Use a cache of another set: unbiased all the same")
         ->group(group);
-    app.add_option("--samples", job.render.samples,
-                   "Shadow rays per camera ray; 0 with `cache`: a biased, noise-free preview")
-        ->capture_default_str()
+    auto* samples =
+        app.add_option("--samples", job.render.samples,
+                       "Shadow rays per camera ray; 0 with `cache`: a biased, noise-free preview");
+    samples->capture_default_str()->group(group);
+    app.add_option("--target-error", job.targetError,
+                   "Choose the samples of each frame so that its relMSE comes to about this, from "
+                   "a pilot whose numbers the picture does not use")
+        ->excludes(samples)
         ->group(group);
     app.add_option(
            "--budget", arguments.budget,

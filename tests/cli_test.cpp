@@ -71,6 +71,27 @@ TEST_F(Cli, RenderSaysWhatItTook) {
     EXPECT_GE(stats["rays"]["camera"].get<int>(), 12 * 8);
 }
 
+// Control: a looser target takes fewer samples and leaves more error.
+TEST_F(Cli, TargetErrorChoosesTheSamples) {
+    const std::string still =
+        "set.obj --env map.exr --eye 1,1.5,2 --look-at 0,0.3,0 --size 48x32 --estimator mis ";
+    runWell("render", still + "--samples 4096 -o ref.exr");
+    double error[2];
+    int samples[2];
+    for (int i = 0; i < 2; ++i) {
+        const std::string target = i == 0 ? "0.02" : "0.0005";
+        runWell("render", still + "--target-error " + target +
+                              " -o a.exr --reference ref.exr --stats stats.json");
+        const json stats = readJson(path("stats.json"));
+        error[i] = stats["error"]["relmse"];
+        samples[i] = stats["samples"];
+        EXPECT_LT(error[i], 4 * std::stod(target));
+        EXPECT_LT(stats["error"]["by_own_variance"].get<double>(), 4 * std::stod(target));
+    }
+    EXPECT_LT(samples[0], samples[1]);
+    EXPECT_GT(error[0], error[1]);
+}
+
 TEST_F(Cli, BiasIsSaid) {
     bake();
     const auto biasOf = [&](const std::string& options) {
