@@ -20,7 +20,7 @@ namespace {
 
 /// What CLI11 fills before it becomes a RenderJob.
 struct Arguments {
-    std::string up = "y", frames, size = "960x540", sequence = "sobol", budget = "uniform",
+    std::string up = "y", frames, size = "960x540", sequence = "sobol", budget = "adaptive",
                 albedo = "0.5";
     std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
     std::vector<std::string> dynamic;

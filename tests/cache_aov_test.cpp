@@ -67,7 +67,7 @@ TEST_F(CacheAov, ChangeNoPixel) {
 
 TEST_F(CacheAov, MoreSamplesExpectLessNoise) {
     bake();
-    const std::string options = "--cache set.vdb --aov expected_noise ";
+    const std::string options = "--cache set.vdb --budget uniform --aov expected_noise ";
     runWell("render", still(options + "-o a.exr"));
     runWell("render", still(options + "-o b.exr --samples 16"));
     const double few = mean(channel("a.exr", "expected_noise.Y"));

@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""Draws the curves of docs/performance.md from the JSON that `tests/bench ... --json FILE trade` wrote.
+
+Usage: plot_trade.py FILE.json SCENE MAP OUT.svg (needs python3-matplotlib)
+"""
+
+import json
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+CHOICES = ["spacing", "level", "rays", "uniform"]
+ESTIMATORS = ["samples-mis", "samples-paper", "samples-cache"]
+
+
+def points(data, series):
+    """The measured points of one series, in the order of measuring."""
+    return [p for _, p in sorted(data.get(series, {}).items())]
+
+
+def draw(axes, data, names, x, label, marked):
+    for name in names:
+        found = points(data, name)
+        axes.plot([p[x] for p in found], [p["relmse"] for p in found], "o-", ms=3, lw=1,
+                  label=name.replace("samples-", ""))
+    if marked:
+        axes.plot(marked[x], marked["relmse"], "k*", ms=10, label="default")
+    axes.set(xscale="log", yscale="log", xlabel=label, ylabel="relMSE")
+    axes.grid(True, which="major", lw=0.3)
+    axes.legend(fontsize=7)
+
+
+def main():
+    file, scene, sky, out = sys.argv[1:]
+    with open(file, encoding="utf-8") as stream:
+        data = json.load(stream)[scene][sky]
+    default = next(p for p in points(data, "rays") if p["choice"] == 16)
+    figure, axes = plt.subplots(2, 2, figsize=(8, 6.4))
+    draw(axes[0][0], data, CHOICES, "bake_seconds", "bake [s]", default)
+    draw(axes[0][1], data, CHOICES, "file_bytes", "cache file [bytes]", default)
+    draw(axes[1][0], data, ESTIMATORS, "choice", "samples a pixel", None)
+    draw(axes[1][1], data, ESTIMATORS, "seconds", "render [s]", None)
+    figure.suptitle(f"{scene} under {sky}: what accuracy costs")
+    figure.tight_layout()
+    figure.savefig(out)
+
+
+if __name__ == "__main__":
+    main()
