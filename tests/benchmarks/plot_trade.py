@@ -21,14 +21,14 @@ def points(data, series):
     return [p for _, p in sorted(data.get(series, {}).items())]
 
 
-def draw(axes, data, names, x, label, marked):
+def draw(axes, data, names, x, label, marked=None, y="relmse"):
     for name in names:
         found = points(data, name)
-        axes.plot([p[x] for p in found], [p["relmse"] for p in found], "o-", ms=3, lw=1,
+        axes.plot([p[x] for p in found], [p[y] for p in found], "o-", ms=3, lw=1,
                   label=name.replace("samples-", ""))
     if marked:
         axes.plot(marked[x], marked["relmse"], "k*", ms=10, label="default")
-    axes.set(xscale="log", yscale="log", xlabel=label, ylabel="relMSE")
+    axes.set(xscale="log", yscale="log", xlabel=label, ylabel="p99" if y == "p99" else "relMSE")
     axes.grid(True, which="major", lw=0.3)
     axes.legend(fontsize=7)
 
@@ -39,10 +39,10 @@ def main():
         data = json.load(stream)[scene][sky]
     default = next(p for p in points(data, "rays") if p["choice"] == 16)
     figure, axes = plt.subplots(2, 2, figsize=(8, 6.4))
-    draw(axes[0][0], data, CHOICES, "bake_seconds", "bake [s]", default)
+    draw(axes[0][0], data, CHOICES, "bake_rays", "rays of the bake", default)
     draw(axes[0][1], data, CHOICES, "file_bytes", "cache file [bytes]", default)
-    draw(axes[1][0], data, ESTIMATORS, "choice", "samples a pixel", None)
-    draw(axes[1][1], data, ESTIMATORS, "seconds", "render [s]", None)
+    draw(axes[1][0], data, ESTIMATORS, "choice", "samples a pixel")
+    draw(axes[1][1], data, ESTIMATORS, "choice", "samples a pixel", y="p99")
     figure.suptitle(f"{scene} under {sky}: what accuracy costs")
     figure.tight_layout()
     figure.savefig(out)

@@ -88,7 +88,7 @@ private:
                     choice, baked.seconds, baked.rays * 1e-6, baked.fileBytes * 1e-6, error.mean,
                     error.p99, seconds, preview.mean);
         std::fflush(stdout);
-        const std::string key = key_ + "." + series + "." + std::to_string(points_++);
+        const std::string key = key_ + "." + series + ".run" + std::to_string(points_++);
         json_.set(key + ".choice", choice);
         json_.set(key + ".bake_seconds", baked.seconds);
         json_.set(key + ".bake_rays", baked.rays);
