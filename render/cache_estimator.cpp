@@ -73,8 +73,11 @@ public:
         });
         for (const Reliability& part : found) reliability_.add(part);
         reliability_.update();
-        measureBrightness(points);
-        if (context_.options.adaptive) planBudget(points, samples);
+        const std::vector<PredictedNoise> noise = predictNoise(points);
+        double brightness = 0;
+        for (const PredictedNoise& n : noise) brightness += n.value;
+        darkest_ = noise.empty() ? 0 : kDarkest * brightness / static_cast<double>(noise.size());
+        if (context_.options.adaptive) budget_.plan(noise, samples);
         return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
     }
 
@@ -101,21 +104,7 @@ private:
     SampleBudget budget_;
     double darkest_ = 0;  ///< irradiance below which errors count no more [luminance]
 
-    void measureBrightness(std::span<const ShadingPoint> points) {
-        std::vector<double> sums((points.size() + kSurveyChunk - 1) / kSurveyChunk);
-        parallelFor(points.size(), kSurveyChunk, [&](const Chunk& chunk) {
-            const auto workspace = makeWorkspace();
-            auto& w = static_cast<CacheWorkspace&>(*workspace);
-            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                weigh(points[i], w);
-                sums[chunk.index] += predictedNoise(w).value;
-            }
-        });
-        const double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
-        darkest_ = points.empty() ? 0 : kDarkest * sum / static_cast<double>(points.size());
-    }
-
-    void planBudget(std::span<const ShadingPoint> points, int samples) {
+    std::vector<PredictedNoise> predictNoise(std::span<const ShadingPoint> points) const {
         std::vector<PredictedNoise> noise(points.size());
         parallelFor(points.size(), kSurveyChunk, [&](const Chunk& chunk) {
             const auto workspace = makeWorkspace();
@@ -125,7 +114,7 @@ private:
                 noise[i] = predictedNoise(w);
             }
         });
-        budget_.plan(noise, samples);
+        return noise;
     }
 
     PredictedNoise predictedNoise(const CacheWorkspace& w) const {

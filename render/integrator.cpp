@@ -92,9 +92,8 @@ struct Frame {
                 filmY};
     }
 
-    /// Renders pixels (x0, y0) .. (x0 + kTile - 1, y0 + kTile - 1) as far as the film goes:
-    /// out[kTile
-    /// * v + u] is (x0 + u, y0 + v).
+    /// Renders pixels (x0, y0) .. (x0 + kTile - 1, y0 + kTile - 1) as far as the film goes: pixel
+    /// (x0 + u, y0 + v) goes to out[kTile * v + u].
     void renderTile(int x0, int y0, TileScratch& scratch, Workspace& workspace, Pixel* out) const {
         std::fill_n(out, kTile * kTile, Pixel{});
         for (int k = 0; k < options.cameraRays; ++k)

@@ -306,7 +306,7 @@ private:
             survey(*estimator_, *context_, view, frame, options, stats_);
         if (job_.debugPixel) {
             const auto [x, y] = *job_.debugPixel;
-            reportPixel(*estimator_, *context_, view, frame, job_.render, x, y);
+            reportPixel(*estimator_, *context_, view, frame, options, x, y);
             return;
         }
         const Film film = render(*estimator_, *context_, view, frame, options, stats_);
