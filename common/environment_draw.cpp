@@ -7,6 +7,23 @@
 
 namespace shadowcache {
 
+namespace {
+
+/// Number of the last of `count` (>= 1) ascending values that is at most x; 0 if none is. Without
+/// branches, which no processor could foresee.
+template <class T>
+std::uint32_t lastAtMost(const T* values, std::uint32_t count, T x) {
+    std::uint32_t found = 0;
+    for (std::uint32_t left = count; left > 1;) {
+        const std::uint32_t half = left / 2;
+        found += half * static_cast<std::uint32_t>(values[found + half] <= x);
+        left -= half;
+    }
+    return found;
+}
+
+}  // namespace
+
 Environment::Draw Environment::startDraw(std::uint32_t first, std::uint32_t last,
                                          double u) const noexcept {
     const double begin = cellCdf_[first], end = cellCdf_[last];
@@ -21,8 +38,7 @@ Environment::Draw Environment::startDraw(std::uint32_t first, std::uint32_t last
             from = guide_[g];
             to = guide_[g + 1] + 1;
         }
-        const auto cdf = cellCdf_.begin();
-        c = static_cast<std::uint32_t>(std::upper_bound(cdf + from + 1, cdf + to, x) - cdf - 1);
+        c = from + lastAtMost(&cellCdf_[from], to - from, x);
     }
     while (c + 1 < last && cellCdf_[c + 1] <= cellCdf_[c]) ++c;  // never a dark cell
     while (c > first && cellCdf_[c + 1] <= cellCdf_[c]) --c;
@@ -37,9 +53,8 @@ Environment::Draw Environment::startDraw(std::uint32_t first, std::uint32_t last
 
 void Environment::findTexel(Draw& draw) const noexcept {
     const auto texels = texelsOf(draw.cell);
-    const auto base = texelBegin_.begin();
-    const auto found = std::upper_bound(base + texels[0], base + texels[1], draw.step);
-    draw.texel = static_cast<std::uint32_t>(found - base - 1);
+    draw.texel =
+        texels[0] + lastAtMost(&texelBegin_[texels[0]], texels[1] - texels[0], draw.step);
     __builtin_prefetch(&sorted_[draw.texel]);
 }
 

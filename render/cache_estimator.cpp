@@ -117,12 +117,8 @@ private:
         return noise;
     }
 
-    PredictedNoise predictedNoise(const CacheWorkspace& w) const {
-        const double* p = w.weights.predicted();
-        const Rgb& weights = context_.environment.luminanceWeights();
-        return {w.weights.spreadSum(), static_cast<double>(weights.x) * p[0] +
-                                           static_cast<double>(weights.y) * p[1] +
-                                           static_cast<double>(weights.z) * p[2]};
+    static PredictedNoise predictedNoise(const CacheWorkspace& w) {
+        return {w.weights.spreadSum(), w.weights.predictedLuminance()};
     }
 
     /// @return number of items found

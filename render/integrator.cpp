@@ -14,6 +14,7 @@
 #include "common/placed_mesh.h"
 #include "common/progress.h"
 #include "common/sequence.h"
+#include "render/neighbour_groups.h"
 
 namespace shadowcache {
 
@@ -21,10 +22,6 @@ namespace {
 
 /// Side of the square of pixels that are rendered in a run: neighbours read the same cache items.
 constexpr int kTile = 16;
-
-/// Pixels of a tile are lit in this many groups, each scattered over the tile: what they share
-/// makes their errors alike, which nobody sees where neighbours belong to other groups.
-constexpr int kGroups = 4;
 
 /// Places of the frame that a survey looks at.
 constexpr int kSurveyPlaces = 1024;
@@ -54,14 +51,11 @@ struct TileScratch {
         Hit hit;
         Pixel* pixel;
     };
-    struct Group {
-        std::vector<ShadingPoint> points;
-        std::vector<Seen> seen;
-        std::vector<Estimate> estimates;
-
-        void clear() { points.clear(), seen.clear(); }
-    };
-    std::array<Group, kGroups> groups;
+    std::vector<ShadingPoint> points;
+    std::vector<Seen> seen;
+    NeighbourGroups groups;
+    std::vector<ShadingPoint> together;
+    std::vector<Estimate> estimates;
 };
 
 struct Frame {
@@ -119,7 +113,8 @@ struct Frame {
     /// The camera ray `k` of each pixel of a tile; what they see is lit together.
     void addCameraRays(int x0, int y0, int k, TileScratch& scratch, Workspace& workspace,
                        Pixel* out) const {
-        for (TileScratch::Group& group : scratch.groups) group.clear();
+        scratch.points.clear();
+        scratch.seen.clear();
         for (int y = y0; y < std::min(y0 + kTile, options.height); ++y)
             for (int x = x0; x < std::min(x0 + kTile, options.width); ++x) {
                 Pixel& pixel = out[(y - y0) * kTile + x - x0];
@@ -129,16 +124,21 @@ struct Frame {
                     continue;
                 }
                 const std::uint64_t seed = pixelSeed(options.seed, number, x, y, k);
-                TileScratch::Group& group = scratch.groups[mixBits(seed) % kGroups];
-                group.points.push_back(shadingPoint(view, seed, x, y));
-                group.seen.push_back({view.hit, &pixel});
+                scratch.points.push_back(shadingPoint(view, seed, x, y));
+                scratch.seen.push_back({view.hit, &pixel});
             }
-        for (TileScratch::Group& group : scratch.groups) {
-            group.estimates.resize(group.points.size());
-            estimator.estimate(group.points, options.samples, workspace, group.estimates);
-            for (std::size_t i = 0; i < group.points.size(); ++i)
-                addToPixel(group.points[i], group.seen[i].hit, group.estimates[i], workspace,
-                           *group.seen[i].pixel);
+        scratch.groups.group(scratch.points);
+        for (std::size_t g = 0; g < scratch.groups.size(); ++g) {
+            const std::span<const std::uint32_t> members = scratch.groups[g];
+            scratch.together.clear();
+            for (const std::uint32_t i : members) scratch.together.push_back(scratch.points[i]);
+            scratch.estimates.resize(members.size());
+            estimator.estimate(scratch.together, options.samples, workspace, scratch.estimates);
+            for (std::size_t i = 0; i < members.size(); ++i) {
+                const TileScratch::Seen& seen = scratch.seen[members[i]];
+                addToPixel(scratch.together[i], seen.hit, scratch.estimates[i], workspace,
+                           *seen.pixel);
+            }
         }
     }
 

@@ -39,9 +39,12 @@ constexpr float kLeastNoise = 5e-4f;
 /// surprise can weigh.
 constexpr double kDefensiveShare = 0.2;
 
-/// Part of the irradiance that is sure, from which on a sample is heavy enough to be shared: what
-/// its rays to the neighbours cost is then well spent.
+/// Part of the irradiance from which on a sample is heavy enough to be shared: what its rays to the
+/// neighbours cost is then well spent.
 constexpr double kHeavy = 0.1;
+
+/// What is predicted but not sure counts this much in that irradiance.
+constexpr double kUnsure = 0.4;
 
 /// Shared regions need this much of the samples that they would need alone.
 constexpr float kSharedSpread = 0.5f;
@@ -154,6 +157,13 @@ void RegionWeights::weigh(const PooledVisibility& pooled, const Vec3f& normal,
     if (lightSum_ > 0) defend();
 }
 
+double RegionWeights::predictedLuminance() const {
+    const Rgb& weights = environment_.luminanceWeights();
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += static_cast<double>(weights[k]) * predicted_[k];
+    return sum;
+}
+
 void RegionWeights::defend() {
     const auto share = static_cast<float>(kDefensiveShare * spreadSum_ / lightSum_);
     spreadSum_ = 0;
@@ -167,7 +177,8 @@ void RegionWeights::defend() {
 }
 
 void RegionWeights::shareSurprises(int samples, double darkest) {
-    const double brightness = darkest + sureLight_;
+    const double unsure = std::max(0.0, predictedLuminance() - sureLight_);
+    const double brightness = darkest + sureLight_ + kUnsure * unsure;
     // A sample weighs light / (samples * spread / spreadSum).
     const auto least = static_cast<float>(kHeavy * brightness * samples / spreadSum_);
     spreadSum_ = 0;

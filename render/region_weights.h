@@ -48,6 +48,7 @@ public:
 
     /// Sum over the regions of c_r (n . V_r): the irradiance the cache predicts.
     const double* predicted() const { return predicted_; }
+    double predictedLuminance() const;
     /// Sum of all spreads: about the standard deviation of one sample drawn in proportion to them,
     /// as far as the counts tell.
     double spreadSum() const { return spreadSum_; }
