@@ -25,9 +25,10 @@ Region regionOf(const RegionWeights& weights, std::size_t g, int lane) {
 void RegionSampler::draw(RegionWeights& weights, int samples, std::span<const std::uint32_t> words,
                          std::uint64_t seed) {
     words_ = words;
-    seed_ = seed;
+    hashBase_ = hashWords(seed, 80);
     used_ = 0;
     queued_.clear();
+    queued_.reserve(static_cast<std::size_t>(samples) + 1);
     const double total = weights.spreadSum();
     const bool anyOwn = takeOwn(weights, total * kOwnStrata / samples);
     sumGroups(weights);
@@ -138,21 +139,25 @@ void RegionSampler::drawRest(const RegionWeights& weights, int count) {
 }
 
 void RegionSampler::queue(const Region& region, double place, double share) {
-    queued_.push_back(
-        {region, share,
-         environment_.startDraw(region.level, region.cell, std::clamp(place, 0.0, kBelowOne)),
-         hashWords(seed_, 80, used_), false});
+    Queued& q = queued_.emplace_back();
+    q.region = region;
+    q.share = share;
+    q.draw = environment_.startDraw(region.level, region.cell, std::clamp(place, 0.0, kBelowOne));
+    q.jitter = hash_;
+    q.endsGroup = false;
 }
 
 void RegionSampler::endGroup() {
     if (!queued_.empty()) queued_.back().endsGroup = true;
 }
 
-/// In [0, 1), 53 bits.
+/// In [0, 1): 32 bits of the sequence and 16 of the sample's hash, which its jitter leaves.
 double RegionSampler::nextNumber() {
     const std::size_t k = used_++;
-    const double low = toUnit(hashWords(seed_, 79, k));
-    return (static_cast<double>(words_[std::min(k, words_.size() - 1)]) + low) * 0x1p-32;
+    hash_ = mixBits(hashBase_ + k * 0x9e3779b97f4a7c15ull);
+    const std::uint64_t low = (hash_ & 0xff) << 8 | (hash_ >> 32 & 0xff);
+    const std::uint64_t word = words_[std::min(k, words_.size() - 1)];
+    return static_cast<double>(word << 16 | low) * 0x1p-48;
 }
 
 }  // namespace shadowcache
