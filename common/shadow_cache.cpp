@@ -84,6 +84,21 @@ LeafView makeView(const PointLeaf& items, const PointLeaf* blocks, const Directi
     return view;
 }
 
+/// Drops items that add next to nothing, and makes the others' weights, whose sum was `sum`, sum to
+/// 1. Returns how many are left, at the front.
+int keepWeighty(std::span<ItemView> items, float sum) {
+    constexpr float kLeastShare = 0.03f;
+    float left = 0;
+    std::size_t kept = 0;
+    for (const ItemView& item : items) {
+        if (item.weight < kLeastShare * sum) continue;
+        left += item.weight;
+        items[kept++] = item;
+    }
+    for (ItemView& item : items.first(kept)) item.weight /= left;
+    return static_cast<int>(kept);
+}
+
 }  // namespace
 
 struct ShadowCache::Impl {
@@ -189,8 +204,7 @@ int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
             sum += weight;
         }
     }
-    for (int i = 0; i < found; ++i) out[static_cast<std::size_t>(i)].weight /= sum;
-    return found;
+    return keepWeighty(out.first(static_cast<std::size_t>(found)), sum);
 }
 
 }  // namespace shadowcache

@@ -14,14 +14,18 @@
 #include "common/placed_mesh.h"
 #include "common/progress.h"
 #include "common/sequence.h"
-#include "render/neighbour_groups.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Side of the square of pixels that are rendered in a run: neighbours read the same cache items.
+/// Side of the square of pixels that are rendered in a run: they read the same cache items, and
+/// tell one another what they find.
 constexpr int kTile = 16;
+
+/// Pixels belong to a tile up to this far from its square: what a tile shares makes its errors
+/// alike, and straight borders would be seen.
+constexpr int kReach = 2;
 
 /// Places of the frame that a survey looks at.
 constexpr int kSurveyPlaces = 1024;
@@ -45,6 +49,10 @@ struct View {
     Hit hit;
 };
 
+struct FilmPlace {
+    int x, y;
+};
+
 /// What a tile's camera rays see of the set; reused from tile to tile.
 struct TileScratch {
     struct Seen {
@@ -53,8 +61,6 @@ struct TileScratch {
     };
     std::vector<ShadingPoint> points;
     std::vector<Seen> seen;
-    NeighbourGroups groups;
-    std::vector<ShadingPoint> together;
     std::vector<Estimate> estimates;
 };
 
@@ -86,60 +92,51 @@ struct Frame {
                 filmY};
     }
 
-    /// Renders pixels (x0, y0) .. (x0 + kTile - 1, y0 + kTile - 1) as far as the film goes: pixel
-    /// (x0 + u, y0 + v) goes to out[kTile * v + u].
-    void renderTile(int x0, int y0, TileScratch& scratch, Workspace& workspace, Pixel* out) const {
-        std::fill_n(out, kTile * kTile, Pixel{});
+    /// Renders the pixels of a tile: places[i] goes to out[i].
+    void renderTile(std::span<const FilmPlace> places, TileScratch& scratch, Workspace& workspace,
+                    std::span<Pixel> out) const {
+        std::fill(out.begin(), out.end(), Pixel{});
         for (int k = 0; k < options.cameraRays; ++k)
-            addCameraRays(x0, y0, k, scratch, workspace, out);
+            addCameraRays(places, k, scratch, workspace, out);
         const float scale = 1.0f / static_cast<float>(options.cameraRays);
-        for (Pixel* pixel = out; pixel != out + kTile * kTile; ++pixel) {
-            pixel->color *= scale;
-            pixel->irradiance *= scale;
-            pixel->albedo *= scale;
-            pixel->normal *= scale;
-            pixel->position *= scale;
-            pixel->depth *= scale;
-            pixel->variance *= scale * scale;
-            pixel->openness *= scale;
+        for (Pixel& pixel : out) {
+            pixel.color *= scale;
+            pixel.irradiance *= scale;
+            pixel.albedo *= scale;
+            pixel.normal *= scale;
+            pixel.position *= scale;
+            pixel.depth *= scale;
+            pixel.variance *= scale * scale;
+            pixel.openness *= scale;
             // Errors of camera rays are independent.
-            pixel->expectedNoise = std::sqrt(pixel->expectedNoise) * scale;
-            pixel->items *= scale;
-            pixel->regions *= scale;
-            pixel->misses *= scale;
+            pixel.expectedNoise = std::sqrt(pixel.expectedNoise) * scale;
+            pixel.items *= scale;
+            pixel.regions *= scale;
+            pixel.misses *= scale;
         }
     }
 
     /// The camera ray `k` of each pixel of a tile; what they see is lit together.
-    void addCameraRays(int x0, int y0, int k, TileScratch& scratch, Workspace& workspace,
-                       Pixel* out) const {
+    void addCameraRays(std::span<const FilmPlace> places, int k, TileScratch& scratch,
+                       Workspace& workspace, std::span<Pixel> out) const {
         scratch.points.clear();
         scratch.seen.clear();
-        for (int y = y0; y < std::min(y0 + kTile, options.height); ++y)
-            for (int x = x0; x < std::min(x0 + kTile, options.width); ++x) {
-                Pixel& pixel = out[(y - y0) * kTile + x - x0];
-                const View view = look(x, y, k);
-                if (!view.hit.found) {
-                    pixel.color += context.environment.radiance(view.direction);
-                    continue;
-                }
-                const std::uint64_t seed = pixelSeed(options.seed, number, x, y, k);
-                scratch.points.push_back(shadingPoint(view, seed, x, y));
-                scratch.seen.push_back({view.hit, &pixel});
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const auto [x, y] = places[i];
+            const View view = look(x, y, k);
+            if (!view.hit.found) {
+                out[i].color += context.environment.radiance(view.direction);
+                continue;
             }
-        scratch.groups.group(scratch.points);
-        for (std::size_t g = 0; g < scratch.groups.size(); ++g) {
-            const std::span<const std::uint32_t> members = scratch.groups[g];
-            scratch.together.clear();
-            for (const std::uint32_t i : members) scratch.together.push_back(scratch.points[i]);
-            scratch.estimates.resize(members.size());
-            estimator.estimate(scratch.together, options.samples, workspace, scratch.estimates);
-            for (std::size_t i = 0; i < members.size(); ++i) {
-                const TileScratch::Seen& seen = scratch.seen[members[i]];
-                addToPixel(scratch.together[i], seen.hit, scratch.estimates[i], workspace,
-                           *seen.pixel);
-            }
+            const std::uint64_t seed = pixelSeed(options.seed, number, x, y, k);
+            scratch.points.push_back(shadingPoint(view, seed, x, y));
+            scratch.seen.push_back({view.hit, &out[i]});
         }
+        scratch.estimates.resize(scratch.points.size());
+        estimator.estimate(scratch.points, options.samples, workspace, scratch.estimates);
+        for (std::size_t i = 0; i < scratch.points.size(); ++i)
+            addToPixel(scratch.points[i], scratch.seen[i].hit, scratch.estimates[i], workspace,
+                       *scratch.seen[i].pixel);
     }
 
     View look(int x, int y, int k) const {
@@ -185,7 +182,7 @@ struct Frame {
     }
 };
 
-/// The tiles of a film, row by row.
+/// The tiles of a film, row by row. Every pixel belongs to one, near its square or in it.
 class Tiles {
 public:
     explicit Tiles(const RenderOptions& options)
@@ -197,18 +194,27 @@ public:
     std::size_t count() const {
         return static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_);
     }
-    int x(std::size_t tile) const { return static_cast<int>(tile) % across_ * kTile; }
-    int y(std::size_t tile) const { return static_cast<int>(tile) / across_ * kTile; }
 
-    /// Calls visit(index in the tile, index in the film) for every pixel of the tile.
-    template <class Visit>
-    void visit(std::size_t tile, const Visit& visit) const {
-        const int x0 = x(tile), y0 = y(tile);
-        for (int v = 0; v < std::min(kTile, height_ - y0); ++v)
-            for (int u = 0; u < std::min(kTile, width_ - x0); ++u)
-                visit(static_cast<std::size_t>(v * kTile + u),
-                      static_cast<std::size_t>(y0 + v) * static_cast<std::size_t>(width_) +
-                          static_cast<std::size_t>(x0 + u));
+    /// Number of the tile that a pixel belongs to.
+    std::size_t tileOf(int x, int y) const {
+        const std::uint64_t hash =
+            hashWords(84, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y));
+        const auto shaken = [&](int place, int shift, int tiles) {
+            const int shake = static_cast<int>(hash >> shift & 0xffff) * (2 * kReach + 1) >> 16;
+            return std::clamp((place + shake - kReach + kTile) / kTile - 1, 0, tiles - 1);
+        };
+        return static_cast<std::size_t>(shaken(y, 16, down_)) * static_cast<std::size_t>(across_) +
+               static_cast<std::size_t>(shaken(x, 0, across_));
+    }
+
+    /// The pixels of a tile, row by row.
+    void findPlaces(std::size_t tile, std::vector<FilmPlace>& places) const {
+        places.clear();
+        const int x0 = static_cast<int>(tile) % across_ * kTile,
+                  y0 = static_cast<int>(tile) / across_ * kTile;
+        for (int y = std::max(0, y0 - kReach); y < std::min(y0 + kTile + kReach, height_); ++y)
+            for (int x = std::max(0, x0 - kReach); x < std::min(x0 + kTile + kReach, width_); ++x)
+                if (tileOf(x, y) == tile) places.push_back({x, y});
     }
 
 private:
@@ -226,18 +232,19 @@ void renderTiles(const Frame& task, std::span<const std::size_t> chosen, RenderS
     parallelFor(chosen.size(), run, [&](const Chunk& chunk) {
         const std::unique_ptr<Workspace> workspace = task.estimator.makeWorkspace();
         TileScratch scratch;
-        std::array<Pixel, kTile * kTile> pixels;
+        std::vector<FilmPlace> places;
+        std::vector<Pixel> pixels;
         double rays = 0;
         std::uint64_t count = 0;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             throwIfInterrupted();
             const std::size_t t = chosen[i];
-            task.renderTile(tiles.x(t), tiles.y(t), scratch, *workspace, pixels.data());
-            tiles.visit(t, [&](std::size_t inTile, std::size_t) {
-                rays += static_cast<double>(pixels[inTile].rays);
-                ++count;
-            });
-            take(t, pixels);
+            tiles.findPlaces(t, places);
+            pixels.resize(places.size());
+            task.renderTile(places, scratch, *workspace, pixels);
+            for (const Pixel& pixel : pixels) rays += static_cast<double>(pixel.rays);
+            count += pixels.size();
+            take(t, places, pixels);
         }
         shadowRays += static_cast<std::uint64_t>(rays);
         cameraRays += count * static_cast<std::uint64_t>(task.options.cameraRays);
@@ -295,10 +302,11 @@ Film render(const Estimator& estimator, const EstimatorContext& context, const C
     std::iota(all.begin(), all.end(), std::size_t{0});
     Progress progress("frame " + std::to_string(frame), all.size());
     renderTiles({estimator, context, camera, frame, options}, all, stats,
-                [&](std::size_t t, std::span<const Pixel> pixels) {
-                    tiles.visit(t, [&](std::size_t inTile, std::size_t inFilm) {
-                        film.pixels[inFilm] = pixels[inTile];
-                    });
+                [&](std::size_t, std::span<const FilmPlace> places, std::span<const Pixel> pixels) {
+                    for (std::size_t i = 0; i < places.size(); ++i)
+                        film.pixels[static_cast<std::size_t>(places[i].y) *
+                                        static_cast<std::size_t>(film.width) +
+                                    static_cast<std::size_t>(places[i].x)] = pixels[i];
                     progress.add(1);
                 });
     requireFinite(film, frame, options.seed);
@@ -315,10 +323,8 @@ std::vector<Pixel> renderSomeTiles(const Estimator& estimator, const EstimatorCo
         some.push_back(std::min(t + hashWords(options.seed, 82, t) % step, tiles.count() - 1));
     std::vector<std::vector<Pixel>> parts(some.size());
     renderTiles({estimator, context, camera, frame, options}, some, stats,
-                [&](std::size_t t, std::span<const Pixel> pixels) {
-                    tiles.visit(t, [&](std::size_t inTile, std::size_t) {
-                        parts[t / step].push_back(pixels[inTile]);
-                    });
+                [&](std::size_t t, std::span<const FilmPlace>, std::span<const Pixel> pixels) {
+                    parts[t / step].assign(pixels.begin(), pixels.end());
                 });
     std::vector<Pixel> found;
     for (const auto& part : parts) found.insert(found.end(), part.begin(), part.end());
@@ -330,10 +336,15 @@ Pixel renderPixel(const Estimator& estimator, const EstimatorContext& context, c
                   const CameraSampleObserver& observer) {
     const auto workspace = estimator.makeWorkspace();
     TileScratch scratch;
-    std::array<Pixel, kTile * kTile> tile;
-    const Pixel& pixel = tile[static_cast<std::size_t>(y % kTile * kTile + x % kTile)];
+    std::vector<FilmPlace> places;
+    const Tiles tiles(options);
+    tiles.findPlaces(tiles.tileOf(x, y), places);
+    std::vector<Pixel> pixels(places.size());
+    const auto place = std::find_if(places.begin(), places.end(),
+                                    [&](const FilmPlace& p) { return p.x == x && p.y == y; });
+    const Pixel& pixel = pixels[static_cast<std::size_t>(place - places.begin())];
     const Frame task{estimator, context, camera, frame, options, &observer, &pixel};
-    task.renderTile(x - x % kTile, y - y % kTile, scratch, *workspace, tile.data());
+    task.renderTile(places, scratch, *workspace, pixels);
     return pixel;
 }
 

@@ -37,7 +37,7 @@ constexpr float kLeastNoise = 5e-4f;
 
 /// Samples drawn in proportion to the light alone, for each that follows the counts: bounds what a
 /// surprise can weigh.
-constexpr double kDefensiveShare = 0.2;
+constexpr double kDefensiveShare = 0.4;
 
 /// Part of the irradiance from which on a sample is heavy enough to be shared: what its rays to the
 /// neighbours cost is then well spent.
