@@ -149,6 +149,14 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
         ->type_name("NAME:{" + choices + "}")
         ->group(group);
     app.add_option("--cache", job.cache, "Cache of the set, from shadowcache-bake")->group(group);
+    app.add_option(
+           "--memory", job.memory,
+           "Memory for the cache, as 4G or 512M: parts of its file are read when needed and "
+           "dropped when not; the same picture, slower. Without it all is read at once")
+        ->type_name("SIZE")
+        ->transform(CLI::AsSizeValue(false))
+        ->check(CLI::PositiveNumber)
+        ->group(group);
     app.add_flag("--stale-ok", job.staleOk, "Use a cache of another set: unbiased all the same")
         ->group(group);
     auto* samples =
