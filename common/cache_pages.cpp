@@ -22,9 +22,16 @@ constexpr std::size_t kBloscRoom = 16;
 
 constexpr std::size_t kVoxelEndBytes = kLeafVoxels * sizeof(std::uint32_t);
 
-void unpackBlosc(const std::byte* packed, std::byte* out, std::size_t size, std::size_t room) {
-    openvdb::compression::bloscDecompress(reinterpret_cast<char*>(out), size, room,
-                                          reinterpret_cast<const char*>(packed));
+/// Unpacks to the first `size` bytes of `out`, which has kBloscRoom more.
+void unpackBlosc(std::span<const std::byte> packed, std::byte* out, std::size_t size) {
+    // Blosc believes its 16 bytes of header, whose last four are the packed length.
+    constexpr std::size_t kHeader = 16;
+    std::uint32_t length = 0;
+    if (packed.size() >= kHeader)
+        std::memcpy(&length, packed.data() + kHeader - sizeof length, sizeof length);
+    if (length < kHeader || length > packed.size()) OPENVDB_THROW(openvdb::IoError, "wrong length");
+    openvdb::compression::bloscDecompress(reinterpret_cast<char*>(out), size, size + kBloscRoom,
+                                          reinterpret_cast<const char*>(packed.data()));
 }
 
 /// A leaf after the other: its value mask, a length, and as many packed bytes; or, with the largest
@@ -43,8 +50,7 @@ void unpackVoxelEnds(std::span<const std::byte> packed, std::span<std::byte> out
         packed = packed.subspan(kHead);
         const std::size_t bytes = length == kPlain ? kVoxelEndBytes : length;
         require(bytes);
-        if (length != kPlain)
-            unpackBlosc(packed.data(), unpacked.data(), kVoxelEndBytes, unpacked.size());
+        if (length != kPlain) unpackBlosc(packed.first(length), unpacked.data(), kVoxelEndBytes);
         std::memcpy(out.data(), length == kPlain ? packed.data() : unpacked.data(), kVoxelEndBytes);
         packed = packed.subspan(bytes);
     }
@@ -151,8 +157,7 @@ void CachePages::readAt(std::uint64_t offset, std::span<std::byte> out) const {
 }
 
 PagePin CachePages::load(const FilePage& page) const {
-    const std::size_t room = page.size + kBloscRoom;
-    const auto bytes = std::make_shared_for_overwrite<std::byte[]>(room);
+    const auto bytes = std::make_shared_for_overwrite<std::byte[]>(page.size + kBloscRoom);
     if (page.kind == FilePage::Kind::plain) {
         readAt(page.offset, {bytes.get(), page.size});
         return bytes;
@@ -161,7 +166,7 @@ PagePin CachePages::load(const FilePage& page) const {
     readAt(page.offset, {packed.get(), page.stored});
     try {
         if (page.kind == FilePage::Kind::blosc)
-            unpackBlosc(packed.get(), bytes.get(), page.size, room);
+            unpackBlosc({packed.get(), page.stored}, bytes.get(), page.size);
         else
             unpackVoxelEnds({packed.get(), page.stored}, {bytes.get(), page.size});
     } catch (const openvdb::Exception& e) {

@@ -13,6 +13,7 @@
 #include <openvdb/io/io.h>
 
 #include <limits>
+#include <new>
 
 #include "common/error.h"
 #include "common/leaf_view.h"
@@ -133,6 +134,8 @@ PointLayout PointLayoutReader::read(const char* grid, std::span<const ArraySpec>
         throwFileError(path_, std::string("cut short or damaged: grid '") + grid + "'");
     } catch (const openvdb::Exception& e) {
         throwFileError(path_, std::string("damaged: grid '") + grid + "' (" + e.what() + ")");
+    } catch (const std::bad_alloc&) {
+        throwFileError(path_, "damaged (it asks for more memory than there is)");
     }
 }
 
