@@ -15,7 +15,11 @@ install(TARGETS shadowcache_common EXPORT shadowcache_targets
 install(DIRECTORY common/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common"
     FILES_MATCHING PATTERN "*.h"
     PATTERN "cache_grids.h" EXCLUDE  # the types of OpenVDB and Embree stay inside
+    PATTERN "cache_pages.h" EXCLUDE
     PATTERN "embree_scene.h" EXCLUDE
+    PATTERN "leaf_view.h" EXCLUDE
+    PATTERN "paged_leaves.h" EXCLUDE
+    PATTERN "point_layout.h" EXCLUDE
     PATTERN "vdb_archive.h" EXCLUDE
     PATTERN "command_*.h" EXCLUDE)  # of the programs alone
 install(FILES "${PROJECT_BINARY_DIR}/generated/common/version.h"

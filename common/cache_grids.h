@@ -50,6 +50,9 @@ openvdb::GridBase::Ptr makeVdbGrid(const CacheHeader& header, const std::vector<
 /// @throws Error naming the file and the cause
 CacheGrids readGrids(const std::filesystem::path& path);
 
+/// What a cache file says of itself. @throws Error as readGrids
+CacheHeader readHeader(const std::filesystem::path& path);
+
 /// Attribute of a leaf, type and stride checked.
 ///
 /// @throws Error if it is not what the format says

@@ -174,7 +174,11 @@ void appendLeaf(const PointLeaf& leaf, const PointLeaf* blocks, std::size_t base
 
 }  // namespace
 
-CacheGrids readGrids(const fs::path& path) {
+namespace {
+
+/// Opens a cache file for `read`, and says what is wrong with it in our own words.
+template <class Read>
+auto withCacheFile(const fs::path& path, const Read& read) {
     initializeOpenVdb();
     std::error_code ignored;
     if (!fs::exists(path, ignored)) throwFileError(path, "no such file");
@@ -186,17 +190,29 @@ CacheGrids readGrids(const fs::path& path) {
         file.setCopyMaxBytes(0);
         file.open(false);
         const openvdb::MetaMap::Ptr meta = file.getMetadata();  // a fresh copy: keep it alive
-        CacheGrids grids;
-        grids.header = fromMetadata(*meta, path);
-        grids.items = takeGrid<PointGrid>(file, kItemGrid, path);
-        grids.blocks = takeGrid<PointGrid>(file, kBlockGrid, path);
-        return grids;
+        return read(file, fromMetadata(*meta, path));
     } catch (const openvdb::Exception& e) {
         throwFileError(path,
                        std::string("not a readable OpenVDB file, or cut short (") + e.what() + ")");
     } catch (const std::bad_alloc&) {
         throwFileError(path, "cut short or damaged (it asks for more memory than there is)");
     }
+}
+
+}  // namespace
+
+CacheGrids readGrids(const fs::path& path) {
+    return withCacheFile(path, [&](openvdb::io::File& file, const CacheHeader& header) {
+        CacheGrids grids{header, {}, {}};
+        grids.items = takeGrid<PointGrid>(file, kItemGrid, path);
+        grids.blocks = takeGrid<PointGrid>(file, kBlockGrid, path);
+        return grids;
+    });
+}
+
+CacheHeader readHeader(const fs::path& path) {
+    return withCacheFile(
+        path, [](const openvdb::io::File&, const CacheHeader& header) { return header; });
 }
 
 CacheItems readCache(const fs::path& path, CacheHeader& header) {

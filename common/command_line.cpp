@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <regex>
 
 #include "common/atomic_file.h"
 #include "common/command_help.h"
@@ -98,6 +100,23 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
         file.commit();
     }
     return std::nullopt;
+}
+
+std::uint64_t parseSize(const char* option, const std::string& text) {
+    static const std::regex size(R"((\d{1,15}(?:\.\d{1,15})?)([KMGT]?)(?:i?B)?)",
+                                 std::regex::icase);
+    std::smatch match;
+    double bytes = 0;
+    if (std::regex_match(text, match, size)) {
+        const std::string unit = match[2];
+        const std::size_t power =
+            unit.empty() ? 0 : 1 + std::string("KMGT").find(static_cast<char>(unit[0] & ~0x20));
+        bytes = std::stod(match[1]) * std::pow(1024.0, static_cast<double>(power));
+    }
+    if (!(bytes >= 1 && bytes <= 0x1p62))
+        throw Error(std::string(option) + " " + text +
+                    ": wanted a size in bytes, as in 4G, 1.5G or 512M");
+    return static_cast<std::uint64_t>(bytes);
 }
 
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -26,6 +27,11 @@ void beginCommandLine(CLI::App& app);
 /// @throws Error if the settings file cannot be written
 std::optional<int> parseCommandLine(
     CLI::App& app, int argc, char** argv, const std::function<void()>& check = [] {});
+
+/// A size in bytes: a number above 0 with or without K, M, G or T (of 1024), as in 4G, 1.5G, 512MB.
+///
+/// @throws Error "OPTION TEXT: wanted ..."
+std::uint64_t parseSize(const char* option, const std::string& text);
 
 /// Every option's name and value as given or defaulted, but for those that steer no work.
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app);

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/cache_items.h"
+#include "common/memory_use.h"
 
 namespace shadowcache {
 
@@ -25,15 +26,17 @@ struct ItemView {
 };
 
 /// An open cache: items found by place and normal through OpenVDB. Lookups are thread-safe through
-/// one Reader a thread.
+/// one Reader a thread. All of it is in memory, or, with a budget, what is in use.
 class ShadowCache {
 public:
     /// Most items that one lookup pools.
     static constexpr int kMaxItems = 16;
 
+    /// @param memoryBudget  bytes of memory to keep to, as far as what is looked at at one time
+    ///                      allows; 0: reads the whole file now
     /// @throws Error naming the file and the cause: missing, truncated, foreign, of another format
     /// version
-    explicit ShadowCache(const std::filesystem::path& path);
+    explicit ShadowCache(const std::filesystem::path& path, std::uint64_t memoryBudget = 0);
     ~ShadowCache();
     ShadowCache(const ShadowCache&) = delete;
     ShadowCache& operator=(const ShadowCache&) = delete;
@@ -41,8 +44,10 @@ public:
     const CacheHeader& header() const;
     std::size_t itemCount() const;
     std::size_t blockCount() const;
-    /// Memory of the items and of the grid around them.
+    /// Memory of the items and of the grid around them, now.
     std::size_t memoryBytes() const;
+    /// What the budget came to, if there is one.
+    MemoryUse memoryUse() const;
 
     /// A thread's access to the cache; remembers the nodes it last visited.
     class Reader {
@@ -56,7 +61,8 @@ public:
         ///
         /// @param position world space
         /// @param out      at least kMaxItems
-        /// @return number of items found
+        /// @return number of items found; with a budget they are valid until the next call
+        /// @throws Error naming the file if there is a budget and the file cannot be read any more
         int gather(const Vec3d& position, const Vec3f& normal, std::span<ItemView> out);
 
     private:

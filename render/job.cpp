@@ -23,6 +23,7 @@
 #include "render/gltf_shot.h"
 #include "render/integrator.h"
 #include "render/light_plan.h"
+#include "render/memory_report.h"
 #include "render/pixel_report.h"
 #include "render/resume.h"
 #include "render/target_error.h"
@@ -34,7 +35,7 @@ namespace {
 /// The cache, if it is of this set.
 std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh& mesh) {
     if (job.cache.empty()) return nullptr;
-    auto cache = std::make_unique<ShadowCache>(job.cache);
+    auto cache = std::make_unique<ShadowCache>(job.cache, job.memory);
     if (cache->header().fingerprint == fingerprint(mesh)) return cache;
     if (!job.staleOk)
         throwFileError(job.cache,
@@ -149,6 +150,7 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
     out.set("rays.shadow", stats.shadowRays);
     out.set("cache.items", std::uint64_t{cache ? cache->itemCount() : 0});
     out.set("cache.bytes", std::uint64_t{cache ? cache->memoryBytes() : 0});
+    if (cache) addMemoryUse(out, cache->memoryUse());
     out.set("samples", static_cast<std::uint64_t>(stats.samples));
     out.set("error.by_own_variance", stats.ownError);
     if (error) {
@@ -346,6 +348,7 @@ private:
                     static_cast<double>(stats_.shadowRays) * 1e-6, stats_.seconds);
         if (error_) std::printf(", relMSE %.3g", error_->mean);
         std::printf(" -> %s\n", job_.output.c_str());
+        if (cache_) printMemoryUse(cache_->memoryUse());
     }
 
     const RenderJob& job_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@ struct RenderJob {
 
     std::filesystem::path cache;
     bool staleOk = false;
+    std::uint64_t memory = 0;  ///< bytes for the cache; 0: all of it is read
 
     std::string estimator;  ///< empty: `cache` with a cache, `mis` without
     EstimatorOptions estimatorOptions;

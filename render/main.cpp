@@ -21,7 +21,7 @@ namespace {
 /// What CLI11 fills before it becomes a RenderJob.
 struct Arguments {
     std::string up = "y", frames, size = "960x540", sequence = "sobol", budget = "adaptive",
-                albedo = "0.5";
+                albedo = "0.5", memory;
     std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
     std::vector<std::string> dynamic;
     bool list = false;
@@ -148,7 +148,15 @@ void defineEstimator(CLI::App& app, RenderJob& job, Arguments& arguments) {
     app.add_option("--estimator", job.estimator, "How the light is estimated:" + names)
         ->type_name("NAME:{" + choices + "}")
         ->group(group);
-    app.add_option("--cache", job.cache, "Cache of the set, from shadowcache-bake")->group(group);
+    auto* cache = app.add_option("--cache", job.cache, "Cache of the set, from shadowcache-bake")
+                      ->group(group);
+    app.add_option(
+           "--memory", arguments.memory,
+           "Memory for the cache, as 4G or 512M: parts of its file are read when needed and "
+           "dropped when not; the same picture, slower. Without it all is read at once")
+        ->type_name("SIZE")
+        ->needs(cache)
+        ->group(group);
     app.add_flag("--stale-ok", job.staleOk, "Use a cache of another set: unbiased all the same")
         ->group(group);
     auto* samples =
@@ -268,6 +276,7 @@ void complete(RenderJob& job, const Arguments& arguments) {
         job.eye = parseVector("--eye", arguments.eye, "X,Y,Z");
         job.lookAt = parseVector("--look-at", arguments.target, "X,Y,Z");
     }
+    if (!arguments.memory.empty()) job.memory = parseSize("--memory", arguments.memory);
     for (const std::string& text : arguments.dynamic) job.dynamic.push_back(parseDynamic(text));
     if (!arguments.frames.empty()) job.frames = parseFrames(arguments.frames);
     const auto [width, height] = parsePair("--size", arguments.size, "WxH, as in 960x540");

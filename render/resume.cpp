@@ -10,8 +10,8 @@ namespace shadowcache {
 
 namespace {
 
-constexpr const char* kSilent[] = {"seconds", "threads", "output",   "frames",   "stats",
-                                   "resume",  "png",     "exposure", "reference"};
+constexpr const char* kSilent[] = {"seconds", "threads", "output",   "frames",    "stats",
+                                   "resume",  "png",     "exposure", "reference", "memory"};
 
 bool matters(const std::string& name) {
     const std::string prefix = "shadowcache:";

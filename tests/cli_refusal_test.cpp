@@ -59,6 +59,7 @@ std::vector<Input> inputs(const std::filesystem::path& folder) {
         {"in.exr", "render", lit, exr, newerExr},
         {"in.hdr", "render", lit, hdr, changed(hdr, "rgbe", "xyze")},
         {"in.vdb", "render", picture + "--cache @", cache, newerCache},
+        {"in.vdb", "render", picture + "--memory 1G --cache @", cache, newerCache},
         {"in.json", "render", "set.obj --env map.exr --camera @ --size 8x8 -o new.exr", camera,
          changed(camera, "{", "{\"version\": 2, ")},
         {"in.exr", "render", picture + "--reference @", exr, newerExr},
@@ -182,6 +183,9 @@ TEST_F(CliRefusal, ImpossibleOptions) {
         {"render", "--debug 12,0", "wanted 0 to 11"},
         {"render", "--estimator magic", "wanted one of uniform"},
         {"render", "--estimator cache", "needs --cache"},
+        {"render", "--memory 0 --cache set.vdb", "wanted a size in bytes"},
+        {"render", "--memory 4X --cache set.vdb", "wanted a size in bytes"},
+        {"render", "--memory -1G --cache set.vdb", "wanted a size in bytes"},
     };
     for (const auto& [program, option, wanted] : cases) {
         const std::string name = words(option)[0].substr(2);

@@ -285,5 +285,28 @@ TEST_F(Cli, HelpEndsInExamples) {
     }
 }
 
+TEST_F(Cli, MemoryChangesNoPicture) {
+    bake();
+    runWell("render", still("--cache set.vdb -o whole.exr"));
+    const auto result =
+        runWell("render", still("--cache set.vdb -o parts.exr --memory 0.5G --stats stats.json"));
+    EXPECT_NE(result.out.find(" dropped again"), std::string::npos) << result.out;
+    expectSamePicture(readExr(path("whole.exr")), readExr(path("parts.exr")));
+    const json stats = readJson(path("stats.json"));
+    expectNumbers(stats, {"cache.items", "cache.bytes", "cache.memory.peak", "cache.memory.loads",
+                          "cache.memory.bytes_read"});
+    EXPECT_EQ(stats["cache"]["memory"]["budget"], 1 << 29);
+    EXPECT_EQ(stats["cache"]["memory"]["drops"], 0);
+    // A picture that is done is done with any budget.
+    EXPECT_NE(runWell("render", still("--cache set.vdb -o whole.exr --resume --memory 1G"))
+                  .out.find("1 more were done"),
+              std::string::npos);
+
+    const auto scant = run("render", still("--cache set.vdb -o parts.exr --memory 1k"));
+    EXPECT_EQ(scant.status, 0);
+    EXPECT_NE(scant.err.find("warning: --memory 1024: "), std::string::npos) << scant.err;
+    expectSamePicture(readExr(path("whole.exr")), readExr(path("parts.exr")));
+}
+
 }  // namespace
 }  // namespace shadowcache::test

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "bake/baker.h"
+#include "common/parallel.h"
+#include "render/integrator.h"
+#include "tests/test_scenes.h"
+
+namespace shadowcache::test {
+
+/// A plain with boxes on it, within [-1, 1].
+inline TriangleMesh plainMesh() {
+    TriangleMesh mesh;
+    addFloor(mesh, 0, -1, 1, -1, 1);
+    for (int i = 0; i < 3; ++i) {
+        const float x = -0.7f + 0.55f * static_cast<float>(i);
+        addBox(mesh, {x, 0, -0.3f}, {x + 0.2f, 0.25f, 0.1f});
+    }
+    return mesh;
+}
+
+/// "cache.vdb" of that set.
+inline std::filesystem::path writePlain(const TemporaryFolder& folder, const BakeOptions& options) {
+    const TriangleMesh mesh = plainMesh();
+    const BakeResult baked = bake(Scene(mesh), options);
+    writeCache(folder.path() / "cache.vdb", baked.header, baked.items);
+    return folder.path() / "cache.vdb";
+}
+
+/// Puts the number of threads back.
+struct ThreadsOf {
+    explicit ThreadsOf(int threads) { setThreadCount(threads); }
+    ~ThreadsOf() { setThreadCount(0); }
+};
+
+/// A small picture of it.
+inline Film renderPlain(const ShadowCache& cache, int threads) {
+    const ThreadsOf limit(threads);
+    const TriangleMesh mesh = plainMesh();
+    const Scene scene(mesh);
+    const Environment environment = environmentOf(noiseMap(64, 32, 5), 30);
+    EstimatorOptions estimatorOptions;
+    estimatorOptions.adaptive = true;
+    const EstimatorContext context{scene, environment, &cache, estimatorOptions};
+    const auto estimator = findEstimator("cache").make(context);
+    const Camera camera = lookAt({0.9, 1.3, 1.6}, {0, 0, 0.1}, {0, 1, 0}, 0.9);
+    RenderOptions options;
+    options.width = 96;
+    options.height = 64;
+    options.samples = 4;
+    options.insight = true;
+    RenderStats stats;
+    survey(*estimator, context, camera, 1, options, stats);
+    return render(*estimator, context, camera, 1, options, stats);
+}
+
+}  // namespace shadowcache::test
