@@ -65,4 +65,26 @@ std::vector<Rgb> tileMeans(const Image& image, int tile) {
     return means;
 }
 
+Image readReference(const std::filesystem::path& path, int width, int height) {
+    const ExrFile file = readExr(path);
+    if (file.width != width || file.height != height)
+        throwFileError(path, std::to_string(file.width) + "x" + std::to_string(file.height) +
+                                 " pixels, wanted " + std::to_string(width) + "x" +
+                                 std::to_string(height) + " as rendered");
+    Image image{file.width, file.height, {}};
+    image.pixels.resize(static_cast<std::size_t>(file.width) *
+                        static_cast<std::size_t>(file.height));
+    const std::string names = "RGB";
+    for (int k = 0; k < 3; ++k) {
+        const auto found =
+            std::find_if(file.channels.begin(), file.channels.end(), [&](const Channel& c) {
+                return c.name == names.substr(static_cast<std::size_t>(k), 1);
+            });
+        if (found == file.channels.end())
+            throwFileError(path, "no channels R, G and B to compare with");
+        for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i][k] = found->values[i];
+    }
+    return image;
+}
+
 }  // namespace shadowcache

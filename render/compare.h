@@ -1,8 +1,16 @@
 #pragma once
 
+#include <filesystem>
+#include <vector>
+
 #include "common/image.h"
 
 namespace shadowcache {
+
+/// The R, G and B of a rendered image, negative estimates included.
+///
+/// @throws Error if it cannot be read, or is of another size
+Image readReference(const std::filesystem::path& path, int width, int height);
 
 /// Squared relative error of an image: (x - ref)^2 / (ref^2 + 0.01 mean(ref)^2) over pixels and
 /// RGB.

@@ -1,27 +1,20 @@
 #include "render/job.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <memory>
-#include <sstream>
 
-#include "common/atomic_file.h"
 #include "common/error.h"
-#include "common/json_file.h"
 #include "common/mesh_reader.h"
 #include "common/option_checks.h"
 #include "common/parallel.h"
 #include "common/process.h"
 #include "common/progress.h"
-#include "common/version.h"
-#include "render/aov_pictures.h"
-#include "render/camera.h"
-#include "render/compare.h"
+#include "render/camera_source.h"
 #include "render/explain.h"
-#include "render/frames.h"
 #include "render/gltf_shot.h"
 #include "render/integrator.h"
+#include "render/job_output.h"
 #include "render/light_plan.h"
 #include "render/memory_report.h"
 #include "render/pixel_report.h"
@@ -47,159 +40,11 @@ std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh&
     return cache;
 }
 
-/// Cameras of a job, by frame.
-class CameraSource {
-public:
-    CameraSource(const RenderJob& job, std::span<const GltfShot> shots) : job_(job) {
-        if (job.camera.empty()) return;
-        if (shots.empty() || std::filesystem::path(job.camera).extension() == ".json")
-            track_ = readCameraFile(job.camera);
-        else
-            named_ = findCamera(shots, job.camera);
-    }
-
-    Camera at(int frame) const {
-        if (track_) return cameraAtFrame(*track_, frame);
-        if (named_.shot) return named_.shot->camera(named_.node, frame);
-        // A plan has its north, -Z, at the top.
-        const bool vertical = job_.eye->x == job_.lookAt->x && job_.eye->z == job_.lookAt->z;
-        const Vec3d up = vertical ? Vec3d(0, 0, -1) : Vec3d(0, 1, 0);
-        return lookAt(*job_.eye, *job_.lookAt, up, job_.fovYDegrees * kPi / 180);
-    }
-
-private:
-    const RenderJob& job_;
-    std::optional<CameraTrack> track_;
-    NamedCamera named_;
-};
-
 std::vector<GltfShot> openShots(const RenderJob& job) {
     std::vector<GltfShot> shots;
     for (const auto& file : job.files)
         if (isGltf(file)) shots.emplace_back(file, job.mesh, job.fps);
     return shots;
-}
-
-/// Files whose change makes a picture another one.
-std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPlan::Light& light) {
-    std::vector<std::filesystem::path> inputs = job.files;
-    for (const DynamicFile& file : job.dynamic) {
-        inputs.push_back(file.mesh);
-        inputs.push_back(file.track);
-    }
-    for (const std::string& text : {job.cache.string(), job.camera, light.environment})
-        inputs.emplace_back(text);
-    return inputs;
-}
-
-struct Timing {
-    double load = 0, build = 0;
-};
-
-/// All that a frame's file tells but the time it took.
-Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
-                       const LightPlan::Light& light, int frame) {
-    Metadata metadata{{"shadowcache:version", kVersion}};
-    for (const auto& [name, value] : job.settings)
-        if (name != "env" && name != "env-rotate")
-            metadata.emplace_back("shadowcache:" + name, value);
-    std::ostringstream angle;
-    angle.precision(17);
-    angle << light.rotation;
-    metadata.emplace_back("shadowcache:env", light.environment);
-    metadata.emplace_back("shadowcache:env-rotate", angle.str());
-    metadata.emplace_back("shadowcache:bias", biasOf(entry, job.render.samples));
-    metadata.emplace_back("shadowcache:frame", std::to_string(frame));
-    metadata.emplace_back("shadowcache:inputs", inputsMark(inputsOf(job, light)));
-    if (cache) {
-        std::ostringstream print;
-        print << std::hex << cache->header().fingerprint;
-        metadata.emplace_back("shadowcache:fingerprint", print.str());
-    }
-    return metadata;
-}
-
-void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, double seconds,
-                int frame) {
-    const auto path = framePath(job.output, frame, job.frames.size() > 1);
-    metadata.emplace_back("shadowcache:seconds", std::to_string(seconds));
-    writeExr(path, film.width, film.height, channels(film, job.aovs), metadata,
-             job.half ? PixelType::half : PixelType::full);
-    if (!job.png) return;
-    auto png = path;
-    writePng(png.replace_extension(".png"), colorImage(film), job.exposure);
-    for (const auto& [aov, picture] : aovPictures(png, job.aovs))
-        writePng(picture, falseColorImage(film, aov), 0);
-}
-
-void writeStats(const RenderJob& job, const EstimatorEntry& entry, const TriangleMesh& mesh,
-                const ShadowCache* cache, const Timing& timing, const RenderStats& stats,
-                const std::optional<RelativeError>& error) {
-    JsonFile out;
-    out.set("version", std::string(kVersion));
-    out.set("estimator", std::string(entry.name));
-    out.set("bias", biasOf(entry, job.render.samples));
-    out.set("triangles", std::uint64_t{mesh.triangles.size()});
-    out.set("seconds.load", timing.load);
-    out.set("seconds.build", timing.build);
-    // Set-up and tracing are kept per thread; the rest is the camera's rays and the film.
-    out.set("seconds.render", stats.seconds);
-    out.set("seconds.setup", stats.setupSeconds);
-    out.set("seconds.trace", stats.traceSeconds);
-    out.set("rays.camera", stats.cameraRays);
-    out.set("rays.shadow", stats.shadowRays);
-    out.set("cache.items", std::uint64_t{cache ? cache->itemCount() : 0});
-    out.set("cache.bytes", std::uint64_t{cache ? cache->memoryBytes() : 0});
-    if (cache) addMemoryUse(out, cache->memoryUse());
-    out.set("samples", static_cast<std::uint64_t>(stats.samples));
-    out.set("error.by_own_variance", stats.ownError);
-    if (error) {
-        out.set("error.relmse", error->mean);
-        out.set("error.l2", error->l2);
-        out.set("error.p50", error->p50);
-        out.set("error.p99", error->p99);
-        out.set("error.max", error->max);
-    }
-    out.set("peak_rss_bytes", peakMemoryBytes());
-    out.write(job.stats);
-}
-
-/// The R, G and B of a rendered image, negative estimates included.
-Image readReference(const std::filesystem::path& path, const RenderOptions& picture) {
-    const ExrFile file = readExr(path);
-    if (file.width != picture.width || file.height != picture.height)
-        throwFileError(path, std::to_string(file.width) + "x" + std::to_string(file.height) +
-                                 " pixels, wanted " + std::to_string(picture.width) + "x" +
-                                 std::to_string(picture.height) + " as rendered");
-    Image image{file.width, file.height, {}};
-    image.pixels.resize(static_cast<std::size_t>(file.width) *
-                        static_cast<std::size_t>(file.height));
-    const std::string names = "RGB";
-    for (int k = 0; k < 3; ++k) {
-        const auto found =
-            std::find_if(file.channels.begin(), file.channels.end(), [&](const Channel& c) {
-                return c.name == names.substr(static_cast<std::size_t>(k), 1);
-            });
-        if (found == file.channels.end())
-            throwFileError(path, "no channels R, G and B to compare with");
-        for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i][k] = found->values[i];
-    }
-    return image;
-}
-
-void validateOutputs(const RenderJob& job, const EstimatorEntry& entry) {
-    requireExtension(job.output, ".exr");
-    for (const std::string& aov : job.aovs)
-        if (needsInsight(aov) && !entry.needsCache)
-            throw Error("--aov " + aov + ": wanted --estimator cache, which alone knows it");
-    for (const int frame : job.frames) {
-        auto path = framePath(job.output, frame, job.frames.size() > 1);
-        requireWritable(path);
-        if (!job.png) continue;
-        requireWritable(path.replace_extension(".png"));
-        for (const auto& [aov, picture] : aovPictures(path, job.aovs)) requireWritable(picture);
-    }
-    if (!job.stats.empty()) requireWritable(job.stats);
 }
 
 /// Whatever can be refused is refused before the long work.
@@ -248,7 +93,8 @@ public:
         std::vector<GltfShot> shots = openShots(job_);
         const CameraSource camera(job_, shots);
         for (const int frame : job_.frames) camera.at(frame);
-        if (!job_.reference.empty()) reference_ = readReference(job_.reference, job_.render);
+        if (!job_.reference.empty())
+            reference_ = readReference(job_.reference, job_.render.width, job_.render.height);
         mesh_ = loadMesh(job_.files, job_.mesh);
         std::printf("set: %s\n", describe(mesh_.report).c_str());
         moving_.emplace(shots, job_.dynamic, job_.mesh, mesh_.origin, job_.fps);
@@ -329,7 +175,7 @@ private:
 
     /// Whether the frame is there as it would be rendered; counts and tells what is not.
     bool isDone(const Metadata& metadata, int frame) {
-        auto path = framePath(job_.output, frame, job_.frames.size() > 1);
+        auto path = frameFile(job_, frame);
         const FrameState state = frameState(path, metadata);
         if (state == FrameState::broken) std::printf("%s: broken, rendered again\n", path.c_str());
         if (state == FrameState::changed)

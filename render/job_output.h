@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+
+#include "common/image.h"
+#include "common/shadow_cache.h"
+#include "render/compare.h"
+#include "render/film.h"
+#include "render/integrator.h"
+#include "render/job.h"
+#include "render/light_plan.h"
+
+namespace shadowcache {
+
+// What a job writes: the frames' files, and the statistics.
+
+/// Refuses what could not be written, before the long work. @throws Error
+void validateOutputs(const RenderJob& job, const EstimatorEntry& entry);
+
+/// Where a frame goes.
+std::filesystem::path frameFile(const RenderJob& job, int frame);
+
+/// All that a frame's file tells but the time it took.
+///
+/// @param cache  null: none
+Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
+                       const LightPlan::Light& light, int frame);
+
+/// The EXR, and with --png its pictures. @throws Error
+void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, double seconds,
+                int frame);
+
+/// Seconds that all frames share.
+struct Timing {
+    double load = 0, build = 0;
+};
+
+/// The JSON of --stats. @throws Error
+void writeStats(const RenderJob& job, const EstimatorEntry& entry, const TriangleMesh& mesh,
+                const ShadowCache* cache, const Timing& timing, const RenderStats& stats,
+                const std::optional<RelativeError>& error);
+
+}  // namespace shadowcache
