@@ -9,10 +9,10 @@
 
 #include "common/error.h"
 #include "common/mesh_reader.h"
+#include "common/mesh_soup.h"
 #include "common/mesh_statistics.h"
 #include "common/parallel.h"
 #include "common/placed_mesh.h"
-#include "common/triangulate.h"
 
 namespace shadowcache {
 
@@ -20,188 +20,7 @@ namespace {
 
 constexpr std::size_t kTrianglesPerChunk = 1 << 16;
 
-/// Coordinates beyond this are dropped: Embree ignores primitives beyond 1.8e18 silently.
-constexpr double kMaxCoordinate = 1e18;
-
-using Corners = std::array<std::uint32_t, 3>;
-
-/// Material and group of a run of triangles; group 0 is in the world, others where instances put
-/// them.
-using PartKey = std::pair<int, int>;
-
-/// Triangles of all files so far, in world space; those of groups other than 0 in their own.
-struct Soup {
-    std::vector<Vec3d> vertices;
-    std::vector<Corners> triangles;
-    std::vector<Rgb> colors;
-    std::vector<Vec3f> texcoords;
-    std::vector<PartKey> parts{{0, -1}};  ///< group, material
-    std::vector<std::uint32_t> partOf;    ///< by triangle; empty: all are of part 0
-    std::vector<RawInstance> instances;
-    std::vector<std::pair<std::size_t, std::size_t>> local;  ///< ranges of the groups' vertices
-    std::vector<Material> materials;
-    std::vector<Texture> textures;
-    int groups = 0;
-    MeshReport report;
-
-    bool isLocal(std::size_t vertex) const {
-        return std::any_of(local.begin(), local.end(), [&](const auto& range) {
-            return vertex >= range.first && vertex < range.second;
-        });
-    }
-    /// As the renderer will see it.
-    Vec3f position(std::size_t vertex, const Vec3d& origin) const {
-        return Vec3f(isLocal(vertex) ? vertices[vertex] : vertices[vertex] - origin);
-    }
-};
-
-bool usable(const Vec3d& v) {
-    // Written so that NaN fails.
-    return std::abs(v.x) <= kMaxCoordinate && std::abs(v.y) <= kMaxCoordinate &&
-           std::abs(v.z) <= kMaxCoordinate;
-}
-
-/// Cuts faces into triangles, at hand for one file after the other.
-class FaceCutter {
-public:
-    FaceCutter(const std::filesystem::path& path, Soup& soup, std::size_t firstVertex)
-        : path_(path), soup_(soup), firstVertex_(firstVertex) {
-        used_.assign(soup.vertices.size() - firstVertex, false);
-    }
-
-    void add(std::span<const std::uint32_t> corners) {
-        MeshReport& report = soup_.report;
-        ++report.facesRead;
-        for (const std::uint32_t corner : corners) {
-            if (corner < used_.size()) used_[corner] = true;
-        }
-        if (corners.size() < 3) {
-            ++report.degenerate;
-            return;
-        }
-        const std::size_t triangles = corners.size() - 2;
-        if (triangles > 1) {
-            ++report.polygons;
-            report.trianglesFromPolygons += triangles;
-        }
-        if (!std::all_of(corners.begin(), corners.end(), [&](auto corner) {
-                return corner < used_.size() && usable(soup_.vertices[firstVertex_ + corner]);
-            })) {
-            report.badVertexFaces += triangles;
-            return;
-        }
-        cut(corners);
-    }
-
-    std::size_t unreferenced() const {
-        return static_cast<std::size_t>(std::count(used_.begin(), used_.end(), false));
-    }
-
-private:
-    void cut(std::span<const std::uint32_t> corners) {
-        points_.clear();
-        pieces_.clear();
-        for (const auto corner : corners) points_.push_back(soup_.vertices[firstVertex_ + corner]);
-        if (!triangulate(points_, pieces_)) {
-            throwFileError(path_, "concave face with " + std::to_string(corners.size()) +
-                                      " corners, expected at most " +
-                                      std::to_string(kMaxConcaveCorners));
-        }
-        const auto first = static_cast<std::uint32_t>(firstVertex_);
-        for (const Corners& p : pieces_) {
-            soup_.triangles.push_back(
-                {first + corners[p[0]], first + corners[p[1]], first + corners[p[2]]});
-        }
-    }
-
-    const std::filesystem::path& path_;
-    Soup& soup_;
-    std::size_t firstVertex_;
-    std::vector<bool> used_;
-    std::vector<Vec3d> points_;
-    std::vector<Corners> pieces_;
-};
-
-/// Brings an attribute of the vertices up to date after a file: `fallback` where it has none.
-template <class T>
-void appendAttribute(std::size_t firstVertex, std::size_t vertices, const std::vector<T>& from,
-                     const T& fallback, std::vector<T>& to) {
-    if (!from.empty()) {
-        to.resize(firstVertex, fallback);
-        to.insert(to.end(), from.begin(), from.end());
-    } else if (!to.empty()) {
-        to.resize(vertices, fallback);
-    }
-}
-
-void appendVertices(const std::filesystem::path& path, const RawMesh& raw,
-                    const MeshOptions& options, Soup& soup) {
-    const std::size_t firstVertex = soup.vertices.size();
-    const std::size_t vertices = firstVertex + raw.vertices.size();
-    if (vertices > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-        throwFileError(path, std::to_string(vertices) +
-                                 " vertices with the files before it, "
-                                 "expected at most 2147483647");
-    }
-    const Affine world = worldOf(options);
-    const std::size_t direct = std::min(raw.firstLocalVertex, raw.vertices.size());
-    soup.vertices.reserve(vertices);
-    for (std::size_t i = 0; i < direct; ++i) soup.vertices.push_back(world.point(raw.vertices[i]));
-    for (std::size_t i = direct; i < raw.vertices.size(); ++i)
-        soup.vertices.push_back(raw.vertices[i]);
-    if (firstVertex + direct < vertices) soup.local.emplace_back(firstVertex + direct, vertices);
-    appendAttribute(firstVertex, vertices, raw.colors, kUncolored, soup.colors);
-    appendAttribute(firstVertex, vertices, raw.texcoords, Vec3f(0, 0, 1), soup.texcoords);
-}
-
-/// Materials, textures and instances of a file, renumbered behind those of the files before.
-void appendLooks(RawMesh& raw, const MeshOptions& options, Soup& soup) {
-    const Affine world = worldOf(options);
-    for (Material material : raw.materials) {
-        if (material.texture >= 0) material.texture += static_cast<int>(soup.textures.size());
-        soup.materials.push_back(material);
-    }
-    for (Texture& texture : raw.textures) soup.textures.push_back(std::move(texture));
-    int groups = 0;
-    for (const RawInstance& instance : raw.instances) {
-        groups = std::max(groups, instance.group);
-        soup.instances.push_back({instance.group + soup.groups, compose(world, instance.toWorld)});
-    }
-    soup.groups += groups;
-    soup.report.blended += raw.blended;
-}
-
-void append(const std::filesystem::path& path, RawMesh raw, const MeshOptions& options,
-            Soup& soup) {
-    const std::size_t firstVertex = soup.vertices.size();
-    const auto firstMaterial = static_cast<int>(soup.materials.size());
-    const int firstGroup = soup.groups;
-    appendVertices(path, raw, options, soup);
-    appendLooks(raw, options, soup);
-
-    FaceCutter cutter(path, soup, firstVertex);
-    soup.triangles.reserve(soup.triangles.size() + raw.faceSizes.size());
-    std::size_t at = 0, face = 0;
-    const auto addFaces = [&](std::size_t count) {
-        for (const std::size_t end = face + count; face < end; ++face) {
-            const std::uint32_t size = raw.faceSizes[face];
-            cutter.add(std::span(raw.faceVertices).subspan(at, size));
-            at += size;
-        }
-    };
-    for (const RawPart& part : raw.parts) {
-        soup.partOf.resize(soup.triangles.size(), 0);
-        addFaces(part.faceCount);
-        soup.partOf.resize(soup.triangles.size(), static_cast<std::uint32_t>(soup.parts.size()));
-        soup.parts.emplace_back(part.group == 0 ? 0 : part.group + firstGroup,
-                                part.material < 0 ? -1 : part.material + firstMaterial);
-    }
-    addFaces(raw.faceSizes.size() - face);
-    if (!soup.partOf.empty()) soup.partOf.resize(soup.triangles.size(), 0);
-    soup.report.unreferenced += cutter.unreferenced();
-}
-
-Vec3d centreOf(const Soup& soup) {
+Vec3d centreOf(const MeshSoup& soup) {
     std::vector<Box3d> box(static_cast<std::size_t>(soup.groups) + 1);
     for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
         const std::uint32_t part = soup.partOf.empty() ? 0 : soup.partOf[i];
@@ -225,7 +44,7 @@ bool hasArea(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     return n.x != 0.0 || n.y != 0.0 || n.z != 0.0;
 }
 
-void dropDegenerate(const Vec3d& origin, Soup& soup) {
+void dropDegenerate(const Vec3d& origin, MeshSoup& soup) {
     std::vector<char> keep(soup.triangles.size());
     parallelFor(keep.size(), kTrianglesPerChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
@@ -247,7 +66,7 @@ void dropDegenerate(const Vec3d& origin, Soup& soup) {
 }
 
 /// Sorts the triangles by group and material, and makes the parts of the mesh.
-void makeParts(const Vec3d& origin, Soup& soup, TriangleMesh& mesh) {
+void makeParts(const Vec3d& origin, MeshSoup& soup, TriangleMesh& mesh) {
     if (soup.partOf.empty()) return;
     std::map<PartKey, std::uint32_t> count;
     for (const std::uint32_t part : soup.partOf) ++count[soup.parts[part]];
@@ -285,7 +104,7 @@ void makeParts(const Vec3d& origin, Soup& soup, TriangleMesh& mesh) {
 }
 
 /// Keeps the vertices that triangles use, in their order.
-TriangleMesh compact(const Vec3d& origin, Soup& soup) {
+TriangleMesh compact(const Vec3d& origin, MeshSoup& soup) {
     TriangleMesh mesh;
     mesh.origin = origin;
     makeParts(origin, soup, mesh);
@@ -316,7 +135,7 @@ TriangleMesh compact(const Vec3d& origin, Soup& soup) {
 }
 
 /// What all files together make.
-TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& options, Soup soup) {
+TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& options, MeshSoup soup) {
     const Vec3d origin = options.origin           ? *options.origin
                          : soup.triangles.empty() ? Vec3d(0.0)
                                                   : centreOf(soup);
@@ -341,14 +160,14 @@ TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOp
     if (!(options.scale > 0.0 && std::isfinite(options.scale))) {
         throw Error("scale " + std::to_string(options.scale) + ", expected a number above 0");
     }
-    Soup soup;
+    MeshSoup soup;
     for (const auto& path : files) append(path, readMeshFile(path), options, soup);
     return finish(files.front(), options, std::move(soup));
 }
 
 TriangleMesh assembleMesh(const std::filesystem::path& path, RawMesh raw,
                           const MeshOptions& options) {
-    Soup soup;
+    MeshSoup soup;
     append(path, std::move(raw), options, soup);
     return finish(path, options, std::move(soup));
 }
