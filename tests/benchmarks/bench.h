@@ -79,5 +79,6 @@ void scaling(const Settings& settings);
 void trade(const Settings& settings);
 void oracle(const Settings& settings);
 void sequences(const Settings& settings);
+void flicker(const Settings& settings);
 
 }  // namespace shadowcache::bench

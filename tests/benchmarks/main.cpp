@@ -40,6 +40,7 @@ int main(int argc, char** argv) try {
         bench::trade);
     add("oracle", "Noise with the baked cache against counts traced at the point", bench::oracle);
     add("sequences", "What well-spread samples gain over random numbers", bench::sequences);
+    add("flicker", "Variance of what stays in view over 24 frames of a slow move", bench::flicker);
     app.require_subcommand(1);
     app.fallthrough();
     installInterruptHandler();

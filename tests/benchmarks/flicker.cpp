@@ -1,0 +1,101 @@
+// How much the same places of a set flicker over the frames of a slow move, by estimator.
+
+#include "tests/flicker.h"
+
+#include <cstdio>
+#include <numeric>
+
+#include "tests/benchmarks/bench.h"
+
+namespace shadowcache::bench {
+
+namespace {
+
+constexpr int kFrames = 24;
+constexpr int kReferenceSamples = 8;  ///< times those of what is judged
+
+struct Row {
+    const char* name;
+    const char* estimator;
+    bool adaptive;
+};
+constexpr Row kRows[] = {{"mis", "mis", false},
+                         {"paper", "paper", false},
+                         {"cache", "cache", false},
+                         {"cache-adaptive", "cache", true}};
+
+double meanOf(const std::vector<double>& values) {
+    return std::reduce(values.begin(), values.end()) / static_cast<double>(values.size());
+}
+
+/// One set under one map: a line for each estimator, and one for the control.
+void measure(const Set& set, const std::string& mapName, const Environment& environment,
+             const ShadowCache* cache, const Settings& settings, JsonFile& json) {
+    RenderOptions options;
+    options.width = settings.width;
+    options.height = settings.height;
+    options.samples = settings.samples;
+    std::vector<int> numbers(kFrames);
+    std::iota(numbers.begin(), numbers.end(), settings.frames.front());
+    std::vector<Camera> cameras;
+    for (const int frame : numbers) cameras.push_back(cameraAtFrame(set.cameras, frame));
+
+    EstimatorContext context{*set.scene, environment, cache, {}};
+    context.options.adaptive = true;
+    const test::Places places = test::trackPlaces(context, cameras, options);
+    const test::Places pixels = test::samePixels(places);
+    RenderOptions best = options;
+    best.samples *= kReferenceSamples;
+    best.seed = 1001;
+    const test::ShotLight reference = test::renderShot(context, "cache", cameras, numbers, best);
+    const std::vector<double> brightness = test::brightness(reference, places);
+
+    double ofMis = 0;
+    const auto print = [&](const char* name, const test::ShotLight& shot) {
+        const test::ShotLight errors = test::errorsOf(shot, reference);
+        const double variance = test::temporalVariance(shot, places, brightness);
+        const double noise = test::temporalVariance(errors, places, brightness);
+        const double place = meanOf(test::correlations(errors, places, brightness));
+        const double pixel = meanOf(test::correlations(errors, pixels, brightness));
+        if (ofMis == 0) ofMis = noise;
+        std::printf("%-9s %-13s %-15s %10.4g %10.4g %8.1f %9.3f %9.3f\n", set.name.c_str(),
+                    mapName.c_str(), name, variance, noise, ofMis / noise, place, pixel);
+        std::fflush(stdout);
+        const std::string key = set.name + "." + mapName + "." + name;
+        json.set(key + ".variance", variance);
+        json.set(key + ".noise", noise);
+        json.set(key + ".correlation_at_place", place);
+        json.set(key + ".correlation_at_pixel", pixel);
+    };
+    for (const Row& row : kRows) {
+        context.options.adaptive = row.adaptive;
+        print(row.name, test::renderShot(context, row.estimator, cameras, numbers, options));
+    }
+    // Control: numbers that are the same in every frame stick to the screen.
+    const std::vector<int> stuck(kFrames, numbers.front());
+    print("stuck numbers", test::renderShot(context, "cache", cameras, stuck, options));
+    const double move = test::temporalVariance(reference, places, brightness);
+    std::printf("%-9s %-13s %-15s %10.4g %10s          (%zu places)\n", set.name.c_str(),
+                mapName.c_str(), "reference", move, "", places.count());
+    json.set(set.name + "." + mapName + ".reference.variance", move);
+}
+
+}  // namespace
+
+void flicker(const Settings& settings) {
+    std::printf("%d frames from %d, %dx%d, %d samples; the reference has %d times as many\n",
+                kFrames, settings.frames.front(), settings.width, settings.height, settings.samples,
+                kReferenceSamples);
+    std::printf("%-9s %-13s %-15s %10s %10s %8s %9s %9s\n", "scene", "map", "estimator", "variance",
+                "of noise", "mis / it", "r, place", "r, pixel");
+    JsonFile json;
+    for (const std::string& name : settings.scenes) {
+        const auto set = loadSet(settings, name);
+        const BakedCache baked = bakeCache(settings, *set, settings.bake, "flicker");
+        for (const std::string& map : settings.maps)
+            measure(*set, map, *loadMap(settings, map), baked.cache.get(), settings, json);
+    }
+    if (!settings.json.empty()) json.write(settings.json);
+}
+
+}  // namespace shadowcache::bench
