@@ -16,6 +16,25 @@ namespace shadowcache {
 
 namespace {
 
+/// TOML without sections: CLI11 would pass over what stands in one.
+class SettingsFormat final : public CLI::ConfigTOML {
+public:
+    SettingsFormat() {
+        // "shot.####.exr" would end at the first #, quoted or not: comments have lines of their
+        // own.
+        comment('\1');
+    }
+
+    std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+        std::vector<CLI::ConfigItem> found = CLI::ConfigTOML::from_config(input);
+        for (const CLI::ConfigItem& item : found)
+            if (!item.parents.empty())
+                throw CLI::ConfigError("settings file: section [" + item.parents.front() +
+                                       "], wanted options alone");
+        return found;
+    }
+};
+
 void printAndEnd(const std::string& text) {
     std::fputs(text.c_str(), stdout);
     throw CLI::Success();
@@ -44,12 +63,23 @@ std::string meantOption(const CLI::App& app, const std::string& word) {
 
 int reportWrongUsage(const CLI::App& app, const CLI::ParseError& error) {
     const std::string word = unknownWord(app, error);
-    if (word.empty()) return app.exit(error);
-    const std::string meant = meantOption(app, word);
-    std::fprintf(stderr, "%s: %s: no such option%s\nRun with --help for more information.\n",
-                 app.get_name().c_str(), word.c_str(),
-                 meant.empty() ? "" : (", did you mean " + meant + "?").c_str());
-    return static_cast<int>(CLI::ExitCodes::ExtrasError);
+    const std::string meant = word.empty() ? "" : meantOption(app, word);
+    const std::string cause =
+        word.empty()
+            ? error.what()
+            : word + ": no such option" + (meant.empty() ? "" : ", did you mean " + meant + "?");
+    std::fprintf(stderr, "%s: %s\nRun with --help for more information.\n", app.get_name().c_str(),
+                 cause.c_str());
+    return word.empty() ? error.get_exit_code() : static_cast<int>(CLI::ExitCodes::ExtrasError);
+}
+
+/// CLI11 takes an empty text for a 0, and for a path that was never given.
+void requireValues(const CLI::App& app) {
+    for (const CLI::Option* option : app.get_options())
+        if (option->count() > 0)
+            for (const std::string& value : option->results())
+                if (value.empty())
+                    throw CLI::ValidationError(option->get_name(), "empty, wanted a value");
 }
 
 }  // namespace
@@ -59,11 +89,7 @@ void beginCommandLine(CLI::App& app) {
     app.set_version_flag("--version", app.get_name() + " " + kVersion);
     // Unknown keys of a settings file are treated like unknown options.
     app.allow_config_extras(CLI::config_extras_mode::capture);
-    // CLI11 would cut "shot.####.exr" at the first #, quoted or not: comments have lines of their
-    // own.
-    const auto format = std::make_shared<CLI::ConfigTOML>();
-    format->comment('\1');
-    app.config_formatter(format);
+    app.config_formatter(std::make_shared<SettingsFormat>());
 }
 
 std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
@@ -85,6 +111,7 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
     addPrinter("--bash-completion", bashCompletion);
     try {
         app.parse(argc, argv);
+        requireValues(app);
         check();
     } catch (const CLI::Success& e) {
         return app.exit(e);

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "common/error.h"
@@ -11,6 +12,7 @@ namespace shadowcache {
 std::vector<int> parseFrames(const std::string& text) {
     static const std::regex range(R"((\d{1,7})(?:-(\d{1,7})(?:x(\d{1,7}))?)?)");
     std::vector<int> frames;
+    std::set<int> seen;
     std::istringstream parts(text);
     std::string part;
     while (std::getline(parts, part, ',')) {
@@ -22,7 +24,8 @@ std::vector<int> parseFrames(const std::string& text) {
         if (!matched || last < first || step < 1)
             throw Error("--frames " + text +
                         ": wanted A, A-B or A-BxSTEP with A <= B, several joined by commas");
-        for (int f = first; f <= last; f += step) frames.push_back(f);
+        for (int f = first; f <= last; f += step)
+            if (seen.insert(f).second) frames.push_back(f);
     }
     if (frames.empty()) throw Error("--frames: empty, wanted A, A-B or A-BxSTEP");
     return frames;

@@ -90,6 +90,7 @@ public:
     void run() {
         const double start = secondsNow();
         plan_.requireFiles();
+        refuseToOverwriteInputs(job_, plan_);
         std::vector<GltfShot> shots = openShots(job_);
         const CameraSource camera(job_, shots);
         for (const int frame : job_.frames) camera.at(frame);
@@ -175,20 +176,23 @@ private:
 
     /// Whether the frame is there as it would be rendered; counts and tells what is not.
     bool isDone(const Metadata& metadata, int frame) {
-        auto path = frameFile(job_, frame);
-        const FrameState state = frameState(path, metadata);
-        if (state == FrameState::broken) std::printf("%s: broken, rendered again\n", path.c_str());
+        const auto files = frameFiles(job_, frame);
+        const FrameState state = frameState(files.front(), metadata);
+        if (state == FrameState::broken)
+            std::printf("%s: broken, rendered again\n", files.front().c_str());
         if (state == FrameState::changed)
-            std::printf("%s: of other settings or files, rendered again\n", path.c_str());
-        if (state != FrameState::done) return false;
-        if (job_.png && !std::filesystem::exists(path.replace_extension(".png"))) return false;
+            std::printf("%s: of other settings or files, rendered again\n", files.front().c_str());
+        if (state != FrameState::done ||
+            !std::ranges::all_of(files, [](const auto& f) { return std::filesystem::exists(f); }))
+            return false;
         ++skipped_;
         return true;
     }
 
     void summarize() const {
         std::printf("%s: %zu frame%s", entry_.name, rendered_, rendered_ == 1 ? "" : "s");
-        if (job_.resume) std::printf(" (%zu more were done)", skipped_);
+        if (job_.resume)
+            std::printf(" (%zu more %s done)", skipped_, skipped_ == 1 ? "was" : "were");
         std::printf(", %d samples, %.1f M shadow rays in %.2f s",
                     job_.targetError > 0 ? stats_.samples : job_.render.samples,
                     static_cast<double>(stats_.shadowRays) * 1e-6, stats_.seconds);

@@ -1,5 +1,6 @@
 #include "render/job_output.h"
 
+#include <set>
 #include <sstream>
 
 #include "common/atomic_file.h"
@@ -35,19 +36,41 @@ std::filesystem::path frameFile(const RenderJob& job, int frame) {
     return framePath(job.output, frame, job.frames.size() > 1);
 }
 
+std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame) {
+    std::vector<std::filesystem::path> files{frameFile(job, frame)};
+    if (!job.png) return files;
+    auto png = files.front();
+    files.push_back(png.replace_extension(".png"));
+    for (const auto& [aov, picture] : aovPictures(png, job.aovs)) files.push_back(picture);
+    return files;
+}
+
 void validateOutputs(const RenderJob& job, const EstimatorEntry& entry) {
     requireExtension(job.output, ".exr");
     for (const std::string& aov : job.aovs)
         if (needsInsight(aov) && !entry.needsCache)
             throw Error("--aov " + aov + ": wanted --estimator cache, which alone knows it");
-    for (const int frame : job.frames) {
-        auto path = frameFile(job, frame);
-        requireWritable(path);
-        if (!job.png) continue;
-        requireWritable(path.replace_extension(".png"));
-        for (const auto& [aov, picture] : aovPictures(path, job.aovs)) requireWritable(picture);
-    }
+    for (const int frame : job.frames)
+        for (const auto& file : frameFiles(job, frame)) requireWritable(file);
     if (!job.stats.empty()) requireWritable(job.stats);
+}
+
+void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {
+    std::set<std::filesystem::path> inputs{job.reference};
+    for (std::size_t i = 0; i < job.frames.size(); ++i)
+        for (const auto& input : inputsOf(job, plan.at(i))) inputs.insert(input);
+    std::set<std::filesystem::path> kept;
+    for (const auto& input : inputs)
+        if (std::error_code no; std::filesystem::exists(input, no))
+            kept.insert(std::filesystem::canonical(input, no));
+    const auto check = [&](const std::filesystem::path& output) {
+        std::error_code no;
+        if (kept.contains(std::filesystem::weakly_canonical(output, no)))
+            throwFileError(output, "is an input of this run, wanted another file to write");
+    };
+    for (const int frame : job.frames)
+        for (const auto& file : frameFiles(job, frame)) check(file);
+    check(job.stats);
 }
 
 Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,

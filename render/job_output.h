@@ -17,7 +17,13 @@ namespace shadowcache {
 /// Refuses what could not be written, before the long work. @throws Error
 void validateOutputs(const RenderJob& job, const EstimatorEntry& entry);
 
-/// Where a frame goes.
+/// Refuses to write over what the run reads. @throws Error
+void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan);
+
+/// Every file that a frame makes, the EXR first; with --png its pictures.
+std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame);
+
+/// The EXR of a frame.
 std::filesystem::path frameFile(const RenderJob& job, int frame);
 
 /// All that a frame's file tells but the time it took.

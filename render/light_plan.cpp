@@ -26,7 +26,8 @@ std::vector<std::string> environmentsOf(const std::string& text, std::span<const
     for (std::string part; std::getline(parts, part, ',');) all.push_back(part);
     if (all.size() > 1 && all.size() != frames.size())
         throw Error("--env " + text + ": " + std::to_string(all.size()) + " maps for " +
-                    std::to_string(frames.size()) + " frames, wanted one, or one for each frame");
+                    std::to_string(frames.size()) + (frames.size() > 1 ? " frames" : " frame") +
+                    ", wanted one, or one for each frame");
     return all;
 }
 

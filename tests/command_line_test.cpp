@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "tests/cli_fixture.h"
@@ -60,6 +61,18 @@ TEST_F(CommandLine, NamesTheOptionThatWasMeant) {
     expectRefusal(run("render", still("-o a.exr --estimator msi")), "render", "did you mean mis?");
 }
 
+TEST_F(CommandLine, WrongUsageNamesTheProgramAndTheOption) {
+    for (const std::string line : {"--samples many", "--seed -1", "--up x"}) {
+        const ProgramRun result = run("render", still("-o a.exr " + line));
+        EXPECT_GE(result.status, 100) << line;
+        EXPECT_TRUE(result.err.starts_with("shadowcache-render: ")) << result.err;
+        EXPECT_NE(result.err.find(line.substr(0, line.find(' '))), std::string::npos) << result.err;
+        EXPECT_EQ(std::ranges::count(result.err, '\n'), 2) << "the cause, and --help";
+    }
+    const ProgramRun missing = run("bake", "set.obj");
+    EXPECT_TRUE(missing.err.starts_with("shadowcache-bake: --output")) << missing.err;
+}
+
 TEST_F(CommandLine, SettingsFileRepeatsARun) {
     bake("--uniform --write-config bake.toml");
     const std::string uniform = readBytes(path("set.vdb")).substr(57);
@@ -104,12 +117,21 @@ TEST_F(CommandLine, SettingsFileByHand) {
 
 TEST_F(CommandLine, RefusesBadSettingsFiles) {
     folder_.write("typo.toml", "smaples = 4\n");
-    const auto before = files();
+    auto before = files();
     ProgramRun result = run("render", still("-o a.exr --config typo.toml"));
     EXPECT_GE(result.status, 100);
     EXPECT_NE(result.err.find("smaples: no such option, did you mean samples?"), std::string::npos)
         << result.err;
     EXPECT_GE(run("render", still("-o a.exr --config none.toml")).status, 100);
+    folder_.write("section.toml", "[shot]\nseed = 4\n");
+    result = run("render", still("-o a.exr --config section.toml"));
+    EXPECT_NE(result.err.find("section [shot], wanted options alone"), std::string::npos)
+        << result.err;
+    folder_.write("empty.toml", "threads = \n");
+    result = run("render", still("-o a.exr --config empty.toml"));
+    EXPECT_NE(result.err.find("--threads: empty, wanted a value"), std::string::npos) << result.err;
+    before.insert(before.end(), {"empty.toml", "section.toml"});
+    std::ranges::sort(before);
     EXPECT_EQ(files(), before);
     expectRefusal(run("render", still("-o a.exr --write-config none/a.toml")), "render",
                   "none/a.toml");

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <thread>
@@ -57,6 +58,20 @@ std::string drain(int pipe) {
     _exit(127);
 }
 
+/// Waits until the process catches Ctrl-C, as the programs do before their work; ten seconds at
+/// most.
+void awaitHandler(pid_t process) {
+    const std::string path = "/proc/" + std::to_string(process) + "/status";
+    for (int i = 0; i < 1000; ++i) {
+        std::ifstream status(path);
+        for (std::string line; std::getline(status, line);)
+            if (line.starts_with("SigCgt:") &&
+                (std::stoull(line.substr(7), nullptr, 16) & (1u << (SIGINT - 1))) != 0)
+                return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+}
+
 }  // namespace
 
 ProgramRun runProgram(const std::string& name, const std::vector<std::string>& arguments,
@@ -72,6 +87,7 @@ ProgramRun runProgram(const std::string& name, const std::vector<std::string>& a
     close(out[1]);
     close(err[1]);
     if (limits.interruptSeconds) {
+        awaitHandler(child);
         std::this_thread::sleep_for(std::chrono::duration<double>(*limits.interruptSeconds));
         kill(child, SIGINT);
     }

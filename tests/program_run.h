@@ -16,7 +16,7 @@ struct ProgramRun {
 /// What a program runs under.
 struct RunLimits {
     std::optional<std::size_t> fileBytes;    ///< longest file it may write, as a full disk does
-    std::optional<double> interruptSeconds;  ///< when it gets Ctrl-C
+    std::optional<double> interruptSeconds;  ///< from being ready for Ctrl-C to it
 };
 
 /// Runs one of the project's programs ("bake", "render", "info", "merge", "make-set") in `folder`

@@ -103,6 +103,37 @@ TEST_F(ShotTest, ResumesWhatIsMissingBrokenOrOfOtherSettings) {
     EXPECT_NE(light.out.find("4 frames (0 more"), std::string::npos) << light.out;
 }
 
+TEST_F(ShotTest, FramesNamedTwiceAreRenderedOnce) {
+    const auto run = runWell("render", shot("--camera shot --frames 1-3,2-4 -o f.####.exr"));
+    EXPECT_NE(run.out.find("mis: 4 frames"), std::string::npos) << run.out;
+}
+
+TEST_F(ShotTest, ResumesWherePicturesAreMissing) {
+    bake();
+    const std::string line = move(
+        "--cache set.vdb --frames 1-2 --aov openness --png --resume "
+        "-o f.#.exr");
+    runWell("render", line);
+    std::filesystem::remove(path("f.2.openness.png"));
+    const auto again = runWell("render", line);
+    EXPECT_NE(again.out.find("1 frame (1 more was done)"), std::string::npos) << again.out;
+    EXPECT_TRUE(std::filesystem::exists(path("f.2.openness.png")));
+}
+
+TEST_F(ShotTest, NeverWritesOverItsInputs) {
+    const std::string map = readBytes(path("map.exr"));
+    folder_.write("sky.0002.exr", map);
+    const std::string line = "set.obj --samples 1 --size 4x4 --camera camera.json ";
+    expectRefusal(run("render", line + "--env map.exr -o map.exr"), "render", "map.exr",
+                  "is an input");
+    expectRefusal(run("render", line + "--env sky.0002.exr --frames 1-3 -o ./sky.####.exr"),
+                  "render", "sky.0002.exr", "is an input");
+    expectRefusal(run("render", line + "--env map.exr --stats camera.json -o a.exr"), "render",
+                  "camera.json", "is an input");
+    EXPECT_EQ(readBytes(path("map.exr")), map);
+    EXPECT_EQ(readBytes(path("sky.0002.exr")), map);
+}
+
 TEST_F(ShotTest, RelightsByListSequenceAndRotation) {
     runWell("bake", "set.obj -o set.vdb --spacing 0.25 --level 3");
     const std::string still =
