@@ -71,6 +71,7 @@ void defineBake(CLI::App& app, Job& job, std::string& shard, bool& uniform) {
                  "Every region at the finest level, not only where rays disagree")
         ->group(group);
     app.add_option("--seed", job.bake.seed, "Seed; caches of different seeds merge to a better one")
+        ->check(notNegative)
         ->capture_default_str()
         ->group(group);
     app.add_option("--shard", shard, "Bake part K of N of the set; the parts merge to the whole")

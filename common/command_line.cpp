@@ -146,6 +146,10 @@ std::uint64_t parseSize(const char* option, const std::string& text) {
     return static_cast<std::uint64_t>(bytes);
 }
 
+std::string notNegative(const std::string& text) {
+    return text.starts_with("-") ? text + ", wanted 0 or more" : "";
+}
+
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app) {
     std::vector<std::pair<std::string, std::string>> settings;
     for (const CLI::Option* option : app.get_options()) {

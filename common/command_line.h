@@ -33,6 +33,10 @@ std::optional<int> parseCommandLine(
 /// @throws Error "OPTION TEXT: wanted ..."
 std::uint64_t parseSize(const char* option, const std::string& text);
 
+/// What is wrong with the text of a whole number from 0 up, for CLI::Option::check: CLI11 would
+/// turn -1 into 2^64 - 1.
+std::string notNegative(const std::string& text);
+
 /// Every option's name and value as given or defaulted, but for those that steer no work.
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app);
 
