@@ -40,13 +40,12 @@ std::vector<Pixel> firstHits(const EstimatorContext& context, const Camera& came
 
 ShotLight renderShot(const EstimatorContext& context, const std::string& estimator,
                      std::span<const Camera> cameras, std::span<const int> numbers,
-                     const RenderOptions& options) {
+                     const RenderOptions& options, RenderStats& stats) {
     const auto made = findEstimator(estimator).make(context);
     ShotLight shot;
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-        RenderStats unused;
-        survey(*made, context, cameras[i], numbers[i], options, unused);
-        const Film film = render(*made, context, cameras[i], numbers[i], options, unused);
+        survey(*made, context, cameras[i], numbers[i], options, stats);
+        const Film film = render(*made, context, cameras[i], numbers[i], options, stats);
         shot.emplace_back();
         for (const Pixel& p : film.pixels)
             shot.back().push_back(static_cast<double>(context.environment.luminance(p.irradiance)));

@@ -15,10 +15,10 @@ namespace shadowcache::test {
 /// Frames of one shot by one estimator: the luminance of each pixel's irradiance.
 using ShotLight = std::vector<std::vector<double>>;
 
-/// Renders a frame for each camera, with `numbers` in the frames' seeds.
+/// Renders a frame for each camera, with `numbers` in the frames' seeds; `stats` adds up.
 ShotLight renderShot(const EstimatorContext& context, const std::string& estimator,
                      std::span<const Camera> cameras, std::span<const int> numbers,
-                     const RenderOptions& options);
+                     const RenderOptions& options, RenderStats& stats);
 
 /// Places of the set that all frames see, by frame: the pixel that sees each.
 struct Places {

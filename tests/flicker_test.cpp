@@ -43,7 +43,8 @@ protected:
         RenderOptions best = options_;
         best.samples = 128;
         best.seed = 2;
-        reference_ = renderShot(context_, "cache", cameras_, numbers_, best);
+        RenderStats unused;
+        reference_ = renderShot(context_, "cache", cameras_, numbers_, best, unused);
         places_ = trackPlaces(context_, cameras_, options_);
         brightness_ = brightness(reference_, places_);
     }
@@ -56,7 +57,8 @@ protected:
     }
 
     ShotLight shotOf(const char* estimator, const std::vector<int>& numbers) const {
-        return renderShot(context_, estimator, cameras_, numbers, options_);
+        RenderStats unused;
+        return renderShot(context_, estimator, cameras_, numbers, options_, unused);
     }
     std::vector<double> found(const ShotLight& shot, const Places& places) const {
         return correlations(errorsOf(shot, reference_), places, brightness_);
@@ -107,7 +109,8 @@ TEST_F(Flicker, SeesNoiseThatSticksToTheScreen) {
 TEST_F(Flicker, SameNumbersOnAStillCameraCorrelateFully) {
     const std::vector<Camera> still(kFrames, cameras_.front());
     const std::vector<int> stuck(kFrames, 1);
-    const ShotLight shot = renderShot(context_, "cache", still, stuck, options_);
+    RenderStats unused;
+    const ShotLight shot = renderShot(context_, "cache", still, stuck, options_, unused);
     const ShotLight errors = errorsOf(shot, ShotLight(kFrames, reference_.front()));
     for (const double r : correlations(errors, samePixels(places_), brightness_))
         EXPECT_NEAR(r, 1, 1e-9);

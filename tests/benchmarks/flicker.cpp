@@ -47,21 +47,30 @@ void measure(const Set& set, const std::string& mapName, const Environment& envi
     RenderOptions best = options;
     best.samples *= kReferenceSamples;
     best.seed = 1001;
-    const test::ShotLight reference = test::renderShot(context, "cache", cameras, numbers, best);
+    RenderStats unused;
+    const test::ShotLight reference =
+        test::renderShot(context, "cache", cameras, numbers, best, unused);
     const std::vector<double> brightness = test::brightness(reference, places);
 
     double ofMis = 0;
-    const auto print = [&](const char* name, const test::ShotLight& shot) {
+    const auto measureOne = [&](const char* name, const char* estimator,
+                                const std::vector<int>& frames) {
+        RenderStats stats;
+        const test::ShotLight shot =
+            test::renderShot(context, estimator, cameras, frames, options, stats);
         const test::ShotLight errors = test::errorsOf(shot, reference);
         const double variance = test::temporalVariance(shot, places, brightness);
         const double noise = test::temporalVariance(errors, places, brightness);
         const double place = meanOf(test::correlations(errors, places, brightness));
         const double pixel = meanOf(test::correlations(errors, pixels, brightness));
+        const double rays = static_cast<double>(stats.shadowRays) /
+                            (kFrames * static_cast<double>(options.width) * options.height);
         if (ofMis == 0) ofMis = noise;
-        std::printf("%-9s %-13s %-15s %10.4g %10.4g %8.1f %9.3f %9.3f\n", set.name.c_str(),
-                    mapName.c_str(), name, variance, noise, ofMis / noise, place, pixel);
+        std::printf("%-9s %-13s %-15s %8.1f %10.4g %10.4g %8.1f %9.3f %9.3f\n", set.name.c_str(),
+                    mapName.c_str(), name, rays, variance, noise, ofMis / noise, place, pixel);
         std::fflush(stdout);
         const std::string key = set.name + "." + mapName + "." + name;
+        json.set(key + ".rays_per_pixel", rays);
         json.set(key + ".variance", variance);
         json.set(key + ".noise", noise);
         json.set(key + ".correlation_at_place", place);
@@ -69,14 +78,14 @@ void measure(const Set& set, const std::string& mapName, const Environment& envi
     };
     for (const Row& row : kRows) {
         context.options.adaptive = row.adaptive;
-        print(row.name, test::renderShot(context, row.estimator, cameras, numbers, options));
+        measureOne(row.name, row.estimator, numbers);
     }
     // Control: numbers that are the same in every frame stick to the screen.
     const std::vector<int> stuck(kFrames, numbers.front());
-    print("stuck numbers", test::renderShot(context, "cache", cameras, stuck, options));
+    measureOne("stuck numbers", "cache", stuck);
     const double move = test::temporalVariance(reference, places, brightness);
-    std::printf("%-9s %-13s %-15s %10.4g %10s          (%zu places)\n", set.name.c_str(),
-                mapName.c_str(), "reference", move, "", places.count());
+    std::printf("%-9s %-13s %-15s %8s %10.4g          (%zu places)\n", set.name.c_str(),
+                mapName.c_str(), "reference", "", move, places.count());
     json.set(set.name + "." + mapName + ".reference.variance", move);
 }
 
@@ -86,8 +95,8 @@ void flicker(const Settings& settings) {
     std::printf("%d frames from %d, %dx%d, %d samples; the reference has %d times as many\n",
                 kFrames, settings.frames.front(), settings.width, settings.height, settings.samples,
                 kReferenceSamples);
-    std::printf("%-9s %-13s %-15s %10s %10s %8s %9s %9s\n", "scene", "map", "estimator", "variance",
-                "of noise", "mis / it", "r, place", "r, pixel");
+    std::printf("%-9s %-13s %-15s %8s %10s %10s %8s %9s %9s\n", "scene", "map", "estimator",
+                "rays/pix", "variance", "of noise", "mis / it", "r, place", "r, pixel");
     JsonFile json;
     for (const std::string& name : settings.scenes) {
         const auto set = loadSet(settings, name);
