@@ -12,7 +12,7 @@ namespace shadowcache::bench {
 namespace {
 
 /// Samples of each half of a reference.
-constexpr int kReferenceSamples = 2048;
+constexpr int kReferenceSamples = 4096;
 
 struct Measured {
     RelativeError error;
