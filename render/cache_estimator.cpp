@@ -22,6 +22,11 @@ namespace {
 /// Irradiance, as a share of the frame's mean, below which errors count no more.
 constexpr double kDarkest = 0.1;
 
+/// How much of the light that is predicted but not sure makes a place bright, whose samples are
+/// then not heavy. Less with the uniform budget, which gives no more samples to places that turn
+/// out dark.
+constexpr double kUnsureShare = 0.4, kUnsureShareUniform = 0.2;
+
 /// Places of a survey that one thread takes at a time.
 constexpr std::size_t kSurveyChunk = 32;
 
@@ -148,7 +153,8 @@ private:
         if (samples > 0 && w.weights.spreadSum() > 0) {
             if (context_.options.adaptive)
                 samples = budget_.samplesOf(predictedNoise(w), point.seed);
-            w.weights.shareSurprises(samples, darkest_);
+            w.weights.shareSurprises(
+                samples, darkest_, context_.options.adaptive ? kUnsureShare : kUnsureShareUniform);
             w.sampler.draw(w.weights, samples,
                            w.numbers(context_.options.sequence, point.seed, 0, samples),
                            point.seed);

@@ -43,9 +43,6 @@ constexpr double kDefensiveShare = 0.4;
 /// neighbours cost is then well spent.
 constexpr double kHeavy = 0.1;
 
-/// What is predicted but not sure counts this much in that irradiance.
-constexpr double kUnsure = 0.4;
-
 /// Shared regions need this much of the samples that they would need alone.
 constexpr float kSharedSpread = 0.5f;
 
@@ -176,9 +173,9 @@ void RegionWeights::defend() {
     }
 }
 
-void RegionWeights::shareSurprises(int samples, double darkest) {
+void RegionWeights::shareSurprises(int samples, double darkest, double unsureShare) {
     const double unsure = std::max(0.0, predictedLuminance() - sureLight_);
-    const double brightness = darkest + sureLight_ + kUnsure * unsure;
+    const double brightness = darkest + sureLight_ + unsureShare * unsure;
     // A sample weighs light / (samples * spread / spreadSum).
     const auto least = static_cast<float>(kHeavy * brightness * samples / spreadSum_);
     spreadSum_ = 0;

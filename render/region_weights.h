@@ -42,9 +42,10 @@ public:
 
     /// Marks the regions whose surprises are to be shared with neighbouring points: those where one
     /// of `samples` samples against the cache's word would weigh a good part of the irradiance and
-    /// `darkest` together. There the word is rounded to fully hidden or fully open, and fewer
-    /// samples do, because the neighbours' count as well.
-    void shareSurprises(int samples, double darkest);
+    /// `darkest` together; what is predicted but not sure counts `unsureShare` in that. There the
+    /// word is rounded to fully hidden or fully open, and fewer samples do, because the neighbours'
+    /// count as well.
+    void shareSurprises(int samples, double darkest, double unsureShare);
 
     /// Sum over the regions of c_r (n . V_r): the irradiance the cache predicts.
     const double* predicted() const { return predicted_; }
