@@ -53,8 +53,7 @@ Environment::Draw Environment::startDraw(std::uint32_t first, std::uint32_t last
 
 void Environment::findTexel(Draw& draw) const noexcept {
     const auto texels = texelsOf(draw.cell);
-    draw.texel =
-        texels[0] + lastAtMost(&texelBegin_[texels[0]], texels[1] - texels[0], draw.step);
+    draw.texel = texels[0] + lastAtMost(&texelBegin_[texels[0]], texels[1] - texels[0], draw.step);
     __builtin_prefetch(&sorted_[draw.texel]);
 }
 

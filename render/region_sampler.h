@@ -71,7 +71,7 @@ private:
     std::span<const std::uint32_t> words_;
     std::uint64_t hashBase_ = 0;  ///< of the hashes of all samples
     std::uint64_t hash_ = 0;      ///< of the sample whose number was the last
-    std::size_t used_ = 0;  ///< of words_
+    std::size_t used_ = 0;        ///< of words_
     std::vector<Own> own_;
     double ownSum_ = 0;
     std::vector<double> groupSum_;
