@@ -299,7 +299,7 @@ TEST_F(Cli, MemoryChangesNoPicture) {
     EXPECT_EQ(stats["cache"]["memory"]["drops"], 0);
     // A picture that is done is done with any budget.
     EXPECT_NE(runWell("render", still("--cache set.vdb -o whole.exr --resume --memory 1G"))
-                  .out.find("1 more were done"),
+                  .out.find("1 more was done"),
               std::string::npos);
 
     const auto scant = run("render", still("--cache set.vdb -o parts.exr --memory 1k"));
