@@ -51,10 +51,9 @@ PointLayoutReader::PointLayoutReader(const std::filesystem::path& path)
     : path_(path), in_(path, std::ios::binary) {
     in_.exceptions(std::ios::failbit | std::ios::badbit);
     try {
-        auto meta =
-            openvdb::SharedPtr<openvdb::io::StreamMetadata>(new openvdb::io::StreamMetadata);
-        meta->setSeekable(true);
-        openvdb::io::setStreamMetadataPtr(in_, meta, /*transfer=*/false);
+        streamMetadata_.reset(new openvdb::io::StreamMetadata);
+        streamMetadata_->setSeekable(true);
+        openvdb::io::setStreamMetadataPtr(in_, streamMetadata_, /*transfer=*/false);
         readHeader(in_);
         setFormatVersion(in_);
         setLibraryVersion(in_);

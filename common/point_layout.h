@@ -60,6 +60,7 @@ private:
     struct Pass;
 
     std::filesystem::path path_;
+    openvdb::SharedPtr<openvdb::io::StreamMetadata> streamMetadata_;  ///< in_ keeps its address
     std::ifstream in_;
     std::vector<openvdb::io::GridDescriptor> grids_;
 

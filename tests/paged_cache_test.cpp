@@ -130,6 +130,9 @@ TEST_F(DamagedCache, CutShortBeforeIsRefused) {
 }
 
 TEST_F(DamagedCache, OfAnyByteFailsOrMisleadsButNeverCrashes) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "OpenVDB asks for the memory that damaged sizes want, which ends the program";
+#endif
     // Of the pages; what stands before them belongs to OpenVDB's own reader.
     int failed = 0;
     for (std::uint64_t turn = 0; turn < 300; ++turn) {
