@@ -93,9 +93,10 @@ protected:
     static void read(const ShadowCache& cache) {
         ShadowCache::Reader reader(cache);
         std::array<ItemView, ShadowCache::kMaxItems> found;
-        for (double x = -1; x <= 1; x += 0.1)
-            for (double z = -1; z <= 1; z += 0.1)
-                for (const float y : {1.0f, -1.0f}) reader.gather({x, 0, z}, {0, y, 0}, found);
+        for (int x = -10; x <= 10; ++x)
+            for (int z = -10; z <= 10; ++z)
+                for (const float y : {1.0f, -1.0f})
+                    reader.gather({0.1 * x, 0, 0.1 * z}, {0, y, 0}, found);
     }
 
     TemporaryFolder folder_;
