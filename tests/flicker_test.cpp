@@ -27,6 +27,7 @@ TriangleMesh porch() {
 
 std::vector<Camera> slowMove() {
     std::vector<Camera> cameras;
+    cameras.reserve(kFrames);
     for (int i = 0; i < kFrames; ++i)
         cameras.push_back(
             lookAt({-1 + 0.02 * i, 1.4, 4.5}, {0.02 * i, 0.5, -1}, Vec3d(0, 1, 0), 0.9));

@@ -10,7 +10,7 @@ namespace shadowcache::test {
 namespace {
 
 void expectSameFilm(const Film& a, const Film& b) {
-    const auto aovs = aovNames();
+    const auto& aovs = aovNames();
     const auto one = channels(a, aovs), two = channels(b, aovs);
     ASSERT_EQ(one.size(), two.size());
     for (std::size_t c = 0; c < one.size(); ++c)
