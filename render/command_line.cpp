@@ -93,6 +93,9 @@ void definePaper(CLI::App& app, Arguments& arguments) {
     app.add_option("--max-level", options.maxLevel, "Finest level of the triangles, to 7")
         ->capture_default_str()
         ->group(paper);
+    app.add_option("--order", options.order, "Importance in a triangle: 0 constant, 1 linear")
+        ->capture_default_str()
+        ->group(paper);
     app.add_option("--beta", options.beta, "Share of samples uniform over the hemisphere, 0 to 1")
         ->capture_default_str()
         ->group(paper);

@@ -7,20 +7,32 @@
 
 namespace shadowcache {
 
-/// Irradiance on a surface of unit normal `n` from the part of the map in a cell of level 0 ..
-/// Environment::kLevel, as if nothing hid it: exact, but for texels that the horizon cuts, which
-/// count by their middles.
-Vec3d cellIrradiance(const Environment& environment, int level, std::uint32_t cell,
-                     const Vec3d& n) noexcept;
-
-/// The same from all of the map. [paper 3.1, eq. 2]
+/// Irradiance from the map on a surface of unit normal `n`, as if nothing hid it: exact, but for
+/// texels that the horizon cuts, which count by their middles. [paper 3.1, eq. 2]
 Vec3d mapIrradiance(const Environment& environment, const Vec3d& n) noexcept;
 
-/// Its luminance over a triangle of any level: the diffuse convolution I_i(n). [paper 4.2]
+/// That irradiance, tabulated over the normal, bilinear in polar angle and azimuth. The nodes are
+/// exact, but for cells of level Environment::kLevel that the horizon cuts: HorizonFit stands for
+/// the cosine there.
+class IrradianceTable {
+public:
+    static constexpr std::size_t kPolar = 129, kAzimuth = 256;
+
+    explicit IrradianceTable(const Environment& environment);
+
+    Rgb evaluate(const Vec3f& n) const;
+
+private:
+    std::vector<Rgb> values_;
+};
+
+/// Luminance of the irradiance over a triangle of any level: the diffuse convolution I_i(n).
+/// [paper 4.2]
 double convolve(const Environment& environment, const MapTriangle& triangle,
                 const Vec3d& n) noexcept;
 
-/// Triangles' diffuse convolutions, tabulated over the normal. [paper 4.2]
+/// Triangles' diffuse convolutions, tabulated over the normal, with nodes as IrradianceTable's.
+/// [paper 4.2]
 class ConvolutionTable {
 public:
     static constexpr std::size_t kPolar = 32, kAzimuth = 64;
@@ -31,10 +43,6 @@ public:
     void evaluate(const Vec3f& n, std::vector<float>& out) const;
 
 private:
-    const float* row(std::size_t y, std::size_t x) const {
-        return values_.data() + (y * kAzimuth + x) * count_;
-    }
-
     std::size_t count_;
     std::vector<float> values_;
 };

@@ -23,6 +23,7 @@ struct EstimatorOptions {
     double alpha = 0.7;     ///< `paper`: trust in the cache, [0, 1)
     int threshold = 3;      ///< `paper`: fewest pooled rays of a region that count
     double beta = 0;        ///< `paper`: share of samples uniform over the hemisphere, [0, 1]
+    int order = 0;          ///< `paper`: importance in a triangle constant (0) or linear (1)
     bool exactConvolution = false;  ///< `paper`: convolutions at the normal itself, no tables
     int cacheLevel = 7;             ///< `paper`: finest level of the counts it uses, 0 .. 7
     int lights = 40;                ///< `lights`: K, 1 .. 10000

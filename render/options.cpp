@@ -29,6 +29,7 @@ void validate(const EstimatorOptions& options) {
     requireRange("max-level", options.maxLevel, 0, 7);
     requireRange("min-level", options.minLevel, 0, options.maxLevel);
     requireRange("threshold", options.threshold, 0, 1000);
+    requireRange("order", options.order, 0, 1);
     requireRange("beta", options.beta, 0.0, 1.0);
     requireRange("cache-level", options.cacheLevel, 0, 7);
     requireRange("lights", options.lights, 1, 10000);

@@ -24,19 +24,6 @@ std::uint64_t firstCell(const MapTriangle& t) {
     return std::uint64_t{t.cell} << (2 * (kMaxDirectionLevel - t.level));
 }
 
-/// Place `x` in [0, total) of the running sum -> piece and direction. [paper 4.2: Idx, Coord,
-/// SphTri]
-Vec3f drawDirection(const PaperWorkspace& w, double x, float v, std::uint32_t& triangle) {
-    auto i =
-        static_cast<std::size_t>(std::upper_bound(w.cdf.begin(), w.cdf.end(), x) - w.cdf.begin());
-    i = std::min(i, w.pieces.size() - 1);
-    const PaperPiece& piece = w.pieces[i];
-    triangle = piece.triangle;
-    const double coordinate =
-        std::clamp((x - (w.cdf[i] - piece.weight)) / piece.weight, 0.0, kBelowOne);
-    return Vec3f(sampleDirection(piece.corners, coordinate, static_cast<double>(v)));
-}
-
 }  // namespace
 
 Paper::Paper(const EstimatorContext& context)
@@ -76,6 +63,7 @@ Rgb Paper::prepare(const ShadingPoint& point, int samples, Workspace& workspace)
     const double total = w.cdf.empty() ? 0.0 : w.cdf.back();
     if (!(total > 0)) return {0, 0, 0};
     const double beta = context_.options.beta;
+    const Vec3d n(point.normal);
     const auto u = w.numbers(context_.options.sequence, point.seed, 0, samples);
     const auto v = w.numbers(context_.options.sequence, point.seed, 1, samples);
     for (std::size_t j = 0; j < u.size(); ++j) {
@@ -89,7 +77,7 @@ Rgb Paper::prepare(const ShadingPoint& point, int samples, Workspace& workspace)
             triangle = triangleAlong(direction);
         } else {
             direction =
-                drawDirection(w, (x - beta) / (1 - beta) * total, toUnitFloat(v[j]), triangle);
+                drawDirection(w, n, (x - beta) / (1 - beta) * total, toUnitFloat(v[j]), triangle);
         }
         w.triangleOf.push_back(triangle);
         const float cosine = direction.dot(point.normal);
@@ -97,7 +85,8 @@ Rgb Paper::prepare(const ShadingPoint& point, int samples, Workspace& workspace)
             w.samples.addZero();
             continue;
         }
-        const double density = beta / (2 * kPi) + (1 - beta) * w.density[triangle] / total;
+        const double density =
+            beta / (2 * kPi) + (1 - beta) * this->density(w, n, triangle, direction) / total;
         w.samples.add(direction, context_.environment.radiance(direction) *
                                      (cosine / static_cast<float>(density * samples)));
     }
@@ -128,7 +117,7 @@ void Paper::addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& 
     if (height <= -sine || (t.power <= 0 && t.floor <= 0)) return;
     constexpr double kLeastCosine = 0.05;
     const double light = std::max(static_cast<double>(w.convolution[triangle]),
-                                  t.floor * t.area * std::max(height, kLeastCosine));
+                                  t.floor * std::max(height, kLeastCosine));
     const double weight = light * visibility(w, triangle);
     if (height >= sine) {
         w.density[triangle] = weight / t.area;
@@ -155,6 +144,46 @@ double Paper::visibility(const PaperWorkspace& w, std::uint32_t triangle) const 
                          ? 1.0
                          : static_cast<double>(v.ratio);
     return context_.options.alpha * a + (1 - context_.options.alpha) * 0.5;
+}
+
+/// Whether the importance in a triangle is linear: in one that the horizon may cut it never is.
+bool Paper::isLinear(std::uint32_t triangle, const Vec3d& n) const {
+    const MapTriangle& t = triangles_[triangle];
+    return context_.options.order == 1 && n.dot(t.axis) >= t.sinRadius;
+}
+
+LinearTriangle Paper::linear(std::uint32_t triangle, const Vec3d& n) const {
+    const MapTriangle& t = triangles_[triangle];
+    // On the horizon itself the density must not be zero.
+    constexpr double kLeastCosine = 1e-3;
+    return {t.corners,
+            {t.shape[0] * std::max(kLeastCosine, n.dot(t.corners.a)),
+             t.shape[1] * std::max(kLeastCosine, n.dot(t.corners.b)),
+             t.shape[2] * std::max(kLeastCosine, n.dot(t.corners.c))}};
+}
+
+/// Place `x` in [0, total) of the running sum -> piece and direction. [paper 4.2: Idx, Coord,
+/// SphTri]
+Vec3f Paper::drawDirection(const PaperWorkspace& w, const Vec3d& n, double x, float v,
+                           std::uint32_t& triangle) const {
+    auto i =
+        static_cast<std::size_t>(std::upper_bound(w.cdf.begin(), w.cdf.end(), x) - w.cdf.begin());
+    i = std::min(i, w.pieces.size() - 1);
+    const PaperPiece& piece = w.pieces[i];
+    triangle = piece.triangle;
+    const double coordinate =
+        std::clamp((x - (w.cdf[i] - piece.weight)) / piece.weight, 0.0, kBelowOne);
+    if (isLinear(triangle, n))
+        return Vec3f(linear(triangle, n).sample(coordinate, static_cast<double>(v)));
+    return Vec3f(sampleDirection(piece.corners, coordinate, static_cast<double>(v)));
+}
+
+/// Of a direction in a triangle, times the sum of all weights.
+double Paper::density(const PaperWorkspace& w, const Vec3d& n, std::uint32_t triangle,
+                      const Vec3f& direction) const {
+    const double constant = w.density[triangle];
+    if (!isLinear(triangle, n)) return constant;
+    return constant * triangles_[triangle].area * linear(triangle, n).density(Vec3d(direction));
 }
 
 std::uint32_t Paper::triangleAlong(const Vec3f& direction) const {

@@ -7,6 +7,7 @@
 #include "render/cached_visibility.h"
 #include "render/convolution.h"
 #include "render/estimator.h"
+#include "render/linear_triangle.h"
 
 namespace shadowcache {
 
@@ -55,6 +56,12 @@ private:
     void convolveAll(const Vec3f& n, std::vector<float>& out) const;
     void addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& w) const;
     double visibility(const PaperWorkspace& w, std::uint32_t triangle) const;
+    LinearTriangle linear(std::uint32_t triangle, const Vec3d& n) const;
+    bool isLinear(std::uint32_t triangle, const Vec3d& n) const;
+    Vec3f drawDirection(const PaperWorkspace& w, const Vec3d& n, double x, float v,
+                        std::uint32_t& triangle) const;
+    double density(const PaperWorkspace& w, const Vec3d& n, std::uint32_t triangle,
+                   const Vec3f& direction) const;
     std::uint32_t triangleAlong(const Vec3f& direction) const;
 };
 

@@ -46,25 +46,30 @@ public:
     }
 
 private:
+    static constexpr int kSubdivisions = 8;  ///< along a side of a bright texel
     bool printed_;
     std::size_t width_, height_;
     std::vector<MapPixel> pixels_;
 
-    /// Shares a texel out among the rectangles that it lies in; one no brighter than the map is in
-    /// the mean goes to that of its middle.
+    /// Shares a texel out among the rectangles that it lies in, by points that stand on its sides,
+    /// too; one no brighter than the map is in the mean goes to that of its middle.
     void addTexel(const Environment& environment, std::size_t i, std::vector<double>& power,
                   std::vector<double>& area) const {
         const Environment::Texel t = environment.texel(i);
         const auto luminance = static_cast<double>(environment.luminance(t.radiance));
-        const int parts = luminance > environment.totalPower() / (4 * kPi) ? 8 : 1;
-        const double share = static_cast<double>(t.solidAngle) / (parts * parts);
-        for (int y = 0; y < parts; ++y)
-            for (int x = 0; x < parts; ++x) {
-                const std::size_t k =
-                    pixelAlong(environment.placeIn(i, (x + 0.5) / parts, (y + 0.5) / parts));
-                area[k] += share;
-                power[k] += share * luminance;
-            }
+        const auto solidAngle = static_cast<double>(t.solidAngle);
+        const auto add = [&](std::size_t k, double share) {
+            area[k] += share;
+            power[k] += share * luminance;
+        };
+        if (luminance <= environment.totalPower() / (4 * kPi))
+            return add(pixelAlong(Vec3d(t.center)), solidAngle);
+        constexpr int n = kSubdivisions;
+        for (int y = 0; y <= n; ++y)
+            for (int x = 0; x <= n; ++x)
+                add(pixelAlong(environment.placeIn(i, static_cast<double>(x) / n,
+                                                   static_cast<double>(y) / n)),
+                    solidAngle * (x % n == 0 ? 0.5 : 1.0) * (y % n == 0 ? 0.5 : 1.0) / (n * n));
     }
 
     std::size_t pixelAlong(const Vec3d& w) const {
@@ -104,12 +109,15 @@ private:
         return {Vec3f(middle), 0, area, std::sqrt(std::max(0.0, 1 - least * least)) + 1e-6};
     }
 
-    /// The parts of texels are sampled: where one is missed, the density must be positive.
+    /// As if a part of the brightest texel nearby were in it: the density is positive wherever
+    /// there is light, also where the points of addTexel missed it.
     double leastLuminance(const MapPixel& pixel) const {
         if (printed_) return 0;
-        constexpr double kShare = 2e-2;
-        return kShare * static_cast<double>(context_.environment.maxLuminance(
-                            Vec3d(pixel.middle), std::asin(std::min(1.0, pixel.sine))));
+        const Environment& e = context_.environment;
+        const double part =
+            2 * kPi * kPi / static_cast<double>(e.texelCount()) / (kSubdivisions * kSubdivisions);
+        const double angle = std::asin(std::min(1.0, pixel.sine));
+        return static_cast<double>(e.maxLuminance(Vec3d(pixel.middle), angle)) * part / pixel.area;
     }
 
     /// What stands for the cosine over a rectangle.

@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "common/parallel.h"
+#include "render/linear_triangle.h"
 
 namespace shadowcache {
 
@@ -26,7 +27,7 @@ struct Sums {
     double variance() const { return area > 0 ? std::max(0.0, square - power * power / area) : 0; }
 };
 
-/// Points along a side of a texel that lies in several triangles.
+/// Intervals along a side of a texel that lies in several triangles.
 constexpr int kSubdivisions = 8;
 
 using SumsByCell = std::unordered_map<std::uint32_t, Sums>;
@@ -35,15 +36,23 @@ Sums sumsOf(const Vec3d& direction, double luminance, double area) {
     return {area, luminance * area, luminance * luminance * area, direction * (luminance * area)};
 }
 
+/// Intervals along a side of the parts that a texel is divided into: many where it is brighter than
+/// the map in the mean, as what is missed of it is missed by the density.
+int intervalsOf(const Environment& environment, double luminance, double area, int finest) {
+    if (luminance > environment.totalPower() / (4 * kPi)) return kSubdivisions;
+    return area > kPi / cellCount(finest) ? kSubdivisions / 2 : 1;
+}
+
 /// Adds texel `i` to the cells of level `finest` that it lies in; to the one that holds its middle
-/// if it is no brighter than the map is in the mean.
+/// if it is dull and small.
 void addTexel(const Environment& environment, std::size_t i, int finest, SumsByCell& sums) {
     const Environment::Texel t = environment.texel(i);
     const auto luminance = static_cast<double>(environment.luminance(t.radiance));
     const auto area = static_cast<double>(t.solidAngle);
+    const int n = intervalsOf(environment, luminance, area, finest);
     const std::uint32_t cell = locateCell(finest, Vec3d(t.center));
     bool spread = false;
-    if (luminance > environment.totalPower() / (4 * kPi))
+    if (n > 1)
         for (const double x : {0.0, 1.0})
             for (const double y : {0.0, 1.0})
                 spread = spread || locateCell(finest, environment.placeIn(i, x, y)) != cell;
@@ -51,12 +60,14 @@ void addTexel(const Environment& environment, std::size_t i, int finest, SumsByC
         sums[cell] += sumsOf(Vec3d(t.center), luminance, area);
         return;
     }
-    for (int y = 0; y < kSubdivisions; ++y)
-        for (int x = 0; x < kSubdivisions; ++x) {
+    // The trapezoidal rule: its points stand on the texel's sides, so that no sliver along one of
+    // them is missed, however thin.
+    for (int y = 0; y <= n; ++y)
+        for (int x = 0; x <= n; ++x) {
             const Vec3d place =
-                environment.placeIn(i, (x + 0.5) / kSubdivisions, (y + 0.5) / kSubdivisions);
-            sums[locateCell(finest, place)] +=
-                sumsOf(place, luminance, area / (kSubdivisions * kSubdivisions));
+                environment.placeIn(i, static_cast<double>(x) / n, static_cast<double>(y) / n);
+            const double weight = (x % n == 0 ? 0.5 : 1.0) * (y % n == 0 ? 0.5 : 1.0);
+            sums[locateCell(finest, place)] += sumsOf(place, luminance, area * weight / (n * n));
         }
 }
 
@@ -93,10 +104,13 @@ MapTriangle makeTriangle(const Environment& environment, int level, std::uint32_
     t.area = solidAngle(t.corners);
     t.flux = sums.flux;
     t.power = sums.power;
-    // The parts of texels are sampled: where one is missed, the density must be positive all the
-    // same.
-    constexpr double kShare = 2e-2;
-    t.floor = kShare * static_cast<double>(environment.maxLuminance(t.axis, t.radius));
+    t.shape = t.power > 0 ? linearShape(t.corners, t.flux) : std::array<double, 3>{1, 1, 1};
+    // A corner of the triangle may reach into a texel between the points: as if a part of the
+    // brightest texel nearby were in it, the density is positive all the same. More, such as a
+    // share of that luminance over all of a large triangle beside a lamp, would take the samples.
+    const double part = 2 * kPi * kPi / static_cast<double>(environment.texelCount()) /
+                        (kSubdivisions * kSubdivisions);
+    t.floor = part * static_cast<double>(environment.maxLuminance(t.axis, t.radius));
     return t;
 }
 

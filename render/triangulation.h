@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "common/environment.h"
@@ -15,10 +16,11 @@ struct MapTriangle {
     Vec3d axis;     ///< unit, at the middle
     double radius;  ///< angle around the axis that holds the triangle [rad]
     double sinRadius;
-    double area;   ///< [sr]
-    Vec3d flux;    ///< integral of luminance times direction
-    double power;  ///< integral of the luminance
-    double floor;  ///< least average luminance to assume: positive wherever there is light
+    double area;                  ///< [sr]
+    Vec3d flux;                   ///< integral of luminance times direction
+    double power;                 ///< integral of the luminance
+    std::array<double, 3> shape;  ///< linear in place of constant: linearShape(corners, flux)
+    double floor;                 ///< least power to assume: positive wherever there is light
 };
 
 /// Splits the icosahedron to `minLevel`, then, always the triangle over which the luminance varies

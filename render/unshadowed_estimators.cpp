@@ -12,18 +12,28 @@ namespace shadowcache {
 namespace {
 
 class Preconvolved final : public Estimator {
-    using Estimator::Estimator;
+public:
+    explicit Preconvolved(const EstimatorContext& context)
+        : Estimator(context), map_(context.environment) {}
+
+private:
+    IrradianceTable map_;
 
     Rgb prepare(const ShadingPoint& point, int, Workspace&) const override {
-        return Rgb(mapIrradiance(context_.environment, Vec3d(point.normal)));
+        return map_.evaluate(point.normal);
     }
 };
 
 class AmbientOcclusion final : public Estimator {
-    using Estimator::Estimator;
+public:
+    explicit AmbientOcclusion(const EstimatorContext& context)
+        : Estimator(context), map_(context.environment) {}
+
+private:
+    IrradianceTable map_;
 
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
-        const Rgb share(mapIrradiance(context_.environment, Vec3d(point.normal)) / samples);
+        const Rgb share = map_.evaluate(point.normal) / static_cast<float>(samples);
         const auto u = w.numbers(context_.options.sequence, point.seed, 0, samples);
         const auto v = w.numbers(context_.options.sequence, point.seed, 1, samples);
         for (std::size_t i = 0; i < u.size(); ++i)
@@ -44,7 +54,8 @@ struct OcclusionWorkspace final : Workspace {
 
 class AmbientOcclusionCached final : public Estimator {
 public:
-    explicit AmbientOcclusionCached(const EstimatorContext& context) : Estimator(context) {
+    explicit AmbientOcclusionCached(const EstimatorContext& context)
+        : Estimator(context), map_(context.environment) {
         for (std::uint32_t c = 0; c < cellCount(kLevel); ++c) {
             cells_.push_back(cellTriangle(kLevel, c));
             areas_.push_back(solidAngle(cells_.back()));
@@ -57,6 +68,7 @@ public:
 
 private:
     static constexpr int kLevel = 3;
+    IrradianceTable map_;
     std::vector<SphericalTriangle> cells_;
     std::vector<double> areas_;
 
@@ -73,7 +85,7 @@ private:
             open += area * static_cast<double>(v.ratio);
             all += area;
         }
-        return Rgb(mapIrradiance(context_.environment, n) * (open / all));
+        return map_.evaluate(point.normal) * static_cast<float>(open / all);
     }
 
     double areaAbove(std::uint32_t cell, const Vec3d& n) const {
