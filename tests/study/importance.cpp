@@ -1,6 +1,7 @@
 // What the study draws of the paper's importance: the triangulation of a map, the importance at a
 // normal, and what tabulating the convolutions costs. Prints JSON.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -29,6 +30,12 @@ Vec3d latLong(double turn, double down) {
     const double polar = kPi * down, longitude = kPi - 2 * kPi * turn;
     return {std::sin(polar) * std::sin(longitude), std::cos(polar),
             std::sin(polar) * std::cos(longitude)};
+}
+
+Vec3d randomNormal(std::uint64_t k) {
+    const double height = 1 - 2 * toUnit(hashWords(1, k)), turn = 2 * kPi * toUnit(hashWords(2, k));
+    const double radius = std::sqrt(1 - height * height);
+    return {radius * std::sin(turn), height, radius * std::cos(turn)};
 }
 
 /// Triangle of every direction of a lat-long picture, and what each has in it at normal `n`.
@@ -66,10 +73,7 @@ void storeTableError(const Environment& environment, const std::vector<MapTriang
     std::vector<double> errors;
     double tableSeconds = 0, exactSeconds = 0;
     for (std::uint64_t k = 0; k < kNormals; ++k) {
-        const double height = 1 - 2 * toUnit(hashWords(1, k)),
-                     turn = 2 * kPi * toUnit(hashWords(2, k));
-        const double radius = std::sqrt(1 - height * height);
-        const Vec3d n(radius * std::sin(turn), height, radius * std::cos(turn));
+        const Vec3d n = randomNormal(k);
         start = std::clock();
         table.evaluate(Vec3f(n), tabulated);
         tableSeconds += secondsSince(start);
@@ -90,6 +94,26 @@ void storeTableError(const Environment& environment, const std::vector<MapTriang
     json.set("table.exact_microseconds", exactSeconds / kNormals * 1e6);
 }
 
+/// Error of the tabulated irradiance against the exact sums, as a share of the greatest there is.
+void storePreconvolutionError(const Environment& environment, JsonFile& json) {
+    auto start = std::clock();
+    const IrradianceTable table(environment);
+    json.set("irradiance.seconds", secondsSince(start));
+    const auto luminance = [&](const Rgb& c) {
+        return static_cast<double>(environment.luminance(c));
+    };
+    std::vector<double> errors;
+    double greatest = 0;
+    for (std::uint64_t k = 0; k < 4 * kNormals; ++k) {
+        const Vec3d n = randomNormal(k);
+        const double exact = luminance(Rgb(mapIrradiance(environment, n)));
+        errors.push_back(std::abs(luminance(table.evaluate(Vec3f(n))) - exact));
+        greatest = std::max(greatest, exact);
+    }
+    for (double& error : errors) error /= greatest;
+    json.set("irradiance.errors", errors);
+}
+
 }  // namespace
 }  // namespace shadowcache
 
@@ -107,6 +131,7 @@ int main(int argc, char** argv) try {
                  Vec3d(std::atof(argv[3]), std::atof(argv[4]), std::atof(argv[5])).normalized(),
                  json);
     storeTableError(environment, triangles, json);
+    storePreconvolutionError(environment, json);
     std::printf("%s\n", json.text().c_str());
     return 0;
 } catch (const std::exception& e) {

@@ -43,7 +43,7 @@ def run(runner, source):
 
     def view(name, env, size="40x40"):
         return View(runner, name, mesh, cache, env, ["--camera", camera, "--frames", "1"], size,
-                    reference_samples=1024)
+                    reference=("cache", 1024))
 
     maps = os.path.join(source, "scenes", "maps")
     sun = view("sun", os.path.join(maps, "sunrise.exr"))
@@ -64,6 +64,12 @@ def run(runner, source):
                  lamps.error("paper", 64, "--triangles", 20, seeds=SEEDS), 1.5)
     check.better("lamps: pixels 16x8 over 1300 triangles", lamp_paper,
                  lamps.error("pixel", 64, "--pixel-map", "16x8", seeds=SEEDS), 1.5)
+    # Table 1, and the paper's future work.
+    full = lamps.error("paper", 64, seeds=SEEDS)
+    check.better("lamps: pixels 200x100 over 5000 triangles", full,
+                 lamps.error("pixel", 64, seeds=SEEDS), 1.3)
+    check.better("lamps: constant over linear importance",
+                 lamps.error("paper", 64, "--order", 1, seeds=SEEDS), full, 1.1)
     check.better("lamps: beta 0.9 over beta 0", lamp_paper,
                  lamps.error("paper", 64, *few, "--beta", 0.9, seeds=SEEDS), 1.5)
     check.better("lamps: cosine over pixels 64x32",
