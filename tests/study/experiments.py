@@ -125,12 +125,14 @@ def shadow(stage):
     for name in ("grace", "lamps"):
         for where in (True, False):
             view = stage.view(name, where)
-            for label, estimator, cached in (("no cache", "paper", False),
-                                             ("image-space cache", "paper-image", False),
-                                             ("baked cache", "paper", True),
-                                             ("`cache`", "cache", True)):
+            # Equal samples in every pixel: no adaptive budget.
+            for label, estimator, options, cached in (
+                    ("no cache", "paper", [], False),
+                    ("image-space cache", "paper-image", [], False),
+                    ("baked cache", "paper", [], True),
+                    ("`cache`", "cache", ["--budget", "uniform"], True)):
                 rows.append({"map": name, "shadow": where, "label": label,
-                             **view.error(estimator, PAPER_SAMPLES, cached=cached)})
+                             **view.error(estimator, PAPER_SAMPLES, *options, cached=cached)})
     return rows
 
 
@@ -195,6 +197,7 @@ def techniques(stage):
                 ("paper, table-free", "paper", ["--convolution", "exact"], True),
                 ("paper, β = 0.1", "paper", ["--beta", 0.1], True),
                 ("paper, linear", "paper", ["--order", 1], True),
+                ("cache, uniform budget", "cache", ["--budget", "uniform"], True),
                 ("cache", "cache", [], True))]
 
 

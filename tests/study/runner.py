@@ -107,7 +107,7 @@ class Runner:
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)
         if child.returncode != 0:
-            sys.exit(f"shadowcache-study: {command}\n{err or out}")
+            sys.exit(f"shadowcache-study: {command}\nexit status {child.returncode}\n{err or out}")
         return {"command": command, "seconds": usage.ru_utime + usage.ru_stime,
                 "wall": time.time() - start, "out": out}
 
