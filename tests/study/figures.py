@@ -70,6 +70,10 @@ def by_share(rows, folder):
         axis.set_xlabel("β")
         axis.set_ylabel("L2 error, 1 = β = 0")
         axis.legend()
+        if limit < 0.5:
+            axis.set_yscale("log")
+            axis.yaxis.set_major_formatter("{x:.2f}")
+            axis.yaxis.set_minor_formatter("{x:.2f}")
     figure.tight_layout()
     save(figure, folder, "figure10")
 

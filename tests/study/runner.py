@@ -18,14 +18,18 @@ class Progress:
     def __init__(self, runs=0, work=0.0):
         self.runs, self.work = runs, work
         self.done = self.reused = 0
+        self.seen = set()
         self.worked = 0.0
         self.start = time.time()
 
-    def reuse(self, work):
-        self.reused += 1
-        self.work -= work
+    def reuse(self, key, work):
+        if key not in self.seen:
+            self.reused += 1
+            self.work -= work
+        self.seen.add(key)
 
-    def add(self, work):
+    def add(self, key, work):
+        self.seen.add(key)
         self.done += 1
         self.worked += work
 
@@ -81,7 +85,7 @@ class Runner:
         record = os.path.join(self.runs, key + ".json")
         if os.path.exists(record) and all(os.path.exists(o) for o in outputs):
             with open(record, encoding="utf-8") as file:
-                self.progress.reuse(work_of(program, arguments))
+                self.progress.reuse(key, work_of(program, arguments))
                 return json.load(file)
         stats = os.path.join(self.runs, key + ".stats.json")
         line = [self.program(program), *map(str, arguments)]
@@ -95,7 +99,7 @@ class Runner:
         with open(record + ".part", "w", encoding="utf-8") as file:
             json.dump(result, file)
         os.replace(record + ".part", record)
-        self.progress.add(work_of(program, arguments))
+        self.progress.add(key, work_of(program, arguments))
         print(f"  {self.progress.text()} | {result['seconds']:.1f} s {command[:120]}", flush=True)
         return result
 
