@@ -1,6 +1,7 @@
 #include "bake/baker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <span>
 #include <string>
@@ -154,12 +155,20 @@ private:
 
     /// Base cells in which the item or one next to it on the same side of a surface found both sky
     /// and occluders: a small opening that this item's first rays missed, its neighbours' may have
-    /// met.
+    /// met. Of several layers next to it the nearest to its plane counts.
     std::bitset<Probe::kCells> mixedAround(std::size_t v, const Probe& probe) const {
         auto open = probe.open, blocked = probe.blocked;
         const auto add = [&](std::size_t other) {
+            const Vec3f way(Vec3d(voxel(other) - voxel(v)));
+            const auto distance = [&](const Probe& p) {
+                return std::abs(probe.normal.dot(way + p.position - probe.position));
+            };
             for (const Probe& p : probes_[other]) {
                 if (p.normal.dot(probe.normal) < 0.5f) continue;
+                if (std::any_of(probes_[other].begin(), probes_[other].end(), [&](const Probe& q) {
+                        return areLayers(p.normal, q.normal) && distance(q) < distance(p);
+                    }))
+                    continue;
                 open |= p.open;
                 blocked |= p.blocked;
             }
@@ -175,7 +184,7 @@ private:
     Voxels voxels_;
     DirectionTable directions_;
     BaseCells base_;
-    std::vector<std::vector<Probe>> probes_;  ///< by voxel, in the order of the sides
+    std::vector<std::vector<Probe>> probes_;  ///< by voxel, in the order of its patches
 };
 
 }  // namespace

@@ -88,8 +88,8 @@ Probe ItemBaker::probe(const Patch& patch, std::uint64_t seed) {
     for (const std::uint32_t c : cells_) addToFine(c, 1);
     rays_.flush();
     Probe probe;
-    probe.side = patch.side;
     probe.normal = patch.normal;
+    probe.position = patch.meanPosition;
     for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
         const Count sum = sumFine(c);
         probe.base.push_back(sum);

@@ -21,8 +21,8 @@ struct BaseCells {
 struct Probe {
     static constexpr std::size_t kCells = cellCount(1);
 
-    int side = 0;
     Vec3f normal;
+    Vec3f position;               ///< of the patch, as Patch::meanPosition
     std::bitset<kCells> open;     ///< a ray reached the sky
     std::bitset<kCells> blocked;  ///< a ray did not
     std::vector<Count> base;      ///< rays so far; empty where nothing can be mixed

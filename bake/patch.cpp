@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/layers.h"
 #include "common/cache_items.h"
 #include "common/placed_mesh.h"
 #include "common/sequence.h"
@@ -29,12 +30,6 @@ Vec3d samplePolygon(const Polygon& polygon, double u, double v) {
     return polygon.corner[0] * (1 - root) + polygon.corner[i - 1] * (root * (1 - v)) +
            polygon.corner[i] * (root * v);
 }
-
-/// A fragment as the origins of one side need it.
-struct Piece {
-    const Fragment* fragment;
-    Vec3f normal;  ///< to the side
-};
 
 Patch makePatch(const Scene& scene, const VoxelFrame& frame, std::span<const Piece> pieces,
                 int side, std::uint64_t seed) {
@@ -80,7 +75,7 @@ Patch makePatch(const Scene& scene, const VoxelFrame& frame, std::span<const Pie
 
 std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
                                std::span<const Fragment> fragments, std::uint64_t seed) {
-    std::array<std::vector<Piece>, 6> sides;
+    std::array<std::vector<Piece>, kSides> sides;
     for (const Fragment& fragment : fragments) {
         const Vec3f n = scene.normal(fragment.triangle);
         const int front = sideOf(n);
@@ -92,11 +87,20 @@ std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
         sides[static_cast<std::size_t>(front ^ 1)].push_back({&fragment, -n});
     }
     std::vector<Patch> patches;
-    for (int side = 0; side < 6; ++side)
-        if (const auto& pieces = sides[static_cast<std::size_t>(side)]; !pieces.empty())
-            patches.push_back(makePatch(
-                scene, frame, pieces, side,
-                hashWords(seed, fragments[0].voxelKey, static_cast<std::uint64_t>(side))));
+    const auto add = [&](const std::vector<Piece>& pieces, int side) {
+        patches.push_back(
+            makePatch(scene, frame, pieces, side,
+                      hashWords(seed, fragments[0].voxelKey, static_cast<std::uint64_t>(side))));
+    };
+    for (int side = 0; side < kSides; ++side) {
+        const auto& pieces = sides[static_cast<std::size_t>(side)];
+        if (pieces.empty()) continue;
+        const auto layers = splitLayers(scene.mesh(), frame, pieces);
+        for (std::size_t k = 0; k < layers.size(); ++k)
+            add(layers[k], side + kSides * static_cast<int>(k));
+    }
+    std::sort(patches.begin(), patches.end(),
+              [](const Patch& a, const Patch& b) { return a.side < b.side; });
     return patches;
 }
 

@@ -62,16 +62,19 @@ struct CountBlock {
     std::array<std::uint8_t, kBlockCells> n, d;
 };
 
+/// Sides of a surface: side 2k (2k + 1) holds the normals whose largest component is +k (-k).
+inline constexpr int kSides = 6;
+
 /// Cache items as plain arrays, sorted by voxel (OpenVDB's leaf order) and side. An item is one
-/// side of the surface in one voxel; side 2k (2k + 1) holds the normals whose largest component is
-/// +k (-k).
+/// side of the surface in one voxel, or one layer of it where parallel layers lie behind each
+/// other.
 struct CacheItems {
     std::vector<Vec3i> voxel;
-    std::vector<std::uint8_t> side;
-    std::vector<Vec3f> normal;    ///< unit mean normal of the patch
-    std::vector<Vec3f> position;  ///< mean point of the patch in its voxel, [-0.5, 0.5] spacings
-    std::vector<std::uint8_t> n;  ///< baseCells an item: rays that reached the sky
-    std::vector<std::uint8_t> d;  ///< baseCells an item: rays counted
+    std::vector<std::uint8_t> side;  ///< the side + kSides * the layer, from 0
+    std::vector<Vec3f> normal;       ///< unit mean normal of the patch
+    std::vector<Vec3f> position;     ///< mean point of the patch in its voxel, [-0.5, 0.5] spacings
+    std::vector<std::uint8_t> n;     ///< baseCells an item: rays that reached the sky
+    std::vector<std::uint8_t> d;     ///< baseCells an item: rays counted
     std::vector<std::uint32_t> firstBlock{0};  ///< items + 1 offsets into blocks
     std::vector<CountBlock> blocks;
 
@@ -86,6 +89,11 @@ bool itemBefore(const CacheItems& a, std::size_t i, const CacheItems& b, std::si
 
 /// Side of a surface with unit normal `n`, 0 .. 5.
 int sideOf(const Vec3f& n);
+
+/// Whether two items of one voxel with these unit normals are layers of one side.
+inline bool areLayers(const Vec3f& a, const Vec3f& b) {
+    return a.dot(b) > 0.95f;
+}
 
 /// Sum of two caches of one set: items of both, counts added, blocks united.
 CacheItems mergeItems(const CacheItems& a, const CacheItems& b, const DirectionTiers& tiers);

@@ -3,6 +3,7 @@
 #include <openvdb/tree/ValueAccessor.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -62,6 +63,20 @@ LeafView makeView(PointLeaf& items, PointLeaf* blocks, const DirectionTiers& tie
     }
     requireSound(view, tiers, path);
     return view;
+}
+
+/// Of parallel layers of a voxel keeps the nearest to the place, by `distance` from each: another
+/// one sees other things.
+/// Returns how many are left, at the front of `items`.
+int keepNearestLayers(std::span<ItemView> items, const float* distance) {
+    std::array<bool, ShadowCache::kMaxItems> farther{};
+    for (std::size_t i = 0; i < items.size(); ++i)
+        for (std::size_t j = 0; j < items.size(); ++j)
+            farther[i] |= distance[j] < distance[i] && areLayers(items[i].normal, items[j].normal);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < items.size(); ++i)
+        if (!farther[i]) items[kept++] = items[i];
+    return static_cast<int>(kept);
 }
 
 /// Drops items that add next to nothing, and makes the others' weights, whose sum was `sum`, sum to
@@ -176,7 +191,6 @@ int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
     const openvdb::Coord corner(static_cast<int>(low.x), static_cast<int>(low.y),
                                 static_cast<int>(low.z));
     int found = 0;
-    float sum = 0;
     for (int k = 0; k < 8; ++k) {
         const openvdb::Coord voxel = corner.offsetBy(k & 1, (k >> 1) & 1, k >> 2);
         const double trilinear =
@@ -188,6 +202,8 @@ int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
         const std::uint32_t end = leaf->voxelEnd[offset];
         if (begin == end) continue;
         const LeafView& view = *leaf;
+        const int before = found;
+        std::array<float, kMaxItems> distance;  // from the item's own plane
         for (std::uint32_t i = begin; i < end && found < kMaxItems; ++i) {
             const float agreement = view.normal[i].dot(normal) - kMinAgreement;
             if (agreement <= 0) continue;
@@ -199,6 +215,8 @@ int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
             const float nearness = 1 / (1 + plane * plane * (1 + plane * plane));
             // The small addend keeps a lone item in a far corner from losing its weight altogether.
             const float weight = (static_cast<float>(trilinear) + 1e-6f) * agreement * nearness;
+            distance[static_cast<std::size_t>(found - before)] =
+                std::abs(toItem.dot(view.normal[i]));
             out[static_cast<std::size_t>(found++)] = {
                 view.n.row(i),
                 view.d.row(i),
@@ -210,9 +228,15 @@ int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
                 static_cast<std::uint32_t>(view.blockCount[i]),
                 view.normal[i],
                 weight};
-            sum += weight;
         }
+        if (found - before > 1)
+            found =
+                before + keepNearestLayers(out.subspan(static_cast<std::size_t>(before),
+                                                       static_cast<std::size_t>(found - before)),
+                                           distance.data());
     }
+    float sum = 0;
+    for (int i = 0; i < found; ++i) sum += out[static_cast<std::size_t>(i)].weight;
     return keepWeighty(out.first(static_cast<std::size_t>(found)), sum);
 }
 

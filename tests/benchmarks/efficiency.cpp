@@ -14,14 +14,44 @@ namespace {
 /// Samples of each half of a reference.
 constexpr int kReferenceSamples = 4096;
 
+/// Mean over pixels and renders of how much brighter an image is than a reference, as a share.
+struct Deviation {
+    double sum = 0, squares = 0, count = 0;
+
+    void add(const Image& image, const Image& reference, double scale);
+    double mean() const { return sum / count; }
+    /// In standard errors.
+    double significance() const {
+        return sum / std::sqrt(std::max(squares - sum * sum / count, 1e-300));
+    }
+};
+
+/// The control: a reference so much brighter must be told from the true one.
+constexpr double kControl = 1.02;
+
 struct Measured {
     RelativeError error;
     double seconds = 0;
     double setup = 0;
     double trace = 0;
     double rays = 0;
+    Deviation fromReference, fromBrighter;
     double efficiency() const { return 1 / (error.mean * seconds); }
 };
+
+void Deviation::add(const Image& image, const Image& reference, double scale) {
+    const auto green = [](const Rgb& p) { return static_cast<double>(p.y); };
+    double mean = 0;
+    for (const Rgb& p : reference.pixels) mean += green(p);
+    mean *= scale / static_cast<double>(reference.pixels.size());
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const double wanted = scale * green(reference.pixels[i]);
+        const double d = (green(image.pixels[i]) - wanted) / (std::abs(wanted) + 0.1 * mean);
+        sum += d;
+        squares += d * d;
+        ++count;
+    }
+}
 
 /// What is compared; efficiencies are against the first.
 struct Column {
@@ -48,6 +78,8 @@ Measured measure(EstimatorContext context, const Set& set, const Column& column,
                                        column.preview ? 0 : settings.samples,
                                        static_cast<std::uint64_t>(i) + 1, settings);
         const RelativeError e = relativeError(r.image, reference);
+        m.fromReference.add(r.image, reference, 1);
+        m.fromBrighter.add(r.image, reference, kControl);
         const double share = 1.0 / settings.repeats;
         m.error.mean += e.mean * share;
         m.error.p50 += e.p50 * share;
@@ -103,6 +135,15 @@ void compare(const EstimatorContext& context, const Set& set, const std::string&
         "%.3g; error of the reference %.2g of that of `cache`\n",
         set.name.c_str(), map.c_str(), frame, setupRays, std::sqrt(m.back().error.mean),
         reference.ownError / m[kUniform].error.mean);
+    const Deviation& off = m[kMis].fromReference;
+    const Deviation& control = m[kMis].fromBrighter;
+    std::printf(
+        "%-9s %-13s %5d mis over the reference (made with `cache`): %+.2f %%, %+.1f standard "
+        "errors; over one 2 %% brighter: %+.1f\n",
+        set.name.c_str(), map.c_str(), frame, 100 * off.mean(), off.significance(),
+        control.significance());
+    json.set(key + ".mis_over_reference", off.mean());
+    json.set(key + ".mis_over_reference_standard_errors", off.significance());
     json.set(key + ".setup_rays", setupRays);
     json.set(key + ".reference_error", reference.ownError);
     summary.vsMis += std::log(m[kUniform].efficiency() / m[kMis].efficiency());
