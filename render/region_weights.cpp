@@ -228,18 +228,20 @@ bool RegionWeights::markSplits(int tier, std::uint32_t block, const CellLight& s
     const bool divisible = tiers_.baseLevel() + 2 * tier < finest_;
     const bool refined = tier < tiers_.refinements();
     if (!divisible || !(refined || sky.anyHorizon)) return false;
-    int any = 0;
+    const float scale = 1 / leastNoise_;
+    alignas(16) std::uint8_t doubtful[kBlockCells];
     for (int i = 0; i < kBlockCells; ++i) {
-        const float doubt = sky.light[i] * std::sqrt(v.c[i] * (1 - v.c[i]));
-        const bool finer =
-            refined && doubt > leastNoise_ &&
-            pooled_->hasChildren(tier, block * kBlockCells + static_cast<std::uint32_t>(i));
-        const float noise = v.c[i] * sky.light[i] *
-                            std::sqrt(std::max(0.0f, sky.cosineMoment[i] - sky.fitMoment[i]));
-        split[i] = sky.light[i] > 0 && (finer || noise > leastNoise_);
-        any |= split[i];
+        const float power = sky.light[i] * scale * (sky.light[i] * scale);
+        const float doubt = power * v.c[i] * (1 - v.c[i]);
+        const float noise = power * v.c[i] * v.c[i] * (sky.cosineMoment[i] - sky.fitMoment[i]);
+        doubtful[i] = doubt > 1 ? 1 : 0;
+        split[i] = noise > 1 ? 1 : 0;
     }
-    return any != 0;
+    for (std::uint32_t i = 0; refined && i < kBlockCells; ++i)
+        if (doubtful[i] != 0)
+            split[i] |=
+                static_cast<std::uint8_t>(pooled_->hasChildren(tier, block * kBlockCells + i));
+    return std::any_of(split, split + kBlockCells, [](std::uint8_t s) { return s != 0; });
 }
 
 void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock* counts,
@@ -259,11 +261,7 @@ void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock*
     Lanes& lanes = lanes_[groups_.size()];
     alignas(64) float a[kBlockCells], correction[kBlockCells], predicted[3][kBlockCells];
     alignas(64) float sure[kBlockCells];
-    for (int i = 0; i < kBlockCells; ++i) {
-        const Reliability::Verdict verdict = reliability_->judge(v.posterior[i]);
-        a[i] = verdict.posterior;
-        correction[i] = verdict.correction;
-    }
+    reliability_->judge<kBlockCells>(v.posterior, a, correction);
     for (int i = 0; i < kBlockCells; ++i) {
         const float light = sky.light[i];
         const float moved = v.c[i] + correction[i];

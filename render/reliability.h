@@ -30,12 +30,29 @@ public:
                            ///< more than chance and rounding explain; else 0
     };
     Verdict judge(float a) const {
-        const float doubt = doubtOf(a);
-        const std::uint32_t bin = binOf(a, doubt);
-        // Doubts of one bin differ by half an octave: what is right for their mean may pass 1.
-        const float moved = doubt * factor_[bin];
-        const float corrected = moved < 1 - kLeastDoubt ? moved : 1 - kLeastDoubt;
-        return {a > 0.5f ? 1 - corrected : corrected, correction_[bin]};
+        Verdict verdict;
+        judge<1>(&a, &verdict.posterior, &verdict.correction);
+        return verdict;
+    }
+    /// The same of `count` regions at once: loops that become vectors.
+    template <int count>
+    void judge(const float* a, float* posterior, float* correction) const {
+        float doubt[count], factor[count];
+        std::uint32_t bin[count];
+        for (int i = 0; i < count; ++i) {
+            doubt[i] = doubtOf(a[i]);
+            bin[i] = binOf(a[i], doubt[i]);
+        }
+        for (int i = 0; i < count; ++i) {
+            factor[i] = factor_[bin[i]];
+            correction[i] = correction_[bin[i]];
+        }
+        for (int i = 0; i < count; ++i) {
+            // Doubts of one bin differ by half an octave: what is right for their mean may pass 1.
+            const float moved = doubt[i] * factor[i];
+            const float corrected = moved < 1 - kLeastDoubt ? moved : 1 - kLeastDoubt;
+            posterior[i] = a[i] > 0.5f ? 1 - corrected : corrected;
+        }
     }
 
 private:
