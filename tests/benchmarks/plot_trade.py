@@ -12,7 +12,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-CHOICES = ["spacing", "level", "rays", "uniform"]
+CHOICES = ["spacing", "level", "rays", "uniform", "uniform-coarse"]
 ESTIMATORS = ["samples-mis", "samples-paper", "samples-cache"]
 
 

@@ -29,9 +29,14 @@ std::vector<Variant> variants(const BakeOptions& usual) {
         vary("level", level, [&](BakeOptions& b) { b.level = level; });
     for (const int rays : {2, 4, 8, 16, 32})
         vary("rays", rays, [&](BakeOptions& b) { b.rays = rays; });
+    for (const int level : {3, 4})
+        vary("uniform", level, [&](BakeOptions& b) {
+            b.adaptive = false;
+            b.level = level;
+        });
     // A uniform bake of the finest level takes minutes even at twice the spacing.
     for (const int level : {3, 4, 5})
-        vary("uniform", level, [&](BakeOptions& b) {
+        vary("uniform-coarse", level, [&](BakeOptions& b) {
             b.adaptive = false;
             b.level = level;
             b.spacing *= 2;
