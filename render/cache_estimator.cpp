@@ -27,6 +27,10 @@ constexpr double kDarkest = 0.1;
 /// out dark.
 constexpr double kUnsureShare = 0.4, kUnsureShareUniform = 0.2;
 
+/// With more samples than this a camera ray, the same regions are shared as with so many: what
+/// stays unshared falls as all the noise does.
+constexpr double kJudgedSamples = 64;
+
 /// Places of a survey that one thread takes at a time.
 constexpr std::size_t kSurveyChunk = 32;
 
@@ -151,10 +155,12 @@ private:
         w.exchange.addPoint();
         w.shared.clear();
         if (samples > 0 && w.weights.spreadSum() > 0) {
+            const double judged = std::min(1.0, kJudgedSamples / samples);
             if (context_.options.adaptive)
                 samples = budget_.samplesOf(predictedNoise(w), point.seed);
             w.weights.shareSurprises(
-                samples, darkest_, context_.options.adaptive ? kUnsureShare : kUnsureShareUniform);
+                judged * samples, darkest_,
+                context_.options.adaptive ? kUnsureShare : kUnsureShareUniform);
             w.sampler.draw(w.weights, samples,
                            w.numbers(context_.options.sequence, point.seed, 0, samples),
                            point.seed);

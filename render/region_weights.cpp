@@ -173,7 +173,7 @@ void RegionWeights::defend() {
     }
 }
 
-void RegionWeights::shareSurprises(int samples, double darkest, double unsureShare) {
+void RegionWeights::shareSurprises(double samples, double darkest, double unsureShare) {
     const double unsure = std::max(0.0, predictedLuminance() - sureLight_);
     const double brightness = darkest + sureLight_ + unsureShare * unsure;
     // A sample weighs light / (samples * spread / spreadSum).

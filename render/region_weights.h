@@ -45,7 +45,7 @@ public:
     /// `darkest` together; what is predicted but not sure counts `unsureShare` in that. There the
     /// word is rounded to fully hidden or fully open, and fewer samples do, because the neighbours'
     /// count as well.
-    void shareSurprises(int samples, double darkest, double unsureShare);
+    void shareSurprises(double samples, double darkest, double unsureShare);
 
     /// Sum over the regions of c_r (n . V_r): the irradiance the cache predicts.
     const double* predicted() const { return predicted_; }
