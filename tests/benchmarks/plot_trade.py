@@ -27,7 +27,7 @@ def draw(axes, data, names, x, label, marked=None, y="relmse"):
         axes.plot([p[x] for p in found], [p[y] for p in found], "o-", ms=3, lw=1,
                   label=name.replace("samples-", ""))
     if marked:
-        axes.plot(marked[x], marked["relmse"], "k*", ms=10, label="default")
+        axes.plot(marked[x], marked[y], "k*", ms=10, label="default")
     axes.set(xscale="log", yscale="log", xlabel=label, ylabel="p99" if y == "p99" else "relMSE")
     axes.grid(True, which="major", lw=0.3)
     axes.legend(fontsize=7)
@@ -38,11 +38,13 @@ def main():
     with open(file, encoding="utf-8") as stream:
         data = json.load(stream)[scene][sky]
     default = next(p for p in points(data, "rays") if p["choice"] == 16)
-    figure, axes = plt.subplots(2, 2, figsize=(8, 6.4))
-    draw(axes[0][0], data, CHOICES, "bake_rays", "rays of the bake", default)
-    draw(axes[0][1], data, CHOICES, "file_bytes", "cache file [bytes]", default)
+    figure, axes = plt.subplots(2, 3, figsize=(12, 6.4))
+    draw(axes[0][0], data, CHOICES, "bake_rays", "rays of the bake", default, y="p99")
+    draw(axes[0][1], data, CHOICES, "bake_seconds", "seconds of the bake", default, y="p99")
+    draw(axes[0][2], data, CHOICES, "file_bytes", "cache file [bytes]", default, y="p99")
     draw(axes[1][0], data, ESTIMATORS, "choice", "samples a pixel")
     draw(axes[1][1], data, ESTIMATORS, "choice", "samples a pixel", y="p99")
+    draw(axes[1][2], data, ESTIMATORS, "seconds", "seconds of the render")
     figure.suptitle(f"{scene} under {sky}: what accuracy costs")
     figure.tight_layout()
     figure.savefig(out)
