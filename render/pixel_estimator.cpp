@@ -64,7 +64,7 @@ private:
         };
         if (luminance <= environment.totalPower() / (4 * kPi))
             return add(pixelAlong(Vec3d(t.center)), solidAngle);
-        constexpr int n = kSubdivisions;
+        const int n = kSubdivisions;
         for (int y = 0; y <= n; ++y)
             for (int x = 0; x <= n; ++x)
                 add(pixelAlong(environment.placeIn(i, static_cast<double>(x) / n,
@@ -83,7 +83,8 @@ private:
 
     /// Place (s, t) in [0, 1)^2 of rectangle k, uniform in solid angle.
     Vec3d place(std::size_t k, double s, double t) const {
-        const auto x = static_cast<double>(k % width_), y = static_cast<double>(k / width_);
+        const std::size_t row = k / width_;
+        const auto x = static_cast<double>(k % width_), y = static_cast<double>(row);
         const auto w = static_cast<double>(width_), h = static_cast<double>(height_);
         const double top = std::cos(kPi * y / h), bottom = std::cos(kPi * (y + 1) / h);
         const double cosPolar = top + (bottom - top) * t;
@@ -94,7 +95,8 @@ private:
 
     MapPixel rectangle(std::size_t k) const {
         const auto w = static_cast<double>(width_), h = static_cast<double>(height_);
-        const auto y = static_cast<double>(k / width_);
+        const std::size_t row = k / width_;
+        const auto y = static_cast<double>(row);
         const double polar = kPi * (y + 0.5) / h,
                      longitude = 2 * kPi * (static_cast<double>(k % width_) + 0.5) / w;
         const Vec3d middle(std::sin(polar) * std::sin(longitude), std::cos(polar),

@@ -79,6 +79,7 @@ void storeTableError(const Environment& environment, const std::vector<MapTriang
         tableSeconds += secondsSince(start);
         start = std::clock();
         std::vector<double> exact;
+        exact.reserve(triangles.size());
         for (const MapTriangle& t : triangles) exact.push_back(convolve(environment, t, n));
         exactSeconds += secondsSince(start);
         double difference = 0, tableSum = 0, exactSum = 0;

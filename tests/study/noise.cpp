@@ -66,8 +66,8 @@ double noiseOf(const Environment& environment, std::size_t count, const CellAlon
         const int parts = luminance > mean ? 8 : dullParts;
         const double area = static_cast<double>(texel.solidAngle) / (parts * parts);
         for (int k = 0; k < parts * parts; ++k) {
-            const Vec3d w =
-                environment.placeIn(i, (k % parts + 0.5) / parts, (k / parts + 0.5) / parts);
+            const int column = k % parts, row = k / parts;
+            const Vec3d w = environment.placeIn(i, (column + 0.5) / parts, (row + 0.5) / parts);
             if (w.y <= 0) continue;
             Cell& cell = cells[cellAlong(w)];
             cell.area += area;
