@@ -42,8 +42,8 @@ ItemBaker::ItemBaker(const Scene& scene, const DirectionTable& directions, const
       options_(options),
       tiers_{options.level},
       spacing_(static_cast<float>(spacing)),
-      baseCounts_((tiers_.baseCells() + kOctet - 1) / kOctet * kOctet),
-      fine_(tiers_.refinements() > 0 ? std::size_t{tiers_.baseCells()} * kBlockCells : 0) {}
+      baseCounts_(std::size_t{(tiers_.baseCells() + kOctet - 1) / kOctet} * kOctet),
+      fine_(tiers_.refinements() > 0 ? tiers_.baseCells() * kBlockCells : 0) {}
 
 void ItemBaker::findCells(const Patch& patch) {
     const float spread = std::acos(std::clamp(patch.minAgreement, -1.0f, 1.0f));
