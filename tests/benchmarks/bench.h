@@ -19,14 +19,14 @@ namespace shadowcache::bench {
 /// What every benchmark may be told.
 struct Settings {
     std::filesystem::path data;                ///< folder with scene/, env/ and reference/
-    std::filesystem::path work = "out/bench";  ///< caches and references, reused when they fit
+    std::filesystem::path work = "out/bench";  ///< caches and references; the latter are used again
     std::vector<std::string> scenes{"kitchen", "atrium", "grove", "dragon"};
     std::vector<std::string> maps{"courtyard", "sunrise", "circus_arena"};
     std::vector<int> frames{1};
     int width = 240, height = 135;
     int samples = 64;
     int repeats = 3;
-    bool full = false;  ///< up to 10^7 items and triangles
+    bool full = false;  ///< efficiency: all maps, two frames; scaling: up to 10^7 of both
     BakeOptions bake;
     std::filesystem::path json;
 };
@@ -66,6 +66,8 @@ struct Reference {
     Image image;
     double ownError = 0;
 };
+/// Mean of two renders of `cache` with `samples` samples each; an earlier run's, if one left it in
+/// the work folder.
 Reference makeReference(const EstimatorContext& context, const Set& set, int frame, int samples,
                         const Settings& settings, const std::string& tag);
 

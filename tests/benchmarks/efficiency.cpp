@@ -166,9 +166,18 @@ void storeBake(const Set& set, const BakedCache& baked, JsonFile& json) {
     json.set(set.name + ".bake.file_bytes", baked.fileBytes);
 }
 
+/// Under all maps, from the first frame and from the middle of the move.
+Settings fullMatrix(Settings settings) {
+    settings.maps = {"courtyard", "sunrise",        "circus_arena",
+                     "interior",  "kloppenheim_05", "aristea_wreck_puresky"};
+    settings.frames = {1, 120};
+    return settings;
+}
+
 }  // namespace
 
-void efficiency(const Settings& settings) {
+void efficiency(const Settings& chosen) {
+    const Settings settings = chosen.full ? fullMatrix(chosen) : chosen;
     JsonFile json;
     Summary summary;
     std::printf("%-9s %-13s %5s %-15s %9s %9s %9s %9s %8s %8s %8s %8s\n", "scene", "map", "frame",
