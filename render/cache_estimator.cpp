@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "common/parallel.h"
+#include "render/cache_preview.h"
 #include "render/cache_survey.h"
 #include "render/estimators.h"
 #include "render/horizon.h"
@@ -45,6 +46,7 @@ struct CacheWorkspace final : Workspace {
         : reader(cache),
           pooled(cache.header().tiers()),
           weights(environment, cache.header().tiers()),
+          preview(environment, cache.header().tiers()),
           items(ShadowCache::kMaxItems),
           sampler(environment),
           exchange(cache.header().tiers()) {}
@@ -52,6 +54,7 @@ struct CacheWorkspace final : Workspace {
     ShadowCache::Reader reader;
     PooledVisibility pooled;
     RegionWeights weights;
+    CachePreview preview;
     std::vector<ItemView> items;
     CacheSurvey survey;
     RegionSampler sampler;
@@ -131,10 +134,15 @@ private:
     }
 
     /// @return number of items found
-    int weigh(const ShadingPoint& point, CacheWorkspace& w) const {
+    int pool(const ShadingPoint& point, CacheWorkspace& w) const {
         const int found = w.reader.gather(point.position, point.normal, w.items);
         w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));
         for (const Ball& ball : context_.scene.movingBalls()) doubtBehind(ball, point, w.pooled);
+        return found;
+    }
+
+    int weigh(const ShadingPoint& point, CacheWorkspace& w) const {
+        const int found = pool(point, w);
         w.weights.weigh(w.pooled, point.normal, reliability_);
         return found;
     }
@@ -151,10 +159,14 @@ private:
 
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
-        weigh(point, w);
         w.exchange.addPoint();
         w.shared.clear();
-        if (samples > 0 && w.weights.spreadSum() > 0) {
+        if (samples == 0) {
+            pool(point, w);
+            return w.preview.irradiance(w.pooled, point.normal);
+        }
+        weigh(point, w);
+        if (w.weights.spreadSum() > 0) {
             const double judged = std::min(1.0, kJudgedSamples / samples);
             if (context_.options.adaptive)
                 samples = budget_.samplesOf(predictedNoise(w), point.seed);

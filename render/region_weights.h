@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/environment.h"
+#include "render/cell_splits.h"
 #include "render/pooled_visibility.h"
 #include "render/reliability.h"
 
@@ -26,9 +27,6 @@ struct RegionGroup {
 inline float residualMoment(float a, float c, float cosineMoment, float fitMoment) {
     return a * (cosineMoment - fitMoment) + fitMoment * (a * (1 - c) * (1 - c) + (1 - a) * c * c);
 }
-
-struct CellLight;
-struct CellVisibility;
 
 /// The regions of one shading point: what the cache predicts of each, and how unsure it is.
 /// [docs/estimator.md] Arrays are reused from point to point.
@@ -87,14 +85,11 @@ private:
     void addPredicted(const RegionGroup& group);
     /// Mixes a share of the light itself into the spreads.
     void defend();
-    bool markSplits(int tier, std::uint32_t block, const CellLight& sky, const CellVisibility& v,
-                    std::uint8_t* split) const;
     void weighBlock(int tier, std::uint32_t block, const PooledBlock* counts, const Parent& parent);
 
     const Environment& environment_;
     DirectionTiers tiers_;
-    int finest_;  ///< level down to which cells on the horizon are split
-    float leastNoise_;
+    CellSplitter splitter_;
     const PooledVisibility* pooled_ = nullptr;
     const Reliability* reliability_ = nullptr;
     Vec3f normal_;

@@ -24,7 +24,7 @@ int main(int argc, char** argv) try {
     app.add_option("--level", settings.bake.level, "Level of the bake")->capture_default_str();
     app.add_option("--rays", settings.bake.rays, "Rays of the bake")->capture_default_str();
     app.add_option("--json", settings.json, "Write the table as JSON");
-    app.add_flag("--full", settings.full, 
+    app.add_flag("--full", settings.full,
                  "efficiency: six maps and two frames; scaling: up to ten million items and "
                  "triangles");
     const auto add = [&](const char* name, const char* summary, auto benchmark) {

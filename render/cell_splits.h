@@ -1,0 +1,50 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+#include "render/cell_light.h"
+#include "render/pooled_visibility.h"
+
+namespace shadowcache {
+
+/// Which of sixteen cells are to be split.
+struct Splits {
+    alignas(16) std::uint8_t marks[kBlockCells];
+    bool any = false;
+
+    /// Calls `visit` with the number of each cell that is to be split, the first first.
+    template <class Visit>
+    void forEach(const Visit& visit) const {
+        if (!any) return;
+        std::uint64_t halves[2];
+        std::memcpy(halves, marks, sizeof halves);
+        for (int half = 0; half < 2; ++half)
+            for (std::uint64_t left = halves[half]; left; left &= left - 1)
+                visit(8 * half + std::countr_zero(left) / 8);
+    }
+};
+
+/// Decides where the hemisphere above a place is split into finer regions.
+class CellSplitter {
+public:
+    CellSplitter(const Environment& environment, const DirectionTiers& tiers);
+
+    /// Noise below which a cell stays whole, in the units of CellLight::light: a share of all the
+    /// sky's light.
+    float leastNoise() const { return leastNoise_; }
+
+    /// Marks the cells of block `block` of a tier that as a whole would add more than `leastNoise`:
+    /// because part of one is hidden, by the visibility `c`, and some item has finer counts; or
+    /// because the horizon cuts it.
+    void mark(const PooledVisibility& pooled, int tier, std::uint32_t block, const CellLight& sky,
+              const float* c, float leastNoise, Splits& out) const;
+
+private:
+    DirectionTiers tiers_;
+    int finest_;  ///< level down to which cells on the horizon are split
+    float leastNoise_;
+};
+
+}  // namespace shadowcache
