@@ -7,6 +7,7 @@
 #include <string>
 
 #include "bake/item_baker.h"
+#include "bake/quarters.h"
 #include "common/parallel.h"
 #include "common/progress.h"
 #include "common/sequence.h"
@@ -64,8 +65,7 @@ public:
                 needed.size(),
                 [&](ItemBaker& baker, std::size_t i, std::size_t) {
                     const std::size_t v = needed[i];
-                    for (const Patch& patch : patches(v))
-                        probes_[v].push_back(baker.probe(patch, seedOf(v, patch)));
+                    for (const Patch& patch : patches(v)) probes_[v].push_back(baker.probe(patch));
                 },
                 [&](std::size_t done) {
                     progress.add(done * count / std::max<std::size_t>(1, needed.size()));
@@ -78,11 +78,11 @@ public:
                 const std::size_t v = voxels_.begin + i;
                 const std::vector<Patch> sides = patches(v);
                 for (std::size_t k = 0; k < sides.size(); ++k) {
-                    const Probe none;
-                    const Probe& probe = probing ? probes_[v][k] : none;
-                    baker.finish(sides[k], voxel(v), seedOf(v, sides[k]), probe,
-                                 probing ? mixedAround(v, probe) : std::bitset<Probe::kCells>(),
-                                 parts[chunk]);
+                    if (probing)
+                        finish(baker, v, sides[k], probes_[v][k], mixedAround(v, probes_[v][k]),
+                               parts[chunk]);
+                    else
+                        baker.finish(sides[k], voxel(v), {}, {}, false, parts[chunk]);
                 }
             },
             [&](std::size_t done) { progress.add(done); });
@@ -99,9 +99,20 @@ private:
         return makePatches(scene_, frame_, voxels_.all[v], options_.seed);
     }
 
-    std::uint64_t seedOf(std::size_t v, const Patch& patch) const {
-        return hashWords(options_.seed ^ 0x62616b65, voxels_.all[v][0].voxelKey,
-                         static_cast<std::uint64_t>(patch.side));
+    /// Finishes a patch, or its quarters where they see different things.
+    void finish(ItemBaker& baker, std::size_t v, const Patch& patch, const Probe& probe,
+                const std::bitset<Probe::kCells>& mixed, CacheItems& out) {
+        std::vector<Patch> quarters;
+        if (mixed.any())
+            quarters = makeQuarters(scene_, frame_.center(voxel(v)), frame_.spacing(), patch);
+        const std::vector<Probe> probes = baker.probeQuarters(quarters);
+        if (!seeDifferentSky(quarters, probes, base_)) {
+            baker.finish(patch, voxel(v), probe, mixed, areAlikeInSize(quarters), out);
+            return;
+        }
+        for (std::size_t k = 0; k < quarters.size(); ++k)
+            finish(baker, v, quarters[k], probes[k], mixed | (probes[k].open & probes[k].blocked),
+                   out);
     }
 
     /// Runs `body(baker, index, chunk)` over [0, count) in parallel.

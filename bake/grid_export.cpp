@@ -138,8 +138,10 @@ VolumeGrid makeDirection(const GridRequest& request, const Source& source) {
             regions.use(source.items, i);
             const CountedRegion r = regions.along(cell);
             if (r.d == 0) continue;
-            open += r.share();
-            counted += 1;
+            const double weight =
+                static_cast<double>(shareOf(PatchCode::of(source.items.patch[i]).part));
+            open += weight * r.share();
+            counted += weight;
         }
         grid.values.emplace_back(counted > 0 ? static_cast<float>(open / counted) : 0.0f);
     }

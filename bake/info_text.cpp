@@ -93,6 +93,7 @@ std::string factsAsJson(const CacheFacts& facts) {
     out.set("bounds.high", std::vector{summary.high.x, summary.high.y, summary.high.z});
     out.set("items", std::uint64_t{items.size()});
     out.set("voxels", summary.voxels);
+    out.set("parts", summary.parts);
     out.set("blocks", std::uint64_t{items.blocks.size()});
     out.set("regions.base", summary.base.counted);
     out.set("regions.base_pure_share", summary.base.pureShare());
@@ -117,9 +118,10 @@ std::string factsAsText(const CacheFacts& facts) {
               summary.low.z, summary.high.x, summary.high.y, summary.high.z) +
         print("directions     level %d (%s), %d rays, seeds %s\n", header.level,
               header.adaptive ? "adaptive" : "uniform", header.rays, header.seeds.c_str()) +
-        print("items          %zu in %llu voxels of %g, %zu blocks\n", items.size(),
-              static_cast<unsigned long long>(summary.voxels), header.spacing,
-              items.blocks.size()) +
+        print(
+            "items          %zu (%llu of them parts of patches) in %llu voxels of %g, %zu blocks\n",
+            items.size(), static_cast<unsigned long long>(summary.parts),
+            static_cast<unsigned long long>(summary.voxels), header.spacing, items.blocks.size()) +
         tallyLine("base regions", summary.base) + tallyLine("finer regions", summary.finer);
     text += "items by open share of their directions\n" + histogram(summary.openness, tenths());
     text += "regions by number of rays\n" + histogram(summary.rays, rayLabels());

@@ -23,6 +23,9 @@ constexpr int kNearRays = 8;
 
 constexpr std::uint32_t kOctet = DirectionTable::kCells;
 
+/// Parts a patch's numbers: those of its rays.
+constexpr std::uint64_t kRayNumbers = 0x72617973;
+
 }  // namespace
 
 BaseCells::BaseCells(const DirectionTiers& tiers) {
@@ -81,8 +84,8 @@ Count ItemBaker::sumFine(std::uint32_t cell) {
     return sum;
 }
 
-Probe ItemBaker::probe(const Patch& patch, std::uint64_t seed) {
-    rays_.start(patch, hashWords(seed, 1));
+Probe ItemBaker::probe(const Patch& patch) {
+    rays_.start(patch, hashWords(patch.seed, kRayNumbers, 1));
     std::fill(fine_.begin(), fine_.end(), Count{});
     findCells(patch);
     for (const std::uint32_t c : cells_) addToFine(c, 1);
@@ -99,12 +102,25 @@ Probe ItemBaker::probe(const Patch& patch, std::uint64_t seed) {
     return probe;
 }
 
-void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, std::uint64_t seed,
-                       const Probe& probe, const std::bitset<Probe::kCells>& mixed,
+std::vector<Probe> ItemBaker::probeQuarters(std::span<const Patch> quarters) {
+    quarterFine_.assign(fine_.size(), Count{});
+    std::vector<Probe> probes;
+    for (const Patch& quarter : quarters) {
+        probes.push_back(probe(quarter));
+        for (std::size_t i = 0; i < fine_.size(); ++i) quarterFine_[i] += fine_[i];
+    }
+    return probes;
+}
+
+void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, const Probe& probe,
+                       const std::bitset<Probe::kCells>& mixed, bool countQuarters,
                        CacheItems& out) {
-    rays_.start(patch, hashWords(seed, 2));
+    rays_.start(patch, hashWords(patch.seed, kRayNumbers, 2));
     std::fill(baseCounts_.begin(), baseCounts_.end(), Count{});
-    std::fill(fine_.begin(), fine_.end(), Count{});
+    if (countQuarters)
+        fine_ = quarterFine_;
+    else
+        std::fill(fine_.begin(), fine_.end(), Count{});
     refined_.clear();
     if (!probe.base.empty()) std::copy(probe.base.begin(), probe.base.end(), baseCounts_.begin());
     findCells(patch);
@@ -113,27 +129,28 @@ void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, std::uint64_t see
             rays_.add(tiers_.baseLevel(), c / kOctet, 1u << c % kOctet, options_.rays,
                       &baseCounts_[c - c % kOctet]);
     } else if (!options_.adaptive || mixed.any()) {
-        traceFine(mixed);
+        traceFine(mixed, countQuarters ? 4 : 0);
     }
     rays_.flush();
     store(patch, voxel, out);
 }
 
-void ItemBaker::traceFine(const std::bitset<Probe::kCells>& mixed) {
+/// @param sofar  rays of every cell of the first refinement, but for those below a horizon
+void ItemBaker::traceFine(const std::bitset<Probe::kCells>& mixed, int sofar) {
     const bool adaptive = options_.adaptive;
     const bool deeper = tiers_.refinements() > 1;
-    const auto atMost = [&](int count) { return std::min(count, options_.rays); };
+    const auto looks = [&](std::uint32_t c) {
+        return std::max(sofar, std::min(mixed[c] ? kSuspectRays : kProbeRays, options_.rays));
+    };
     if (adaptive) {
-        for (const std::uint32_t c : cells_)
-            addToFine(c, atMost(mixed[c] ? kSuspectRays : kProbeRays));
+        for (const std::uint32_t c : cells_) addToFine(c, looks(c) - sofar);
         rays_.flush();
     }
     for (const std::uint32_t c : cells_) {
         if (adaptive && !sumWithProbe(c).mixed()) continue;
         refined_.push_back({tiers_.blockKey(0, c), c, {}});
         if (!deeper || adaptive)
-            addToFine(
-                c, options_.rays - (adaptive ? atMost(mixed[c] ? kSuspectRays : kProbeRays) : 0));
+            addToFine(c, std::max(0, options_.rays - (adaptive ? looks(c) : 0)));
     }
     rays_.flush();
     if (deeper) traceFinest();
@@ -174,7 +191,7 @@ void ItemBaker::traceFinest() {
 
 void ItemBaker::store(const Patch& patch, const Vec3i& voxel, CacheItems& out) {
     out.voxel.push_back(voxel);
-    out.side.push_back(static_cast<std::uint8_t>(patch.side));
+    out.patch.push_back(patch.code.packed());
     out.normal.push_back(patch.normal);
     out.position.push_back(patch.meanPosition);
     for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <bitset>
+#include <span>
 #include <vector>
 
 #include "bake/options.h"
@@ -35,12 +36,17 @@ public:
               const BakeOptions& options, double spacing);
 
     /// The first pass: one ray into every region of the first refinement.
-    Probe probe(const Patch& patch, std::uint64_t seed);
+    Probe probe(const Patch& patch);
+
+    /// The first pass of a patch's quarters.
+    std::vector<Probe> probeQuarters(std::span<const Patch> quarters);
 
     /// Appends the finished item. Base cells in `mixed` get more rays, whatever the item's own
-    /// first ones say; without any, the probe is all there is to know.
-    void finish(const Patch& patch, const Vec3i& voxel, std::uint64_t seed, const Probe& probe,
-                const std::bitset<Probe::kCells>& mixed, CacheItems& out);
+    /// first ones say; without any, the probe is all there is to know. With
+    /// `countQuarters` the rays of the quarters that were probed last, four of this patch, count
+    /// as well.
+    void finish(const Patch& patch, const Vec3i& voxel, const Probe& probe,
+                const std::bitset<Probe::kCells>& mixed, bool countQuarters, CacheItems& out);
 
     std::uint64_t raysTraced() const { return rays_.raysTraced(); }
 
@@ -68,7 +74,7 @@ private:
     Count sumFine(std::uint32_t cell);
     /// Rays of both passes.
     Count sumWithProbe(std::uint32_t cell);
-    void traceFine(const std::bitset<Probe::kCells>& mixed);
+    void traceFine(const std::bitset<Probe::kCells>& mixed, int sofar);
     void findFinest();
     void traceFinest();
     void store(const Patch& patch, const Vec3i& voxel, CacheItems& out);
@@ -80,7 +86,8 @@ private:
     float spacing_;
     std::vector<std::uint32_t> cells_;  ///< base cells not wholly below the patch's horizon
     std::vector<Count> baseCounts_;
-    std::vector<Count> fine_;  ///< of the first refinement
+    std::vector<Count> fine_;         ///< of the first refinement
+    std::vector<Count> quarterFine_;  ///< the same of the quarters that were probed last
     std::vector<Refined> refined_;
     std::vector<Candidates> candidates_;
 };

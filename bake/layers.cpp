@@ -25,7 +25,7 @@ struct Extent {
 /// The pieces' mean normal; zero if one of them differs too much from it.
 Vec3d commonNormal(const std::vector<Piece>& pieces) {
     Vec3d sum(0, 0, 0);
-    for (const Piece& p : pieces) sum += Vec3d(p.normal) * static_cast<double>(p.fragment->area);
+    for (const Piece& p : pieces) sum += Vec3d(p.normal) * static_cast<double>(p.area);
     const Vec3d mean = sum.normalized();
     for (const Piece& p : pieces)
         if (p.normal.dot(Vec3f(mean)) < kLeastAgreement) return Vec3d(0, 0, 0);
@@ -33,17 +33,15 @@ Vec3d commonNormal(const std::vector<Piece>& pieces) {
 }
 
 /// Extents of the pieces, the lowest first.
-std::vector<Extent> extentsAlong(const Vec3d& normal, const TriangleMesh& mesh,
-                                 const VoxelFrame& frame, const std::vector<Piece>& pieces) {
-    const Vec3d center = frame.center(frame.voxel(pieces[0].fragment->voxelKey));
+std::vector<Extent> extentsAlong(const Vec3d& normal, const TriangleMesh& mesh, const Box& voxel,
+                                 const std::vector<Piece>& pieces) {
     std::vector<Extent> extents;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const Polygon polygon =
-            clipToVoxel(mesh, pieces[i].fragment->triangle, center, frame.spacing() / 2);
+        const Polygon polygon = clipToBox(mesh, pieces[i].triangle, voxel);
         Extent e{std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest(),
-                 static_cast<double>(pieces[i].fragment->area), i};
+                 static_cast<double>(pieces[i].area), i};
         for (std::size_t k = 0; k < polygon.count; ++k) {
-            const double height = normal.dot(polygon.corner[k] - center);
+            const double height = normal.dot(polygon.corner[k] - voxel.center);
             e.low = std::min(e.low, height);
             e.high = std::max(e.high, height);
         }
@@ -80,19 +78,19 @@ std::vector<std::size_t> layerBegins(const std::vector<Extent>& extents, double 
         if (areaBefore[gap.after] - areaBefore[*(next - 1)] >= leastArea &&
             areaBefore[*next] - areaBefore[gap.after] >= leastArea)
             begins.insert(next, gap.after);
-        if (begins.size() > kMaxLayers) break;
+        if (begins.size() > static_cast<std::size_t>(kMaxLayers)) break;
     }
     return begins;
 }
 
 }  // namespace
 
-std::vector<std::vector<Piece>> splitLayers(const TriangleMesh& mesh, const VoxelFrame& frame,
+std::vector<std::vector<Piece>> splitLayers(const TriangleMesh& mesh, const Box& voxel,
                                             const std::vector<Piece>& pieces) {
     const Vec3d normal = pieces.size() > 1 ? commonNormal(pieces) : Vec3d(0, 0, 0);
     if (normal == Vec3d(0, 0, 0)) return {pieces};
-    const std::vector<Extent> extents = extentsAlong(normal, mesh, frame, pieces);
-    const double spacing = frame.spacing();
+    const std::vector<Extent> extents = extentsAlong(normal, mesh, voxel, pieces);
+    const double spacing = 2 * voxel.half.x;
     const std::vector<std::size_t> begins =
         layerBegins(extents, kLeastGap * spacing, kLeastArea * spacing * spacing);
     std::vector<std::vector<Piece>> layers;

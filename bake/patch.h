@@ -5,17 +5,23 @@
 #include <span>
 #include <vector>
 
+#include "bake/layers.h"
 #include "bake/placement.h"
+#include "common/patch_code.h"
 #include "common/scene.h"
 
 namespace shadowcache {
 
 /// Where the rays of one item start: many points spread evenly over one side of the surface in a
-/// voxel, or over one layer of it.
+/// voxel, or over one layer of it, or a part of that.
 struct Patch {
     static constexpr int kOrigins = 64;
 
-    int side = 0;                        ///< as CacheItems::side
+    PatchCode code;
+    std::uint64_t seed = 0;              ///< of its origins and rays
+    Box box;                             ///< the voxel, or the part of it that holds the patch
+    float area = 0;                      ///< of the surface in it
+    std::vector<Piece> pieces;           ///< what of the surface lies in it
     Vec3f normal;                        ///< unit mean normal, by area
     Vec3f meanPosition;                  ///< relative to the voxel's centre, in spacings
     float minAgreement = 1;              ///< least cosine between `normal` and an origin's normal
@@ -23,11 +29,17 @@ struct Patch {
     std::array<Vec3f, kOrigins> originNormal;  ///< unit, to the patch's side
 };
 
-/// The patches of a voxel's sides and their layers, in the order of Patch::side. `fragments` are
+/// The patches of a voxel's sides and their layers, in the order of their codes. `fragments` are
 /// those of one voxel.
 ///
 /// @param seed decides where on the surface the origins lie
 std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
                                std::span<const Fragment> fragments, std::uint64_t seed);
+
+/// The quarters of a patch of the voxel with the middle `voxelCenter` that hold any surface, in the
+/// order of their codes. None where the patch may not be cut: it is small, folded, or was cut too
+/// often.
+std::vector<Patch> makeQuarters(const Scene& scene, const Vec3d& voxelCenter, double spacing,
+                                const Patch& patch);
 
 }  // namespace shadowcache

@@ -113,12 +113,15 @@ Vec3d VoxelFrame::center(const Vec3i& voxel) const {
     return Vec3d(voxel) * spacing_ - origin_;
 }
 
-Polygon clipToVoxel(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3d& center,
-                    double half) {
+Box VoxelFrame::box(const Vec3i& voxel) const {
+    return {center(voxel), Vec3d(spacing_ / 2)};
+}
+
+Polygon clipToBox(const TriangleMesh& mesh, std::uint32_t triangle, const Box& box) {
     Polygon polygon = wholeTriangle(mesh, triangle);
     for (int axis = 0; axis < 3 && polygon.count > 0; ++axis) {
-        clipAxis(polygon, axis, center[axis] + half, 1);
-        clipAxis(polygon, axis, center[axis] - half, -1);
+        clipAxis(polygon, axis, box.center[axis] + box.half[axis], 1);
+        clipAxis(polygon, axis, box.center[axis] - box.half[axis], -1);
     }
     return polygon;
 }

@@ -15,6 +15,12 @@ struct Fragment {
     float area;              ///< of the triangle's part in the voxel, > 0
 };
 
+/// A box around a point.
+struct Box {
+    Vec3d center;
+    Vec3d half;  ///< of its sizes
+};
+
 /// The grid of voxels over a mesh: voxel v is centred at v * spacing in world space.
 class VoxelFrame {
 public:
@@ -29,6 +35,8 @@ public:
     Vec3i voxelAt(const Vec3d& position) const;
     /// Middle of a voxel relative to the mesh's origin.
     Vec3d center(const Vec3i& voxel) const;
+    /// That voxel.
+    Box box(const Vec3i& voxel) const;
 
 private:
     double spacing_;
@@ -43,9 +51,8 @@ struct Polygon {
     std::size_t count = 0;
 };
 
-/// Part of a triangle in a voxel of half-size `half` around `center`. [Sutherland & Hodgman 1974]
-Polygon clipToVoxel(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3d& center,
-                    double half);
+/// Part of a triangle in a box. [Sutherland & Hodgman 1974]
+Polygon clipToBox(const TriangleMesh& mesh, std::uint32_t triangle, const Box& box);
 
 double area(const Polygon& polygon);
 

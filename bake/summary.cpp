@@ -50,6 +50,7 @@ CacheSummary summarize(const CacheHeader& header, const CacheItems& items) {
     findBounds(header, items, summary);
     for (std::size_t i = 0; i < items.size(); ++i) {
         summary.voxels += i == 0 || items.voxel[i] != items.voxel[i - 1];
+        summary.parts += PatchCode::of(items.patch[i]).part != 0;
         const double open = openShare(items, i, cells);
         ++summary.openness[std::min(static_cast<std::size_t>(open * CacheSummary::kBins),
                                     CacheSummary::kBins - 1)];
@@ -66,7 +67,7 @@ CacheSummary summarize(const CacheHeader& header, const CacheItems& items) {
     const std::uint64_t blockBytes = items.blocks.size() * std::uint64_t{kBlockCells};
     summary.bytes = {{"items.position", bytesOf(items.position)},
                      {"items.normal", bytesOf(items.normal)},
-                     {"items.side", bytesOf(items.side)},
+                     {"items.patch", bytesOf(items.patch)},
                      {"items.n", bytesOf(items.n)},
                      {"items.d", bytesOf(items.d)},
                      {"items.first_block", items.size() * sizeof(std::int32_t)},

@@ -29,6 +29,7 @@ struct CacheSummary {
 
     Vec3d low{0, 0, 0}, high{0, 0, 0};  ///< box of the voxels, world space
     std::uint64_t voxels = 0;
+    std::uint64_t parts = 0;                      ///< items that are parts of a patch
     RegionTally base, finer;                      ///< coarsest regions; those of blocks
     std::array<std::uint64_t, kBins> openness{};  ///< items by the open share of their regions
     /// Regions by their rays: none, 1, 2 to 3, 4 to 7, ... 128 to 255.

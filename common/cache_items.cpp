@@ -47,7 +47,7 @@ void append(CacheItems& items, const CacheItems& more) {
     };
     const auto offset = static_cast<std::uint32_t>(items.blocks.size());
     join(items.voxel, more.voxel);
-    join(items.side, more.side);
+    join(items.patch, more.patch);
     join(items.normal, more.normal);
     join(items.position, more.position);
     join(items.n, more.n);
@@ -67,7 +67,7 @@ auto voxelOrder(const Vec3i& v) {
 /// Appends item i of `from` to `to` without its blocks.
 void appendItem(CacheItems& to, const CacheItems& from, std::size_t i, std::size_t baseCells) {
     to.voxel.push_back(from.voxel[i]);
-    to.side.push_back(from.side[i]);
+    to.patch.push_back(from.patch[i]);
     to.normal.push_back(from.normal[i]);
     to.position.push_back(from.position[i]);
     const auto counts = [&](std::vector<std::uint8_t>& out, const std::vector<std::uint8_t>& in) {
@@ -107,8 +107,8 @@ void copyBlocks(CacheItems& to, const CacheItems& from, std::size_t i) {
 }  // namespace
 
 bool itemBefore(const CacheItems& a, std::size_t i, const CacheItems& b, std::size_t j) {
-    return std::tuple(voxelOrder(a.voxel[i]), a.side[i]) <
-           std::tuple(voxelOrder(b.voxel[j]), b.side[j]);
+    return std::tuple(voxelOrder(a.voxel[i]), a.patch[i]) <
+           std::tuple(voxelOrder(b.voxel[j]), b.patch[j]);
 }
 
 CacheItems mergeItems(const CacheItems& a, const CacheItems& b, const DirectionTiers& tiers) {

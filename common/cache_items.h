@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/direction_mesh.h"
+#include "common/patch_code.h"
 #include "common/vec.h"
 
 namespace shadowcache {
@@ -54,7 +55,7 @@ struct CacheHeader {
 std::string fingerprintText(std::uint64_t fingerprint);
 
 /// Format of the file; raised on any change of its bytes or of the direction mesh.
-inline constexpr int kCacheFormat = 1;
+inline constexpr int kCacheFormat = 2;
 
 /// Sixteen finer counts of one region of an item.
 struct CountBlock {
@@ -62,19 +63,16 @@ struct CountBlock {
     std::array<std::uint8_t, kBlockCells> n, d;
 };
 
-/// Sides of a surface: side 2k (2k + 1) holds the normals whose largest component is +k (-k).
-inline constexpr int kSides = 6;
-
-/// Cache items as plain arrays, sorted by voxel (OpenVDB's leaf order) and side. An item is one
+/// Cache items as plain arrays, sorted by voxel (OpenVDB's leaf order) and patch. An item is one
 /// side of the surface in one voxel, or one layer of it where parallel layers lie behind each
-/// other.
+/// other, or part of that where the visibility changes across it.
 struct CacheItems {
     std::vector<Vec3i> voxel;
-    std::vector<std::uint8_t> side;  ///< the side + kSides * the layer, from 0
-    std::vector<Vec3f> normal;       ///< unit mean normal of the patch
-    std::vector<Vec3f> position;     ///< mean point of the patch in its voxel, [-0.5, 0.5] spacings
-    std::vector<std::uint8_t> n;     ///< baseCells an item: rays that reached the sky
-    std::vector<std::uint8_t> d;     ///< baseCells an item: rays counted
+    std::vector<std::int16_t> patch;  ///< PatchCode, packed
+    std::vector<Vec3f> normal;        ///< unit mean normal of the patch
+    std::vector<Vec3f> position;  ///< mean point of the patch in its voxel, [-0.5, 0.5] spacings
+    std::vector<std::uint8_t> n;  ///< baseCells an item: rays that reached the sky
+    std::vector<std::uint8_t> d;  ///< baseCells an item: rays counted
     std::vector<std::uint32_t> firstBlock{0};  ///< items + 1 offsets into blocks
     std::vector<CountBlock> blocks;
 
@@ -90,7 +88,8 @@ bool itemBefore(const CacheItems& a, std::size_t i, const CacheItems& b, std::si
 /// Side of a surface with unit normal `n`, 0 .. 5.
 int sideOf(const Vec3f& n);
 
-/// Whether two items of one voxel with these unit normals are layers of one side.
+/// Whether two items of different layers of one voxel, with these unit normals, lie behind each
+/// other.
 inline bool areLayers(const Vec3f& a, const Vec3f& b) {
     return a.dot(b) > 0.95f;
 }

@@ -131,7 +131,7 @@ void appendLeaf(const PointLeaf& leaf, const PointLeaf* blocks, std::size_t base
                 const fs::path& path, CacheItems& items) {
     const auto& position = attribute<VectorArray>(leaf, "P", 1, path);
     const auto& normal = attribute<VectorArray>(leaf, "normal", 1, path);
-    const auto& side = attribute<ByteArray>(leaf, "side", 1, path);
+    const auto& patch = attribute<ShortArray>(leaf, "patch", 1, path);
     const auto& count = attribute<ShortArray>(leaf, "block_count", 1, path);
     const auto& n = attribute<ByteArray>(leaf, "n", static_cast<openvdb::Index>(baseCells), path);
     const auto& d = attribute<ByteArray>(leaf, "d", static_cast<openvdb::Index>(baseCells), path);
@@ -141,7 +141,9 @@ void appendLeaf(const PointLeaf& leaf, const PointLeaf* blocks, std::size_t base
         const openvdb::Coord voxel = point.getCoord();
         const openvdb::Vec3f p = position.get(i), v = normal.get(i);
         items.voxel.emplace_back(voxel.x(), voxel.y(), voxel.z());
-        items.side.push_back(static_cast<std::uint8_t>(side.get(i)));
+        items.patch.push_back(patch.get(i));
+        if (!PatchCode::isValid(items.patch.back()))
+            throwFileError(path, "damaged: an item's patch does not exist");
         items.normal.emplace_back(v.x(), v.y(), v.z());
         items.position.emplace_back(p.x(), p.y(), p.z());
         for (std::size_t c = 0; c < baseCells; ++c) {

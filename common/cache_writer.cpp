@@ -78,7 +78,7 @@ void fillItemLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& ite
                [&](std::size_t i) { return toCoord(items.voxel[range.begin + i]); });
     auto& position = expanded<VectorArray>(leaf, "P");
     auto& normal = expanded<VectorArray>(leaf, "normal");
-    auto& side = expanded<ByteArray>(leaf, "side");
+    auto& patch = expanded<ShortArray>(leaf, "patch");
     auto& n = expanded<ByteArray>(leaf, "n");
     auto& d = expanded<ByteArray>(leaf, "d");
     auto& firstBlock = expanded<IntArray>(leaf, "first_block");
@@ -90,7 +90,7 @@ void fillItemLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& ite
         const Vec3f& v = items.normal[i];
         position.setUnsafe(k, openvdb::Vec3f(p.x, p.y, p.z));
         normal.setUnsafe(k, openvdb::Vec3f(v.x, v.y, v.z));
-        side.setUnsafe(k, static_cast<std::int8_t>(items.side[i]));
+        patch.setUnsafe(k, items.patch[i]);
         firstBlock.setUnsafe(k, static_cast<std::int32_t>(items.firstBlock[i] - leafBlocks));
         blockCount.setUnsafe(
             k, static_cast<std::int16_t>(items.firstBlock[i + 1] - items.firstBlock[i]));
@@ -142,7 +142,7 @@ struct PointGrids {
 PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
     const auto baseCells = static_cast<openvdb::Index>(header.tiers().baseCells());
     const std::vector<AttributeSpec> itemSpecs{{"normal", VectorArray::attributeType(), 1},
-                                               {"side", ByteArray::attributeType(), 1},
+                                               {"patch", ShortArray::attributeType(), 1},
                                                {"n", ByteArray::attributeType(), baseCells},
                                                {"d", ByteArray::attributeType(), baseCells},
                                                {"first_block", IntArray::attributeType(), 1},

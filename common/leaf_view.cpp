@@ -27,6 +27,8 @@ void requireSound(const LeafView& leaf, const DirectionTiers& tiers,
     for (std::uint32_t i = 0; i < leaf.items; ++i) {
         if (leaf.firstBlock[i] != next || leaf.blockCount[i] < 0)
             throwFileError(path, "damaged: an item's blocks lie outside the file's");
+        if (!PatchCode::isValid(leaf.patch[i]))
+            throwFileError(path, "damaged: an item's patch does not exist");
         next += leaf.blockCount[i];
     }
     if (next != leaf.blocks)

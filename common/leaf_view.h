@@ -28,7 +28,8 @@ struct LeafView {
     std::uint32_t items = 0;
     CountRows n, d;
     const Vec3f* normal = nullptr;
-    const Vec3f* position = nullptr;  ///< from the voxel's middle, in spacings
+    const Vec3f* position = nullptr;      ///< from the voxel's middle, in spacings
+    const std::int16_t* patch = nullptr;  ///< PatchCode, packed
     const std::int32_t* firstBlock = nullptr;
     const std::int16_t* blockCount = nullptr;
 

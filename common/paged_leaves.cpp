@@ -19,7 +19,7 @@ void fillIndex(openvdb::Int32Tree& index, const PointLayout& leaves) {
         accessor.setValue(leafOf(leaves[i].origin), static_cast<std::int32_t>(i));
 }
 
-enum ItemArray : std::size_t { kPosition, kNormal, kN, kD, kFirstBlock, kBlockCount };
+enum ItemArray : std::size_t { kPosition, kNormal, kN, kD, kPatch, kFirstBlock, kBlockCount };
 enum BlockArray : std::size_t { kKey, kBlockN, kBlockD };
 
 template <class T>
@@ -41,6 +41,7 @@ PagedLeaves::PagedLeaves(const std::filesystem::path& path, const DirectionTiers
                                     {"normal", VectorArray::attributeType(), 1},
                                     {"n", ByteArray::attributeType(), tiers.baseCells()},
                                     {"d", ByteArray::attributeType(), tiers.baseCells()},
+                                    {"patch", ShortArray::attributeType(), 1},
                                     {"first_block", IntArray::attributeType(), 1},
                                     {"block_count", ShortArray::attributeType(), 1}};
     const ArraySpec blockArrays[] = {{"key", ShortArray::attributeType(), 1},
@@ -115,6 +116,7 @@ void PagedLeaves::Reader::fill(Slot& slot, std::int32_t leaf) {
     view.normal = valuesAt<Vec3f>(pin[kNormal], item[kNormal]);
     view.n = countsAt(pin[kN], item[kN], baseCells);
     view.d = countsAt(pin[kD], item[kD], baseCells);
+    view.patch = valuesAt<std::int16_t>(pin[kPatch], item[kPatch]);
     view.firstBlock = valuesAt<std::int32_t>(pin[kFirstBlock], item[kFirstBlock]);
     view.blockCount = valuesAt<std::int16_t>(pin[kBlockCount], item[kBlockCount]);
     if (blocks) {

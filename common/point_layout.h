@@ -24,7 +24,7 @@ struct ArraySpec {
 };
 
 /// Most attributes that are wanted of one grid.
-inline constexpr std::size_t kMostArrays = 6;
+inline constexpr std::size_t kMostArrays = 7;
 
 /// Where the values of a leaf's attribute lie: `offset` bytes behind the start of an unpacked page.
 struct ArrayPlace {

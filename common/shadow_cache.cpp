@@ -53,6 +53,7 @@ LeafView makeView(PointLeaf& items, PointLeaf* blocks, const DirectionTiers& tie
     view.d = countRows(items, "d", tiers.baseCells(), path);
     view.normal = values<Vec3f, VectorArray>(items, "normal", path);
     view.position = values<Vec3f, VectorArray>(items, "P", path);
+    view.patch = values<std::int16_t, ShortArray>(items, "patch", path);
     view.firstBlock = values<std::int32_t, IntArray>(items, "first_block", path);
     view.blockCount = values<std::int16_t, ShortArray>(items, "block_count", path);
     if (blocks) {
@@ -65,25 +66,96 @@ LeafView makeView(PointLeaf& items, PointLeaf* blocks, const DirectionTiers& tie
     return view;
 }
 
-/// Of parallel layers of a voxel keeps the nearest to the place, by `distance` from each: another
-/// one sees other things.
-/// Returns how many are left, at the front of `items`.
-int keepNearestLayers(std::span<ItemView> items, const float* distance) {
+/// What a lookup knows of an item beside its view.
+struct Found {
+    PatchCode code;
+    float distance;  ///< of the place from the item's own plane, in spacings
+};
+
+/// Items of a lookup, in two arrays of one order.
+struct FoundItems {
+    std::span<ItemView> view;
+    std::array<Found, ShadowCache::kMaxItems> about;
+    std::size_t count = 0;
+
+    bool full() const { return count == view.size() || count == about.size(); }
+    void add(const ItemView& item, const Found& found) {
+        view[count] = item;
+        about[count++] = found;
+    }
+};
+
+/// Of parallel layers of a voxel, items `begin` and on, keeps the nearest to the place: another one
+/// sees other things.
+void keepNearestLayers(FoundItems& items, std::size_t begin) {
+    const auto sameLayer = [&](std::size_t i, std::size_t j) {
+        const PatchCode &a = items.about[i].code, &b = items.about[j].code;
+        return a.side == b.side && a.layer == b.layer;
+    };
+    std::array<float, ShadowCache::kMaxItems> layerDistance;  // of the layer's nearest item
+    for (std::size_t i = begin; i < items.count; ++i) {
+        layerDistance[i] = items.about[i].distance;
+        for (std::size_t j = begin; j < items.count; ++j)
+            if (sameLayer(i, j))
+                layerDistance[i] = std::min(layerDistance[i], items.about[j].distance);
+    }
+    std::size_t kept = begin;
     std::array<bool, ShadowCache::kMaxItems> farther{};
-    for (std::size_t i = 0; i < items.size(); ++i)
-        for (std::size_t j = 0; j < items.size(); ++j)
-            farther[i] |= distance[j] < distance[i] && areLayers(items[i].normal, items[j].normal);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < items.size(); ++i)
-        if (!farther[i]) items[kept++] = items[i];
-    return static_cast<int>(kept);
+    for (std::size_t i = begin; i < items.count; ++i)
+        for (std::size_t j = begin; j < items.count; ++j)
+            farther[i] |= layerDistance[j] < layerDistance[i] && !sameLayer(i, j) &&
+                          areLayers(items.view[i].normal, items.view[j].normal);
+    for (std::size_t i = begin; i < items.count; ++i) {
+        if (farther[i]) continue;
+        items.view[kept] = items.view[i];
+        items.about[kept++] = items.about[i];
+    }
+    items.count = kept;
 }
 
-/// Drops items that add next to nothing, and makes the others' weights, whose sum was `sum`, sum to
-/// 1. Returns how many are left, at the front.
-int keepWeighty(std::span<ItemView> items, float sum) {
+/// Parts of patches stand for the larger ones of their sheet of surface as far as they reach: at
+/// the rim of what was cut their weights fall to zero, and the larger ones' rise.
+void preferParts(FoundItems& items) {
+    // A sheet that lies this much nearer to the place, in spacings, is another one.
+    constexpr float kSameSheet = 0.05f;
+    std::array<float, ShadowCache::kMaxItems> left;
+    std::fill_n(left.begin(), items.count, 1.0f);
+    for (int cuts = kMaxCuts; cuts > 0; --cuts)
+        for (std::size_t i = 0; i < items.count; ++i) {
+            if (cutsOf(items.about[i].code.part) >= cuts) continue;
+            float reach = 0;
+            for (std::size_t j = 0; j < items.count; ++j)
+                if (cutsOf(items.about[j].code.part) == cuts &&
+                    items.about[j].distance <= items.about[i].distance + kSameSheet)
+                    reach += items.view[j].weight;
+            left[i] *= 1 - std::min(reach, 1.0f);
+        }
+    for (std::size_t i = 0; i < items.count; ++i) items.view[i].weight *= left[i];
+}
+
+/// Weight of a part of a patch at a place, by the place's distance from the part's middle along the
+/// patch: bilinear among parts of one size. Outside of its voxel it falls to zero across the patch,
+/// too. `fromMiddle`: of the voxel, in spacings.
+float partWeight(const PatchCode& code, const Vec3f& fromMiddle) {
+    const std::array<float, 2> middle = middleOf(code.part);
+    const auto inverse = static_cast<float>(1 << cutsOf(code.part));
+    float weight = std::clamp(2 - 2 * std::abs(fromMiddle[code.side / 2]), 0.0f, 1.0f);
+    for (int k = 0; k < 2; ++k) {
+        const int axis = (code.side / 2 + 1 + k) % 3;
+        const float away =
+            std::abs(fromMiddle[axis] - middle[static_cast<std::size_t>(k)]) * inverse;
+        weight *= std::max(0.0f, 1 - away);
+    }
+    return weight;
+}
+
+/// Drops items that add next to nothing, and makes the others' weights sum to 1. Returns how many
+/// are left, at the front.
+int keepWeighty(std::span<ItemView> items) {
     constexpr float kLeastShare = 0.03f;
-    float left = 0;
+    static_assert(kLeastShare * ShadowCache::kMaxItems < 1, "one item at least must be left");
+    float sum = 0, left = 0;
+    for (const ItemView& item : items) sum += item.weight;
     std::size_t kept = 0;
     for (const ItemView& item : items) {
         if (item.weight < kLeastShare * sum) continue;
@@ -168,6 +240,8 @@ struct ShadowCache::Reader::Impl {
         return leaf ? &cache.leaves[leaf->transientData()] : nullptr;
     }
 
+    void collect(const Vec3d& position, const Vec3f& normal, float leastOfPart, FoundItems& found);
+
     const ShadowCache::Impl& cache;
     std::optional<PagedLeaves::Reader> paged;          ///< with a budget
     std::optional<PointGrid::ConstAccessor> accessor;  ///< without
@@ -178,66 +252,66 @@ ShadowCache::Reader::Reader(const ShadowCache& cache)
 ShadowCache::Reader::~Reader() = default;
 ShadowCache::Reader::Reader(Reader&&) noexcept = default;
 
-int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
-                                std::span<ItemView> out) {
+/// Appends the items around a place. Parts of patches that do not reach it weigh `leastOfPart`, or
+/// are left out if that is 0.
+void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& normal,
+                                        float leastOfPart, FoundItems& found) {
     // Normals up to 60 degrees apart share items, the closer the more.
     constexpr float kMinAgreement = 0.5f;
     // Inverse of the distance from the plane of an item, in spacings, at which it counts a third.
     constexpr float kPlaneFalloff = 5;
-    if (impl_->paged) impl_->paged->beginLookup();
-    const Vec3d p = position / impl_->cache.header.spacing;
+    const Vec3d p = position / cache.header.spacing;
     const Vec3d low(std::floor(p.x), std::floor(p.y), std::floor(p.z));
     const Vec3d f = p - low;
     const openvdb::Coord corner(static_cast<int>(low.x), static_cast<int>(low.y),
                                 static_cast<int>(low.z));
-    int found = 0;
     for (int k = 0; k < 8; ++k) {
-        const openvdb::Coord voxel = corner.offsetBy(k & 1, (k >> 1) & 1, k >> 2);
+        const Vec3i step(k & 1, (k >> 1) & 1, k >> 2);
+        const openvdb::Coord voxel = corner.offsetBy(step.x, step.y, step.z);
         const double trilinear =
-            (k & 1 ? f.x : 1 - f.x) * (k & 2 ? f.y : 1 - f.y) * (k & 4 ? f.z : 1 - f.z);
-        const LeafView* leaf = impl_->leafAt(voxel);
+            (step.x ? f.x : 1 - f.x) * (step.y ? f.y : 1 - f.y) * (step.z ? f.z : 1 - f.z);
+        const LeafView* leaf = leafAt(voxel);
         if (!leaf) continue;
         const openvdb::Index offset = PointLeaf::coordToOffset(voxel);
         const std::uint32_t begin = offset ? leaf->voxelEnd[offset - 1] : 0u;
         const std::uint32_t end = leaf->voxelEnd[offset];
         if (begin == end) continue;
         const LeafView& view = *leaf;
-        const int before = found;
-        std::array<float, kMaxItems> distance;  // from the item's own plane
-        for (std::uint32_t i = begin; i < end && found < kMaxItems; ++i) {
+        const Vec3f fromMiddle(f - Vec3d(step));
+        const std::size_t before = found.count;
+        for (std::uint32_t i = begin; i < end && !found.full(); ++i) {
             const float agreement = view.normal[i].dot(normal) - kMinAgreement;
             if (agreement <= 0) continue;
+            const PatchCode code = PatchCode::of(view.patch[i]);
+            // The small addend keeps a lone item in a far corner from losing its weight altogether.
+            const float near = code.part == 0 ? static_cast<float>(trilinear) + 1e-6f
+                                              : std::max(partWeight(code, fromMiddle), leastOfPart);
+            if (near == 0) continue;
             const auto firstBlock = static_cast<std::uint32_t>(view.firstBlock[i]);
-            const Vec3f toItem =
-                Vec3f(low - p) + Vec3f(Vec3d(k & 1, (k >> 1) & 1, k >> 2)) + view.position[i];
+            const Vec3f toItem = view.position[i] - fromMiddle;
             // Another layer of surface a little above or below sees other things.
             const float plane = kPlaneFalloff * toItem.dot(normal);
             const float nearness = 1 / (1 + plane * plane * (1 + plane * plane));
-            // The small addend keeps a lone item in a far corner from losing its weight altogether.
-            const float weight = (static_cast<float>(trilinear) + 1e-6f) * agreement * nearness;
-            distance[static_cast<std::size_t>(found - before)] =
-                std::abs(toItem.dot(view.normal[i]));
-            out[static_cast<std::size_t>(found++)] = {
-                view.n.row(i),
-                view.d.row(i),
-                view.blockKeys + firstBlock,
-                view.blockN.row(firstBlock),
-                view.blockD.row(firstBlock),
-                view.blockN.step,
-                view.blockD.step,
-                static_cast<std::uint32_t>(view.blockCount[i]),
-                view.normal[i],
-                weight};
+            const float weight = near * std::min(1.0f, agreement / (1 - kMinAgreement)) * nearness;
+            found.add({view.n.row(i), view.d.row(i), view.blockKeys + firstBlock,
+                       view.blockN.row(firstBlock), view.blockD.row(firstBlock), view.blockN.step,
+                       view.blockD.step, static_cast<std::uint32_t>(view.blockCount[i]),
+                       view.normal[i], weight},
+                      {code, std::abs(toItem.dot(view.normal[i]))});
         }
-        if (found - before > 1)
-            found =
-                before + keepNearestLayers(out.subspan(static_cast<std::size_t>(before),
-                                                       static_cast<std::size_t>(found - before)),
-                                           distance.data());
+        if (found.count - before > 1) keepNearestLayers(found, before);
     }
-    float sum = 0;
-    for (int i = 0; i < found; ++i) sum += out[static_cast<std::size_t>(i)].weight;
-    return keepWeighty(out.first(static_cast<std::size_t>(found)), sum);
+}
+
+int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
+                                std::span<ItemView> out) {
+    if (impl_->paged) impl_->paged->beginLookup();
+    FoundItems found{out, {}};
+    impl_->collect(position, normal, 0, found);
+    // A place off the surface, as on something that moves, may lie beside all parts of a patch.
+    if (found.count == 0) impl_->collect(position, normal, 1e-6f, found);
+    preferParts(found);
+    return keepWeighty(out.first(found.count));
 }
 
 }  // namespace shadowcache

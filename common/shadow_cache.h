@@ -30,7 +30,7 @@ struct ItemView {
 class ShadowCache {
 public:
     /// Most items that one lookup pools.
-    static constexpr int kMaxItems = 16;
+    static constexpr int kMaxItems = 32;
 
     /// @param memoryBudget  bytes of memory to keep to, as far as what is looked at at one time
     ///                      allows; 0: reads the whole file now
@@ -57,7 +57,8 @@ public:
         Reader(Reader&&) noexcept;
 
         /// Items of the 8 voxels around a place whose side agrees with the unit normal, weighted
-        /// trilinearly and by their distance from the plane of the place.
+        /// trilinearly and by their distance from the plane of the place; parts of patches go
+        /// before whole ones where they reach. Of more than kMaxItems the first in the file count.
         ///
         /// @param position world space
         /// @param out      at least kMaxItems

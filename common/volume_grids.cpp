@@ -7,18 +7,22 @@ namespace shadowcache {
 
 namespace {
 
-/// Calls `add(voxel, cell, n / d)` for every counted base region of every item.
+/// Calls `add(voxel, cell, n / d, weight)` for every counted base region of every item; parts of
+/// patches weigh what they are of the whole.
 template <class Add>
 void forBaseRegions(const CacheHeader& header, const CacheItems& items, const VoxelRuns& runs,
                     const Add& add) {
     const std::size_t cells = header.tiers().baseCells();
     for (std::size_t v = 0; v < runs.voxels.size(); ++v)
-        for (std::size_t i = runs.firstItem[v]; i < runs.firstItem[v + 1]; ++i)
+        for (std::size_t i = runs.firstItem[v]; i < runs.firstItem[v + 1]; ++i) {
+            const float weight = shareOf(PatchCode::of(items.patch[i]).part);
             for (std::size_t c = 0; c < cells; ++c) {
                 const unsigned d = items.d[i * cells + c];
                 if (d > 0)
-                    add(v, c, static_cast<float>(items.n[i * cells + c]) / static_cast<float>(d));
+                    add(v, c, static_cast<float>(items.n[i * cells + c]) / static_cast<float>(d),
+                        weight);
             }
+        }
 }
 
 template <class Grid>
@@ -45,9 +49,9 @@ VoxelRuns findVoxels(const CacheItems& items) {
 
 VolumeGrid opennessGrid(const CacheHeader& header, const CacheItems& items, const VoxelRuns& runs) {
     std::vector<double> open(runs.voxels.size()), counted(runs.voxels.size());
-    forBaseRegions(header, items, runs, [&](std::size_t v, std::size_t, float share) {
-        open[v] += static_cast<double>(share);
-        counted[v] += 1;
+    forBaseRegions(header, items, runs, [&](std::size_t v, std::size_t, float share, float weight) {
+        open[v] += static_cast<double>(share * weight);
+        counted[v] += static_cast<double>(weight);
     });
     VolumeGrid grid{kOpennessGrid, VolumeKind::fog, {}};
     for (std::size_t v = 0; v < open.size(); ++v)
@@ -64,10 +68,11 @@ VolumeGrid openDirectionGrid(const CacheHeader& header, const CacheItems& items,
     VolumeGrid grid{kOpenDirectionGrid, VolumeKind::direction,
                     std::vector<Vec3f>(runs.voxels.size(), Vec3f(0))};
     std::vector<float> counted(runs.voxels.size());
-    forBaseRegions(header, items, runs, [&](std::size_t v, std::size_t c, float share) {
-        grid.values[v] += centers[c] * share;
-        counted[v] += 1;
-    });
+    forBaseRegions(header, items, runs,
+                   [&](std::size_t v, std::size_t c, float share, float weight) {
+                       grid.values[v] += centers[c] * (share * weight);
+                       counted[v] += weight;
+                   });
     for (std::size_t v = 0; v < counted.size(); ++v)
         if (counted[v] > 0) grid.values[v] /= counted[v];
     return grid;

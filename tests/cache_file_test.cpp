@@ -50,7 +50,7 @@ BakeOptions smallOptions(std::uint64_t seed = 1) {
 
 void expectSameItems(const CacheItems& a, const CacheItems& b) {
     EXPECT_EQ(a.voxel, b.voxel);
-    EXPECT_EQ(a.side, b.side);
+    EXPECT_EQ(a.patch, b.patch);
     EXPECT_EQ(a.normal, b.normal);
     EXPECT_EQ(a.position, b.position);
     EXPECT_EQ(a.n, b.n);

@@ -39,7 +39,7 @@ BakeResult baked(const TriangleMesh& mesh, int level = 5, bool adaptive = true) 
 /// The item of a voxel and a side.
 std::size_t itemAt(const CacheItems& items, const Vec3i& voxel, int side) {
     for (std::size_t i = 0; i < items.size(); ++i)
-        if (items.voxel[i] == voxel && items.side[i] == side) return i;
+        if (items.voxel[i] == voxel && items.patch[i] == PatchCode{side}.packed()) return i;
     ADD_FAILURE() << "no such item";
     return 0;
 }

@@ -21,18 +21,16 @@ TriangleMesh sheets(const std::vector<float>& heights) {
 
 /// Layers of the voxel around the origin, of the surface that faces up or down.
 std::vector<std::vector<Piece>> layersOf(const TriangleMesh& mesh) {
-    static std::vector<Fragment> fragments;
     const VoxelFrame frame(mesh, kSpacing);
-    fragments = placeFragments(mesh, frame);
     std::vector<Piece> pieces;
     const std::uint64_t key = frame.key({0, 0, 0});
     const Scene scene(mesh);
-    for (const Fragment& f : fragments) {
+    for (const Fragment& f : placeFragments(mesh, frame)) {
         if (f.voxelKey != key) continue;
         const Vec3f n = scene.normal(f.triangle);
-        pieces.push_back({&f, n.y < 0 ? -n : n});
+        pieces.push_back({f.triangle, f.area, n.y < 0 ? -n : n});
     }
-    return splitLayers(mesh, frame, pieces);
+    return splitLayers(mesh, frame.box({0, 0, 0}), pieces);
 }
 
 TEST(Layers, OfParallelSheetsAreAsManyAsTheSheets) {
@@ -43,13 +41,13 @@ TEST(Layers, OfParallelSheetsAreAsManyAsTheSheets) {
     const std::uint32_t sheet[] = {1, 2, 0};
     for (std::size_t k = 0; k < 3; ++k) {
         ASSERT_EQ(layers[k].size(), 2u);
-        for (const Piece& piece : layers[k]) EXPECT_EQ(piece.fragment->triangle / 2, sheet[k]);
+        for (const Piece& piece : layers[k]) EXPECT_EQ(piece.triangle / 2, sheet[k]);
     }
 }
 
 TEST(Layers, OfMoreSheetsThanLayersKeepTheWidestGapsApart) {
     const auto layers = layersOf(sheets({-0.4f, -0.39f, -0.2f, 0, 0.01f, 0.3f}));
-    ASSERT_EQ(layers.size(), kMaxLayers);
+    ASSERT_EQ(layers.size(), static_cast<std::size_t>(kMaxLayers));
     EXPECT_EQ(layers[0].size(), 4u);
     EXPECT_EQ(layers[1].size(), 2u);
     EXPECT_EQ(layers[2].size(), 4u);
@@ -90,14 +88,15 @@ TEST(Layers, BecomeItemsThatKnowTheirOwnSky) {
     double open[2] = {0, 0};
     int found = 0;
     for (std::size_t i = 0; i < result.items.size(); ++i) {
-        if (result.items.voxel[i] != Vec3i(0, 0, 0) || result.items.side[i] % kSides != kUp)
-            continue;
+        const PatchCode code = PatchCode::of(result.items.patch[i]);
+        if (result.items.voxel[i] != Vec3i(0, 0, 0) || code.side != kUp) continue;
+        ASSERT_EQ(code.part, 0);
         const std::size_t cells = result.header.tiers().baseCells();
         double n = 0, d = 0;
         for (std::size_t c = i * cells; c < (i + 1) * cells; ++c)
             n += result.items.n[c], d += result.items.d[c];
-        ASSERT_LT(result.items.side[i] / kSides, 2);
-        open[result.items.side[i] / kSides] = n / d;
+        ASSERT_LT(code.layer, 2);
+        open[code.layer] = n / d;
         ++found;
     }
     ASSERT_EQ(found, 2);

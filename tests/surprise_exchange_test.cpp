@@ -127,5 +127,54 @@ TEST(SharedSurprises, LessenTheNoise) {
     EXPECT_LT(shared, own / 4);
 }
 
+/// The bake of `mesh` but for the base cell around `direction`, all of which is called hidden.
+BakeResult bakeHiding(const TriangleMesh& mesh, const Vec3d& direction) {
+    BakeResult result = bakeOf(mesh, 0, 0);
+    const DirectionTiers tiers = result.header.tiers();
+    const std::uint32_t hidden = locateCell(tiers.baseLevel(), direction);
+    CacheItems kept = result.items;
+    kept.blocks.clear();
+    kept.firstBlock = {0};
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        kept.n[i * tiers.baseCells() + hidden] = 0;
+        kept.d[i * tiers.baseCells() + hidden] = 200;
+        for (std::uint32_t b = result.items.firstBlock[i]; b < result.items.firstBlock[i + 1];
+             ++b) {
+            const CountBlock& block = result.items.blocks[b];
+            const bool first = block.key < tiers.blockKey(1, 0);
+            const std::uint32_t parent = first ? block.key : block.key - tiers.blockKey(1, 0);
+            if ((first ? parent : parent / kBlockCells) != hidden) kept.blocks.push_back(block);
+        }
+        kept.firstBlock.push_back(static_cast<std::uint32_t>(kept.blocks.size()));
+    }
+    result.items = kept;
+    return result;
+}
+
+/// Sum over the points of the variance of their estimates, together.
+double noiseWith(int samples) {
+    const TriangleMesh mesh = slitMesh();
+    const Scene scene(mesh);
+    const Vec3d direction = Vec3d(1, 0.3, 0.05).normalized();
+    Image map = test::gradientMap(64, 32, Vec3d(0, 0, 0));
+    const auto texel = test::texelAt(64, 32, direction);
+    map.pixels[static_cast<std::size_t>(texel[1] * 64 + texel[0])] = Rgb(10, 10, 10);
+    const Environment environment = test::environmentOf(map);
+    const test::TestCache cache(bakeHiding(mesh, direction));
+    const auto estimator = findEstimator("cache").make({scene, environment, &cache.cache(), {}});
+    double sum = 0;
+    for (const test::Estimates& e : run(*estimator, floorPoints(scene), samples, 400, true))
+        sum += e.sampleVariance(1);
+    return sum;
+}
+
+// More samples leave fewer surprises heavy enough to be shared. Were they judged by the samples
+// there are, sixteen times as many would lessen the noise by a factor of only 20; it is 60.
+TEST(SharedSurprises, MoreSamplesMeanLessNoise) {
+    const double at64 = noiseWith(64);
+    EXPECT_LT(noiseWith(1024), at64 / 35);
+    EXPECT_GT(noiseWith(256), at64 / 35);  // control
+}
+
 }  // namespace
 }  // namespace shadowcache

@@ -36,10 +36,11 @@ std::optional<Reference> storedReference(const std::filesystem::path& path, int 
         return std::nullopt;
     Reference reference{{file.width, file.height, {}}, std::stod(error->second) / kErrorUnit};
     reference.image.pixels.resize(file.channels.at(0).values.size());
-    for (const Channel& channel : file.channels)
-        for (std::size_t i = 0; i < channel.values.size(); ++i)
-            reference.image.pixels[i][static_cast<int>(std::string("RGB").find(channel.name))] =
-                channel.values[i];
+    for (const Channel& channel : file.channels) {
+        const std::size_t k = std::string("RGB").find(channel.name);
+        for (std::size_t i = 0; k < 3 && i < channel.values.size(); ++i)
+            reference.image.pixels[i][static_cast<int>(k)] = channel.values[i];
+    }
     return reference;
 }
 

@@ -26,7 +26,7 @@ struct Settings {
     int width = 240, height = 135;
     int samples = 64;
     int repeats = 3;
-    bool full = false;  ///< efficiency: all maps, two frames; scaling: up to 10^7 of both
+    bool full = false;  ///< efficiency: all maps, two frames; scaling: up to 10^7 items
     BakeOptions bake;
     std::filesystem::path json;
 };

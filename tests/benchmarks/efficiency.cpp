@@ -127,14 +127,16 @@ void compare(const EstimatorContext& context, const Set& set, const std::string&
         std::fflush(stdout);
         store(json, key + "." + kColumns[i].name, m[i]);
     }
-    // Set-up in shadow rays: the zero-ray render against the time of one ray.
-    const double setupRays =
-        m.back().seconds / (m[kMis].trace / m[kMis].rays) / (settings.width * settings.height);
+    // In shadow rays: the whole of the zero-ray render, and the set-up of the one with samples.
+    const double perRay = m[kMis].trace / m[kMis].rays * (settings.width * settings.height);
+    const double previewRays = m.back().seconds / perRay;
+    const double setupRays = m[kUniform].setup / perRay;
     std::printf(
-        "%-9s %-13s %5d set-up costs %.1f shadow rays a pixel; preview's relative RMSE "
-        "%.3g; error of the reference %.2g of that of `cache`\n",
-        set.name.c_str(), map.c_str(), frame, setupRays, std::sqrt(m.back().error.mean),
-        reference.ownError / m[kUniform].error.mean);
+        "%-9s %-13s %5d a pixel of the preview costs %.1f shadow rays, the set-up for samples "
+        "%.1f; "
+        "preview's relative RMSE %.3g; error of the reference %.2g of that of `cache`\n",
+        set.name.c_str(), map.c_str(), frame, previewRays, setupRays,
+        std::sqrt(m.back().error.mean), reference.ownError / m[kUniform].error.mean);
     const Deviation& off = m[kMis].fromReference;
     const Deviation& control = m[kMis].fromBrighter;
     std::printf(
@@ -144,6 +146,7 @@ void compare(const EstimatorContext& context, const Set& set, const std::string&
         control.significance());
     json.set(key + ".mis_over_reference", off.mean());
     json.set(key + ".mis_over_reference_standard_errors", off.significance());
+    json.set(key + ".preview_rays", previewRays);
     json.set(key + ".setup_rays", setupRays);
     json.set(key + ".reference_error", reference.ownError);
     summary.vsMis += std::log(m[kUniform].efficiency() / m[kMis].efficiency());

@@ -24,20 +24,21 @@ test::TestCache cacheAt(const Scene& scene, const ShadingPoint& point, const Bak
     baked.header.spacing = options.spacing;
     baked.header.rays = options.rays;
     Patch patch;
-    patch.side = sideOf(point.normal);
+    patch.code.side = sideOf(point.normal);
+    patch.seed = point.seed;
     patch.normal = point.normal;
     patch.meanPosition = Vec3f(0, 0, 0);
     patch.origin.fill(point.rayOrigin);
     patch.originNormal.fill(point.normal);
     const BaseCells base(baked.header.tiers());
     ItemBaker baker(scene, directions, base, options, options.spacing);
-    const Probe probe = baker.probe(patch, point.seed);
+    const Probe probe = baker.probe(patch);
     const Vec3d voxel = point.position / options.spacing;
     baker.finish(
         patch,
         Vec3i(static_cast<int>(std::lround(voxel.x)), static_cast<int>(std::lround(voxel.y)),
               static_cast<int>(std::lround(voxel.z))),
-        point.seed, probe, probe.open & probe.blocked, baked.items);
+        probe, probe.open & probe.blocked, false, baked.items);
     return test::TestCache(baked);
 }
 

@@ -52,8 +52,9 @@ def run(runner, source):
     few = ["--triangles", 1300]
     check = Orderings()
 
-    paper = sun.error("paper", 64, *few, cached=True, seeds=SEEDS)
-    check.better("sun: cosine over paper", paper, sun.error("cosine", 64, seeds=SEEDS), 1.5)
+    # With fewer samples a rare find of `paper` makes its seeds differ by more than the margin.
+    paper = sun.error("paper", 256, *few, cached=True, seeds=SEEDS)
+    check.better("sun: cosine over paper", paper, sun.error("cosine", 256, seeds=SEEDS), 1.5)
     # Under the sun a rare find makes the seeds of `cache` differ by more than the margin.
     # Equal samples means equal at every pixel: the adaptive budget moves them to dark ones.
     check.better("white: paper over cache",
