@@ -49,6 +49,7 @@ std::vector<std::uint64_t> asVector(const std::array<std::uint64_t, N>& counts) 
 
 std::vector<std::string> tenths() {
     std::vector<std::string> labels;
+    labels.reserve(10);
     for (int i = 0; i < 10; ++i) labels.push_back(print("%d to %d %%", i * 10, i * 10 + 10));
     return labels;
 }

@@ -23,8 +23,7 @@ bool findVisibility(const PooledBlock* counts, float above, float* c) {
         std::fill_n(c, kBlockCells, above);
         return above > 0;
     }
-    for (int i = 0; i < kBlockCells; ++i)
-        c[i] = std::min(counts->open[i] / std::max(counts->weight[i], 1e-30f), 1.0f);
+    for (int i = 0; i < kBlockCells; ++i) c[i] = counts->ratioOrNone(i);
     return maximumOf(c) > 0;
 }
 

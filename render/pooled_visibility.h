@@ -18,6 +18,11 @@ struct alignas(64) PooledBlock {
 
     /// Visible share of cell i, in [0, 1]; weight[i] must be positive.
     float ratio(int i) const { return open[i] / weight[i]; }
+    /// Visible share of cell i, 0 where nothing was counted.
+    float ratioOrNone(int i) const {
+        const float share = open[i] / (weight[i] > 1e-30f ? weight[i] : 1e-30f);
+        return share < 1 ? share : 1.0f;
+    }
     /// Rays that the ratio is worth: those of one item, or more where several share the weight.
     float effectiveRays(int i) const { return rays2[i] > 0 ? rays[i] * rays[i] / rays2[i] : 0.0f; }
 };

@@ -8,13 +8,13 @@
 
 namespace shadowcache {
 
+namespace {
+
 /// c and the posterior mean of the visibility in each of sixteen cells.
 struct CellVisibility {
     alignas(64) float c[kBlockCells];
     alignas(64) float posterior[kBlockCells];
 };
-
-namespace {
 
 /// How strongly a region's parent counts beside its own rays, in rays.
 constexpr float kPriorRays = 0.5f;
@@ -45,7 +45,7 @@ void estimateVisibility(const PooledBlock* counts, float parentVisibility, float
     }
     for (int i = 0; i < kBlockCells; ++i) {
         const float rays = counts->rays[i] * counts->rays[i] / std::max(counts->rays2[i], 1e-30f);
-        const float c = std::min(counts->open[i] / std::max(counts->weight[i], 1e-30f), 1.0f);
+        const float c = counts->ratioOrNone(i);
         out.c[i] = c;
         out.posterior[i] = (c * rays + kPriorRays * parentPosterior) / (rays + kPriorRays);
     }
