@@ -217,6 +217,7 @@ TEST(Grids, RefuseWhatTheyDoNotKnow) {
     const auto refuses = [&](const std::vector<std::string>& specs, const std::string& thing,
                              const std::string& cause) {
         std::vector<GridRequest> requests;
+        requests.reserve(specs.size());
         for (const std::string& spec : specs) requests.push_back(parseGridRequest(spec));
         test::expectError([&] { exportGrids(requests, 0, result.header, result.items, path); },
                           thing, cause);

@@ -161,9 +161,9 @@ TEST(Quarters, OfFoldedSurfaceAreNone) {
     // Blades across the voxel, almost as steep as the side lets them be; they touch the floor.
     for (int i = 0; i < 8; ++i) {
         const float x = -0.4f + 0.1f * static_cast<float>(i);
-        test::addQuad(mesh, {x, 0, -0.5f}, {x, 0, 0.5f}, {x + 0.1f, 0.1f, 0.5f},
-                      {x + 0.1f, 0.1f, -0.5f});
-        test::addQuad(mesh, {x, 0.1f, -0.5f}, {x, 0.1f, 0.5f}, {x + 0.1f, 0, 0.5f},
+        test::addQuad(mesh, {x, 0, -0.5f}, {x, 0, 0.5f}, {x + 0.1f, 0.09f, 0.5f},
+                      {x + 0.1f, 0.09f, -0.5f});
+        test::addQuad(mesh, {x, 0.09f, -0.5f}, {x, 0.09f, 0.5f}, {x + 0.1f, 0, 0.5f},
                       {x + 0.1f, 0, -0.5f});
     }
     for (const PartCode part : partsOf(baked(mesh).items, {0, 0, 0})) EXPECT_EQ(part, 0);
@@ -235,7 +235,8 @@ TEST(Lookup, GoesByThePartOfThePlace) {
 TEST(Lookup, HasNoSeamsWhereTheCutPatchesEnd) {
     const test::TestCache cache(baked(halfHidden(0.2f)));
     float before = openAt(cache.cache(), 0.3, 0.1);
-    for (double x = 0.302; x < 1.2; x += 0.002) {
+    for (int i = 1; i < 450; ++i) {
+        const double x = 0.3 + 0.002 * i;
         const float now = openAt(cache.cache(), x, 0.1);
         EXPECT_LT(std::abs(now - before), 0.02f) << x;
         before = now;

@@ -32,7 +32,8 @@ TriangleMesh slitMesh() {
 std::vector<ShadingPoint> floorPoints(const Scene& scene) {
     std::vector<ShadingPoint> points;
     for (int i = 0; i < static_cast<int>(kPoints); ++i) {
-        const Vec3d from(0.83 + 0.1 * (i % kSide), 0.2, -0.13 + 0.1 * (i / kSide));
+        const int column = i % kSide, row = i / kSide;
+        const Vec3d from(0.83 + 0.1 * column, 0.2, -0.13 + 0.1 * row);
         points.push_back(test::pointAlong(scene, Vec3f(from), {0, -1, 0}));
     }
     return points;
