@@ -59,10 +59,12 @@ float openAt(const ShadowCache& cache, double x, double z, double y = 0) {
     float open = 0, sum = 0;
     for (int i = 0; i < found; ++i) {
         const ItemView& item = items[static_cast<std::size_t>(i)];
-        float n = 0, d = 0;
-        for (std::uint32_t c = 0; c < cache.header().tiers().baseCells(); ++c)
-            n += item.n[c], d += item.d[c];
-        open += item.weight * n / d;
+        int n = 0, d = 0;
+        for (std::uint32_t c = 0; c < cache.header().tiers().baseCells(); ++c) {
+            n += item.n[c];
+            d += item.d[c];
+        }
+        open += item.weight * static_cast<float>(n) / static_cast<float>(d);
         sum += item.weight;
     }
     EXPECT_NEAR(sum, 1, 1e-5f);
