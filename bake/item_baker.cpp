@@ -23,7 +23,7 @@ constexpr int kNearRays = 8;
 
 constexpr std::uint32_t kOctet = DirectionTable::kCells;
 
-/// Parts a patch's numbers: those of its rays.
+/// Keeps the random numbers of a patch's rays apart from those of its origins.
 constexpr std::uint64_t kRayNumbers = 0x72617973;
 
 }  // namespace

@@ -22,7 +22,7 @@ constexpr double kLeastAgreement = 0.97;
 /// which is not like the rest of it.
 constexpr double kLeastQuarter = 0.05;
 
-/// Parts the numbers of one patch from those of another.
+/// Keeps the seeds of patches apart from the random numbers of origins and rays.
 constexpr std::uint64_t kPatchNumbers = 0x7061746368;
 
 /// Uniform point in a convex polygon.

@@ -84,9 +84,7 @@ void CachePreview::addSplit(int tier, std::uint32_t block, const CellLight& sky,
     }
     split.forEach([&](int i) {
         const std::uint32_t cell = block * kBlockCells + static_cast<std::uint32_t>(i);
-        const PooledBlock* finer =
-            tier < tiers_.refinements() ? sum.pooled.children(tier, cell) : nullptr;
-        addBlock(tier + 1, cell, finer, c[i], sum);
+        addBlock(tier + 1, cell, sum.pooled.children(tier, cell), c[i], sum);
     });
 }
 

@@ -107,8 +107,8 @@ void PooledVisibility::linkBlocks(std::size_t item) {
 }
 
 const PooledBlock* PooledVisibility::children(int tier, std::uint32_t cell) const {
+    if (tier >= tiers_.refinements() || !hasChildren(tier, cell)) return nullptr;
     const std::uint16_t key = tiers_.blockKey(tier, cell);
-    if (!hasChildren(tier, cell)) return nullptr;
     if (parents_[key].block < 0) {
         // The parents come first: the block's items without counts of it refer to them.
         const PooledBlock* parents =

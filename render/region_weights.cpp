@@ -195,9 +195,7 @@ void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock*
     }
     split.forEach([&](int i) {
         const std::uint32_t cell = block * kBlockCells + static_cast<std::uint32_t>(i);
-        const PooledBlock* finer =
-            tier < tiers_.refinements() ? pooled_->children(tier, cell) : nullptr;
-        weighBlock(tier + 1, cell, finer, {v.c[i], v.posterior[i]});
+        weighBlock(tier + 1, cell, pooled_->children(tier, cell), {v.c[i], v.posterior[i]});
     });
 }
 

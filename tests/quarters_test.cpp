@@ -184,6 +184,7 @@ TEST(Quarters, AreTheSameInShardsAndInParts) {
         options.shard = shard;
         sum = mergeItems(sum, bake(scene, options).items, whole.header.tiers());
     }
+    ASSERT_GT(partsOf(whole.items, {0, 0, 0}).size(), 1u);
     EXPECT_EQ(sum.voxel, whole.items.voxel);
     EXPECT_EQ(sum.patch, whole.items.patch);
     EXPECT_EQ(sum.n, whole.items.n);
