@@ -129,7 +129,7 @@ const PooledBlock* PooledVisibility::children(int tier, std::uint32_t cell) cons
 /// all its cells what they say of their parent: cell `i` of `parents`.
 void PooledVisibility::poolBlock(std::uint16_t key, const PooledBlock* parents, int i,
                                  PooledBlock& block) const {
-    if (parents_[key].link < 0) {
+    if (parents && parents_[key].link < 0) {
         std::fill_n(block.open, kBlockCells, parents->open[i]);
         std::fill_n(block.weight, kBlockCells, parents->weight[i]);
         std::fill_n(block.rays, kBlockCells, parents->rays[i]);
