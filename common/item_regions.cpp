@@ -35,17 +35,16 @@ void ItemRegions::use(const CacheItems& items, std::size_t i) {
              kBlockCells,
              end - begin,
              items.normal[i],
-             1.0f};
+             1.0f,
+             i};
 }
 
 const std::uint8_t* ItemRegions::block(int tier, std::uint32_t parent,
                                        const std::uint8_t*& d) const {
     if (tier >= tiers_.refinements()) return nullptr;
-    const auto key = static_cast<std::int16_t>(tiers_.blockKey(tier, parent));
-    const std::int16_t* end = item_.blockKeys + item_.blockCount;
-    const std::int16_t* found = std::lower_bound(item_.blockKeys, end, key);
-    if (found == end || *found != key) return nullptr;
-    const auto k = static_cast<std::size_t>(found - item_.blockKeys);
+    const int found = item_.findBlock(tiers_.blockKey(tier, parent));
+    if (found < 0) return nullptr;
+    const auto k = static_cast<std::size_t>(found);
     d = item_.blockD + k * item_.blockDStep;
     return item_.blockN + k * item_.blockNStep;
 }

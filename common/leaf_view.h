@@ -26,6 +26,7 @@ inline constexpr std::size_t kLeafVoxels = 512;
 struct LeafView {
     const std::uint32_t* voxelEnd = nullptr;  ///< by voxel: end of its items
     std::uint32_t items = 0;
+    std::uint64_t firstItem = 0;  ///< items of the leaves before it
     CountRows n, d;
     const Vec3f* normal = nullptr;
     const Vec3f* position = nullptr;      ///< from the voxel's middle, in spacings

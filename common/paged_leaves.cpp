@@ -56,7 +56,7 @@ PagedLeaves::PagedLeaves(const std::filesystem::path& path, const DirectionTiers
     fillIndex(blockIndex, blockLeaves_);
     leaves_.reserve(items.size());
     for (const LeafPlace& leaf : items) {
-        leaves_.push_back({leaf, blockIndex.getValue(leafOf(leaf.origin))});
+        leaves_.push_back({leaf, blockIndex.getValue(leafOf(leaf.origin)), items_});
         items_ += leaf.points;
     }
     for (const LeafPlace& leaf : blockLeaves_) blocks_ += leaf.points;
@@ -112,6 +112,7 @@ void PagedLeaves::Reader::fill(Slot& slot, std::int32_t leaf) {
     LeafView& view = slot.view;
     view.voxelEnd = valuesAt<std::uint32_t>(slot.pins[0], place.items.voxelEnds);
     view.items = place.items.points;
+    view.firstItem = place.firstItem;
     view.position = valuesAt<Vec3f>(pin[kPosition], item[kPosition]);
     view.normal = valuesAt<Vec3f>(pin[kNormal], item[kNormal]);
     view.n = countsAt(pin[kN], item[kN], baseCells);

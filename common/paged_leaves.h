@@ -59,6 +59,7 @@ private:
     struct Leaf {
         LeafPlace items;
         std::int32_t blocks;  ///< in blockLeaves_; -1: none
+        std::uint64_t firstItem;
     };
 
     std::filesystem::path path_;

@@ -185,6 +185,7 @@ void ShadowCache::Impl::readAll(const fs::path& path) {
         leaf->setTransientData(static_cast<openvdb::Index32>(leaves.size()));
         leaves.push_back(
             makeView(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header.tiers(), path));
+        leaves.back().firstItem = items;
         items += leaves.back().items;
         blocks += leaves.back().blocks;
     }
@@ -296,7 +297,7 @@ void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& norm
             found.add({view.n.row(i), view.d.row(i), view.blockKeys + firstBlock,
                        view.blockN.row(firstBlock), view.blockD.row(firstBlock), view.blockN.step,
                        view.blockD.step, static_cast<std::uint32_t>(view.blockCount[i]),
-                       view.normal[i], weight},
+                       view.normal[i], weight, view.firstItem + i},
                       {code, std::abs(toItem.dot(view.normal[i]))});
         }
         if (found.count - before > 1) keepNearestLayers(found, before);

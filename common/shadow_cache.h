@@ -22,7 +22,18 @@ struct ItemView {
     std::uint32_t blockDStep;
     std::uint32_t blockCount;
     Vec3f normal;
-    float weight;  ///< share in the pooled counts; those of one lookup sum to 1
+    float weight;          ///< share in the pooled counts; those of one lookup sum to 1
+    std::uint64_t number;  ///< of the item in the open cache, from 0 on
+
+    /// Which of its blocks has `key`; -1: none.
+    int findBlock(std::uint16_t key) const {
+        // Items have few blocks: to count them all is faster than to branch.
+        std::int16_t before = 0;
+        for (std::uint32_t k = 0; k < blockCount; ++k)
+            before = static_cast<std::int16_t>(before + (blockKeys[k] < key));
+        const auto found = static_cast<std::uint32_t>(before);
+        return found < blockCount && blockKeys[found] == key ? before : -1;
+    }
 };
 
 /// An open cache: items found by place and normal through OpenVDB. Lookups are thread-safe through

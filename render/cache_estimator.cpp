@@ -11,6 +11,7 @@
 #include "render/cache_survey.h"
 #include "render/estimators.h"
 #include "render/horizon.h"
+#include "render/item_irradiance.h"
 #include "render/region_sampler.h"
 #include "render/region_weights.h"
 #include "render/sample_budget.h"
@@ -47,6 +48,7 @@ struct CacheWorkspace final : Workspace {
           pooled(cache.header().tiers()),
           weights(environment, cache.header().tiers()),
           preview(environment, cache.header().tiers()),
+          itemIrradiance(preview),
           items(ShadowCache::kMaxItems),
           sampler(environment),
           exchange(cache.header().tiers()) {}
@@ -55,6 +57,7 @@ struct CacheWorkspace final : Workspace {
     PooledVisibility pooled;
     RegionWeights weights;
     CachePreview preview;
+    ItemIrradiance itemIrradiance;
     std::vector<ItemView> items;
     CacheSurvey survey;
     RegionSampler sampler;
@@ -133,18 +136,33 @@ private:
         return {w.weights.spreadSum(), w.weights.predictedLuminance()};
     }
 
+    std::span<const ItemView> gather(const ShadingPoint& point, CacheWorkspace& w) const {
+        const int found = w.reader.gather(point.position, point.normal, w.items);
+        return std::span(w.items).first(static_cast<std::size_t>(found));
+    }
+
     /// @return number of items found
     int pool(const ShadingPoint& point, CacheWorkspace& w) const {
-        const int found = w.reader.gather(point.position, point.normal, w.items);
-        w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));
+        const std::span<const ItemView> found = gather(point, w);
+        w.pooled.pool(found);
         for (const Ball& ball : context_.scene.movingBalls()) doubtBehind(ball, point, w.pooled);
-        return found;
+        return static_cast<int>(found.size());
     }
 
     int weigh(const ShadingPoint& point, CacheWorkspace& w) const {
         const int found = pool(point, w);
         w.weights.weigh(w.pooled, point.normal, reliability_);
         return found;
+    }
+
+    /// The irradiance without any ray. What moves hides other things from each pixel; without it
+    /// items can be summed up once for all pixels.
+    Rgb preview(const ShadingPoint& point, CacheWorkspace& w) const {
+        if (!context_.scene.movingBalls().empty()) {
+            pool(point, w);
+            return w.preview.irradiance(w.pooled, point.normal);
+        }
+        return w.itemIrradiance.mean(gather(point, w), point.normal);
     }
 
     /// The counts know nothing of what moves.
@@ -161,10 +179,7 @@ private:
         auto& w = static_cast<CacheWorkspace&>(workspace);
         w.exchange.addPoint();
         w.shared.clear();
-        if (samples == 0) {
-            pool(point, w);
-            return w.preview.irradiance(w.pooled, point.normal);
-        }
+        if (samples == 0) return preview(point, w);
         weigh(point, w);
         if (w.weights.spreadSum() > 0) {
             const double judged = std::min(1.0, kJudgedSamples / samples);

@@ -6,22 +6,27 @@
 
 namespace shadowcache {
 
+/// Irradiance of surfaces whose unit normals are near one.
+struct IrradianceNear {
+    Rgb value;          ///< at the normal itself
+    Vec3f gradient[3];  ///< [colour]: of the irradiance by the normal
+
+    /// At the normal + tilt.
+    Rgb at(const Vec3f& tilt) const;
+};
+
 /// The irradiance that the counts foretell, without any ray: the control variate's integral alone,
-/// with none of what samples need. [docs/estimator.md]
+/// the sum over regions of c_r (n . V_r), with none of what samples need. [docs/estimator.md]
 class CachePreview {
 public:
     CachePreview(const Environment& environment, const DirectionTiers& tiers);
 
-    /// Sum over regions of c_r (n . V_r) on a surface of unit normal `normal`.
+    /// On a surface of unit normal `normal`, by the counts of several items.
     Rgb irradiance(const PooledVisibility& pooled, const Vec3f& normal) const;
+    /// On surfaces of unit normals near `normal`, by the counts of one item.
+    IrradianceNear irradianceNear(const ItemView& item, const Vec3f& normal) const;
 
 private:
-    struct Sum;
-    void addBlock(int tier, std::uint32_t block, const PooledBlock* counts, float above,
-                  Sum& sum) const;
-    void addSplit(int tier, std::uint32_t block, const CellLight& sky, const float* c,
-                  Sum& sum) const;
-
     const Environment& environment_;
     DirectionTiers tiers_;
     CellSplitter splitter_;

@@ -1,6 +1,7 @@
 #include "render/cell_light.h"
 
 #include <cmath>
+#include <cstdint>
 
 #include "render/horizon.h"
 #include "render/lanes.h"
@@ -9,19 +10,36 @@ namespace shadowcache {
 
 namespace {
 
-void lightHorizonCell(const CellMoments& m, const Vec3f& n, float height, int i, CellLight& out) {
-    const HorizonFit fit(height, m.sinRadius[i]);
-    for (int k = 0; k < 3; ++k) {
-        const float(*s)[kBlockCells] = m.second[k];
-        const float total = s[0][i] + s[1][i] + s[2][i];
-        const float first = n.x * m.flux[k][0][i] + n.y * m.flux[k][1][i] + n.z * m.flux[k][2][i];
-        const float second = n.x * n.x * s[0][i] + n.y * n.y * s[1][i] + n.z * n.z * s[2][i] +
-                             2 * (n.x * n.y * s[3][i] + n.x * n.z * s[4][i] + n.y * n.z * s[5][i]);
-        out.flux[k][i] = fit.constant * total + fit.linear * first + fit.square * second;
+/// Replaces the light of those cells that the horizon cuts. All sixteen are computed: that is
+/// faster than one by one.
+void lightHorizon(const CellMoments& m, const Vec3f& n, const float* height, CellLight& out) {
+    alignas(64) float constant[kBlockCells], linear[kBlockCells], square[kBlockCells];
+    alignas(64) std::int32_t cut[kBlockCells];
+    for (int i = 0; i < kBlockCells; ++i) {
+        cut[i] = std::abs(height[i]) < m.sinRadius[i];
+        const float radius = m.sinRadius[i] > 1e-9f ? m.sinRadius[i] : 1e-9f;
+        const HorizonFit fit(cut[i] ? height[i] : 0.0f, radius);
+        constant[i] = fit.constant;
+        linear[i] = fit.linear;
+        square[i] = fit.square;
+        out.light[i] = cut[i] ? m.power[i] : out.light[i];
+        out.cosineMoment[i] = cut[i] ? fit.cosineMoment : out.cosineMoment[i];
+        out.fitMoment[i] = cut[i] ? fit.fitMoment : out.fitMoment[i];
     }
-    out.light[i] = m.power[i];
-    out.cosineMoment[i] = fit.cosineMoment;
-    out.fitMoment[i] = fit.fitMoment;
+    const float xx = n.x * n.x, yy = n.y * n.y, zz = n.z * n.z;
+    const float xy = 2 * n.x * n.y, xz = 2 * n.x * n.z, yz = 2 * n.y * n.z;
+    for (int k = 0; k < 3; ++k) {
+        const auto& f = m.flux[k];
+        const auto& s = m.second[k];
+        for (int i = 0; i < kBlockCells; ++i) {
+            const float total = s[0][i] + s[1][i] + s[2][i];
+            const float first = n.x * f[0][i] + n.y * f[1][i] + n.z * f[2][i];
+            const float second = xx * s[0][i] + yy * s[1][i] + zz * s[2][i] + xy * s[3][i] +
+                                 xz * s[4][i] + yz * s[5][i];
+            const float flux = constant[i] * total + linear[i] * first + square[i] * second;
+            out.flux[k][i] = cut[i] ? flux : out.flux[k][i];
+        }
+    }
 }
 
 }  // namespace
@@ -43,9 +61,7 @@ void lightCells(const CellMoments& m, const Vec3f& n, const Rgb& weights, CellLi
         distance[i] = std::abs(height[i]) - m.sinRadius[i];
     }
     out.anyHorizon = minimumOf(distance) < 0;
-    if (!out.anyHorizon) return;
-    for (int i = 0; i < kBlockCells; ++i)
-        if (std::abs(height[i]) < m.sinRadius[i]) lightHorizonCell(m, n, height[i], i, out);
+    if (out.anyHorizon) lightHorizon(m, n, height, out);
 }
 
 }  // namespace shadowcache

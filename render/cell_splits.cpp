@@ -1,7 +1,5 @@
 #include "render/cell_splits.h"
 
-#include <algorithm>
-
 namespace shadowcache {
 
 namespace {
@@ -18,27 +16,21 @@ CellSplitter::CellSplitter(const Environment& environment, const DirectionTiers&
       finest_(Environment::kLevel - (tiers.baseLevel() == Environment::kLevel % 2 ? 0 : 1)),
       leastNoise_(kLeastNoise * static_cast<float>(environment.totalPower())) {}
 
-void CellSplitter::mark(const PooledVisibility& pooled, int tier, std::uint32_t block,
-                        const CellLight& sky, const float* c, float leastNoise, Splits& out) const {
+bool CellSplitter::judge(int tier, const CellLight& sky, const float* c, float leastNoise,
+                         std::uint8_t* doubtful, Splits& out) const {
     out.any = false;
     const bool divisible = tiers_.baseLevel() + 2 * tier < finest_;
     const bool refined = tier < tiers_.refinements();
-    if (!divisible || !(refined || sky.anyHorizon)) return;
+    if (!divisible || !(refined || sky.anyHorizon)) return false;
     const float scale = 1 / leastNoise;
-    alignas(16) std::uint8_t doubtful[kBlockCells];
     for (int i = 0; i < kBlockCells; ++i) {
         const float power = sky.light[i] * scale * (sky.light[i] * scale);
         const float doubt = power * c[i] * (1 - c[i]);
         const float noise = power * c[i] * c[i] * (sky.cosineMoment[i] - sky.fitMoment[i]);
-        doubtful[i] = doubt > 1 ? 1 : 0;
+        doubtful[i] = refined && doubt > 1 ? 1 : 0;
         out.marks[i] = noise > 1 ? 1 : 0;
     }
-    for (std::uint32_t i = 0; refined && i < kBlockCells; ++i)
-        if (doubtful[i] != 0)
-            out.marks[i] |=
-                static_cast<std::uint8_t>(pooled.hasChildren(tier, block * kBlockCells + i));
-    out.any = std::any_of(out.marks, out.marks + kBlockCells,
-                          [](std::uint8_t mark) { return mark != 0; });
+    return true;
 }
 
 }  // namespace shadowcache

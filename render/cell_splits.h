@@ -1,11 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
 
 #include "render/cell_light.h"
-#include "render/pooled_visibility.h"
 
 namespace shadowcache {
 
@@ -36,12 +36,29 @@ public:
     float leastNoise() const { return leastNoise_; }
 
     /// Marks the cells of block `block` of a tier that as a whole would add more than `leastNoise`:
-    /// because part of one is hidden, by the visibility `c`, and some item has finer counts; or
+    /// because part of one is hidden, by the visibility `c`, and `counts` has finer counts; or
     /// because the horizon cuts it.
-    void mark(const PooledVisibility& pooled, int tier, std::uint32_t block, const CellLight& sky,
-              const float* c, float leastNoise, Splits& out) const;
+    ///
+    /// @param counts  has hasChildren(), as PooledVisibility
+    template <class Counts>
+    void mark(const Counts& counts, int tier, std::uint32_t block, const CellLight& sky,
+              const float* c, float leastNoise, Splits& out) const {
+        alignas(16) std::uint8_t doubtful[kBlockCells];
+        if (!judge(tier, sky, c, leastNoise, doubtful, out)) return;
+        for (std::uint32_t i = 0; i < kBlockCells; ++i)
+            if (doubtful[i] != 0)
+                out.marks[i] |=
+                    static_cast<std::uint8_t>(counts.hasChildren(tier, block * kBlockCells + i));
+        out.any = std::any_of(out.marks, out.marks + kBlockCells,
+                              [](std::uint8_t mark) { return mark != 0; });
+    }
 
 private:
+    /// Marks the cells that the horizon cuts, and notes those that are doubtful.
+    /// @return whether any cell can be split
+    bool judge(int tier, const CellLight& sky, const float* c, float leastNoise,
+               std::uint8_t* doubtful, Splits& out) const;
+
     DirectionTiers tiers_;
     int finest_;  ///< level down to which cells on the horizon are split
     float leastNoise_;

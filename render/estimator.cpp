@@ -119,20 +119,23 @@ void Estimator::exchange(std::span<const ShadingPoint>, Workspace&, std::span<Es
 
 void Estimator::estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
                          std::span<Estimate> estimates) const {
+    std::uint64_t last = nanoseconds();
+    const auto sinceLast = [&] {
+        const std::uint64_t now = nanoseconds();
+        return now - std::exchange(last, now);
+    };
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const std::uint64_t start = nanoseconds();
         workspace.samples.clear();
         estimates[i] = {};
         estimates[i].irradiance = prepare(points[i], samples, workspace);
-        const std::uint64_t prepared = nanoseconds();
+        workspace.setupNanoseconds += sinceLast();
+        if (workspace.samples.size() == 0) continue;
         workspace.samples.trace(context_.scene, points[i], context_.environment, estimates[i]);
         takeNote(workspace);
-        workspace.setupNanoseconds += prepared - start;
-        workspace.traceNanoseconds += nanoseconds() - prepared;
+        workspace.traceNanoseconds += sinceLast();
     }
-    const std::uint64_t start = nanoseconds();
     exchange(points, workspace, estimates);
-    workspace.traceNanoseconds += nanoseconds() - start;
+    workspace.traceNanoseconds += sinceLast();
 }
 
 Estimate Estimator::estimate(const ShadingPoint& point, int samples, Workspace& workspace) const {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <span>
 #include <string>
@@ -221,16 +222,44 @@ private:
     int width_, height_, across_, down_;
 };
 
+/// Workspaces that go from one chunk of a frame to the next: what one has met is kept.
+class Workspaces {
+public:
+    explicit Workspaces(const Estimator& estimator) : estimator_(estimator) {}
+
+    std::unique_ptr<Workspace> take() {
+        const std::lock_guard lock(mutex_);
+        if (free_.empty()) return estimator_.makeWorkspace();
+        std::unique_ptr<Workspace> workspace = std::move(free_.back());
+        free_.pop_back();
+        return workspace;
+    }
+
+    void giveBack(std::unique_ptr<Workspace> workspace) {
+        const std::lock_guard lock(mutex_);
+        free_.push_back(std::move(workspace));
+    }
+
+    /// Of all that were given back.
+    const std::vector<std::unique_ptr<Workspace>>& free() const { return free_; }
+
+private:
+    const Estimator& estimator_;
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<Workspace>> free_;
+};
+
 /// Renders `chosen` tiles in parallel and hands each to `take` with its pixels.
 template <class Take>
 void renderTiles(const Frame& task, std::span<const std::size_t> chosen, RenderStats& stats,
                  const Take& take) {
     const auto start = std::chrono::steady_clock::now();
     const Tiles tiles(task.options);
-    std::atomic<std::uint64_t> cameraRays{0}, shadowRays{0}, setup{0}, trace{0};
+    std::atomic<std::uint64_t> cameraRays{0}, shadowRays{0};
+    Workspaces workspaces(task.estimator);
     const std::size_t run = task.estimator.inOrder() ? std::max<std::size_t>(1, chosen.size()) : 4;
     parallelFor(chosen.size(), run, [&](const Chunk& chunk) {
-        const std::unique_ptr<Workspace> workspace = task.estimator.makeWorkspace();
+        std::unique_ptr<Workspace> workspace = workspaces.take();
         TileScratch scratch;
         std::vector<FilmPlace> places;
         std::vector<Pixel> pixels;
@@ -248,9 +277,13 @@ void renderTiles(const Frame& task, std::span<const std::size_t> chosen, RenderS
         }
         shadowRays += static_cast<std::uint64_t>(rays);
         cameraRays += count * static_cast<std::uint64_t>(task.options.cameraRays);
+        workspaces.giveBack(std::move(workspace));
+    });
+    std::uint64_t setup = 0, trace = 0;
+    for (const auto& workspace : workspaces.free()) {
         setup += workspace->setupNanoseconds;
         trace += workspace->traceNanoseconds;
-    });
+    }
     stats.seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();

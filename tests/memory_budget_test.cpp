@@ -26,7 +26,7 @@ TEST(MemoryBudget, RendersTheSamePictureOfACacheTenTimesItsSize) {
     options.adaptive = false;
     const TemporaryFolder folder;
     const auto path = writePlain(folder, options);
-    std::optional<Film> whole;
+    std::optional<Film> whole, preview;
     std::size_t items = 0, blocks = 0;
     {
         const ShadowCache cache(path);
@@ -34,12 +34,14 @@ TEST(MemoryBudget, RendersTheSamePictureOfACacheTenTimesItsSize) {
         items = cache.itemCount();
         blocks = cache.blockCount();
         whole = renderPlain(cache, 0);
+        preview = renderPlain(cache, 0, 0);
     }
     for (const int threads : {1, 0}) {
         const ShadowCache cache(path, kBudget);
         EXPECT_EQ(cache.itemCount(), items);
         EXPECT_EQ(cache.blockCount(), blocks);
         expectSameFilm(renderPlain(cache, threads), *whole);
+        expectSameFilm(renderPlain(cache, threads, 0), *preview);
         const MemoryUse use = cache.memoryUse();
         EXPECT_GT(use.loads, 0u);
         EXPECT_GT(use.drops, 0u);

@@ -33,7 +33,7 @@ struct ThreadsOf {
 };
 
 /// A small picture of it.
-inline Film renderPlain(const ShadowCache& cache, int threads) {
+inline Film renderPlain(const ShadowCache& cache, int threads, int samples = 4) {
     const ThreadsOf limit(threads);
     const TriangleMesh mesh = plainMesh();
     const Scene scene(mesh);
@@ -46,7 +46,7 @@ inline Film renderPlain(const ShadowCache& cache, int threads) {
     RenderOptions options;
     options.width = 96;
     options.height = 64;
-    options.samples = 4;
+    options.samples = samples;
     options.insight = true;
     RenderStats stats;
     survey(*estimator, context, camera, 1, options, stats);
