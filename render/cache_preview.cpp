@@ -45,8 +45,8 @@ public:
         // Most of it is far from the processor still, and waits overlap.
         fetch(item.n, tiers.baseCells());
         fetch(item.d, tiers.baseCells());
-        fetch(item.blockN, item.blockCount * item.blockNStep);
-        fetch(item.blockD, item.blockCount * item.blockDStep);
+        fetch(item.blockN, std::size_t{item.blockCount} * item.blockNStep);
+        fetch(item.blockD, std::size_t{item.blockCount} * item.blockDStep);
     }
 
     void base(std::uint32_t block, float* c) const {
@@ -225,7 +225,7 @@ IrradianceNear CachePreview::irradianceNear(const ItemView& item, const Vec3f& n
     Summation<ItemShares, GradientSum> summation(environment_, tiers_, splitter_, shares, normal);
     const GradientSum& sum = summation.run();
     IrradianceNear irradiance{sum.total(), {}};
-    for (int k = 0; k < 3; ++k)
+    for (std::size_t k = 0; k < 3; ++k)
         for (int axis = 0; axis < 3; ++axis)
             irradiance.gradient[k][axis] = sumOf(sum.byNormal[k][axis]);
     return irradiance;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "common/environment.h"
 #include "render/cell_splits.h"
 #include "render/pooled_visibility.h"
@@ -8,8 +10,8 @@ namespace shadowcache {
 
 /// Irradiance of surfaces whose unit normals are near one.
 struct IrradianceNear {
-    Rgb value;          ///< at the normal itself
-    Vec3f gradient[3];  ///< [colour]: of the irradiance by the normal
+    Rgb value;                      ///< at the normal itself
+    std::array<Vec3f, 3> gradient;  ///< [colour]: of the irradiance by the normal
 
     /// At the normal + tilt.
     Rgb at(const Vec3f& tilt) const;
