@@ -315,6 +315,22 @@ TEST_F(BadCacheFiles, OfANewerFormatAreRefused) {
     refuse(path, "newer version");
 }
 
+TEST_F(BadCacheFiles, WithPatchesThatCannotBeAreRefused) {
+    BakeResult baked = bakeSmall(smallOptions());
+    const fs::path path = folder_.path() / "patch.vdb";
+    const auto write = [&](int patch) {
+        baked.items.patch.back() = static_cast<std::int16_t>(patch);
+        writeCache(path, baked.header, baked.items);
+    };
+    // Below all sides and above them; quarters of something that is not cut.
+    for (const int patch : {-1, kParts * kMaxLayers * kSides, 1, 5}) {
+        write(patch);
+        refuse(path, "patch does not exist");
+    }
+    write(25 + 5 + 1);
+    EXPECT_NO_THROW(ShadowCache cache(path)) << "control: a quarter of a quarter of a quarter";
+}
+
 TEST_F(BadCacheFiles, ThatCannotBeWrittenLeaveNothing) {
     const BakeResult baked = bakeSmall(smallOptions());
     const auto write = [&](const fs::path& path) { writeCache(path, baked.header, baked.items); };
