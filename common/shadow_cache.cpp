@@ -92,6 +92,9 @@ void keepNearestLayers(FoundItems& items, std::size_t begin) {
         const PatchCode &a = items.about[i].code, &b = items.about[j].code;
         return a.side == b.side && a.layer == b.layer;
     };
+    std::size_t alike = begin;
+    while (alike < items.count && sameLayer(alike, begin)) ++alike;
+    if (alike == items.count) return;
     std::array<float, ShadowCache::kMaxItems> layerDistance;  // of the layer's nearest item
     for (std::size_t i = begin; i < items.count; ++i) {
         layerDistance[i] = items.about[i].distance;
@@ -118,14 +121,20 @@ void keepNearestLayers(FoundItems& items, std::size_t begin) {
 void preferParts(FoundItems& items) {
     // A sheet that lies this much nearer to the place, in spacings, is another one.
     constexpr float kSameSheet = 0.05f;
+    std::array<int, ShadowCache::kMaxItems> cutsAt;
+    int most = 0;
+    for (std::size_t i = 0; i < items.count; ++i) {
+        cutsAt[i] = cutsOf(items.about[i].code.part);
+        most = std::max(most, cutsAt[i]);
+    }
     std::array<float, ShadowCache::kMaxItems> left;
     std::fill_n(left.begin(), items.count, 1.0f);
-    for (int cuts = kMaxCuts; cuts > 0; --cuts)
+    for (int cuts = most; cuts > 0; --cuts)
         for (std::size_t i = 0; i < items.count; ++i) {
-            if (cutsOf(items.about[i].code.part) >= cuts) continue;
+            if (cutsAt[i] >= cuts) continue;
             float reach = 0;
             for (std::size_t j = 0; j < items.count; ++j)
-                if (cutsOf(items.about[j].code.part) == cuts &&
+                if (cutsAt[j] == cuts &&
                     items.about[j].distance <= items.about[i].distance + kSameSheet)
                     reach += items.view[j].weight;
             left[i] *= 1 - std::min(reach, 1.0f);

@@ -220,6 +220,13 @@ Rgb CachePreview::irradiance(const PooledVisibility& pooled, const Vec3f& normal
         .total();
 }
 
+Rgb CachePreview::irradiance(const ItemView& item, const Vec3f& normal) const {
+    const ItemShares shares(item, tiers_);
+    return Summation<ItemShares, IrradianceSum>(environment_, tiers_, splitter_, shares, normal)
+        .run()
+        .total();
+}
+
 IrradianceNear CachePreview::irradianceNear(const ItemView& item, const Vec3f& normal) const {
     const ItemShares shares(item, tiers_);
     Summation<ItemShares, GradientSum> summation(environment_, tiers_, splitter_, shares, normal);

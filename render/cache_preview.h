@@ -23,8 +23,9 @@ class CachePreview {
 public:
     CachePreview(const Environment& environment, const DirectionTiers& tiers);
 
-    /// On a surface of unit normal `normal`, by the counts of several items.
+    /// On a surface of unit normal `normal`, by the counts of several items or of one.
     Rgb irradiance(const PooledVisibility& pooled, const Vec3f& normal) const;
+    Rgb irradiance(const ItemView& item, const Vec3f& normal) const;
     /// On surfaces of unit normals near `normal`, by the counts of one item.
     IrradianceNear irradianceNear(const ItemView& item, const Vec3f& normal) const;
 

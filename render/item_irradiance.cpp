@@ -15,6 +15,9 @@ constexpr int kEntryBits = 14;
 /// gradient at the other: 26 degrees. Farther away the horizon is another one.
 constexpr float kMostTilt2 = 0.2f;
 
+/// Up to here a difference is none: on flat surfaces no gradient is needed.
+constexpr float kLeastTilt2 = 1e-6f;
+
 /// Of the direction cells whose middles stand for normals farther from the item's.
 constexpr int kNormalLevel = 2;
 
@@ -35,25 +38,41 @@ Rgb ItemIrradiance::mean(std::span<const ItemView> items, const Vec3f& normal) {
     Rgb sum(0, 0, 0);
     std::optional<std::uint32_t> cell;
     for (const ItemView& item : items) {
-        const std::uint64_t key = item.number * (1 + cellCount(kNormalLevel));
+        const std::uint64_t key = item.number * (2 + cellCount(kNormalLevel));
         const Vec3f tilt = normal - item.normal;
-        if (tilt.length2() <= kMostTilt2) {
-            sum += item.weight * near(item, key, item.normal).at(tilt);
-            continue;
+        const float tilt2 = tilt.length2();
+        if (tilt2 <= kLeastTilt2) {
+            sum += item.weight * flat(item, key);
+        } else if (tilt2 <= kMostTilt2) {
+            sum += item.weight * near(item, key + 1, item.normal).at(tilt);
+        } else {
+            if (!cell) cell = locateCell(kNormalLevel, Vec3d(normal));
+            const Vec3f& middle = middles()[*cell];
+            sum += item.weight * near(item, key + 2 + *cell, middle).at(normal - middle);
         }
-        if (!cell) cell = locateCell(kNormalLevel, Vec3d(normal));
-        const Vec3f& middle = middles()[*cell];
-        sum += item.weight * near(item, key + 1 + *cell, middle).at(normal - middle);
     }
     return sum;
 }
 
+const Rgb& ItemIrradiance::flat(const ItemView& item, std::uint64_t key) {
+    Entry& found = entry(key);
+    if (found.key != key) {
+        found.irradiance.value = preview_.irradiance(item, item.normal);
+        found.key = key;
+    }
+    return found.irradiance.value;
+}
+
 const IrradianceNear& ItemIrradiance::near(const ItemView& item, std::uint64_t key,
                                            const Vec3f& normal) {
+    Entry& found = entry(key);
+    if (found.key != key) found = {key, preview_.irradianceNear(item, normal)};
+    return found.irradiance;
+}
+
+ItemIrradiance::Entry& ItemIrradiance::entry(std::uint64_t key) {
     if (entries_.empty()) entries_.resize(std::size_t{1} << kEntryBits);
-    Entry& entry = entries_[key * 0x9e3779b97f4a7c15 >> (64 - kEntryBits)];
-    if (entry.key != key) entry = {key, preview_.irradianceNear(item, normal)};
-    return entry.irradiance;
+    return entries_[key * 0x9e3779b97f4a7c15 >> (64 - kEntryBits)];
 }
 
 }  // namespace shadowcache

@@ -28,7 +28,9 @@ private:
     const CachePreview& preview_;
     std::vector<Entry> entries_;  ///< by a hash of their keys
 
+    const Rgb& flat(const ItemView& item, std::uint64_t key);
     const IrradianceNear& near(const ItemView& item, std::uint64_t key, const Vec3f& normal);
+    Entry& entry(std::uint64_t key);
 };
 
 }  // namespace shadowcache
