@@ -191,7 +191,7 @@ private:
             w.sampler.draw(w.weights, samples,
                            w.numbers(context_.options.sequence, point.seed, 0, samples),
                            point.seed);
-            w.exchange.offer(w.weights, w.sampler.perSpread());
+            w.exchange.offer(w.weights);
             for (std::size_t i = 0; i < w.sampler.size(); ++i)
                 addSample(point, w.sampler.drawn(i), w);
         }

@@ -37,13 +37,14 @@ void RegionSampler::draw(RegionWeights& weights, int samples, std::span<const st
     const double perSpread = anyOwn ? (samples - rest) / ownSum_ : 0;
     if (perSpread * total * kOwnStrata / samples < 1) {
         // Too few samples for strata of one region: all regions share them.
-        returnOwn(weights);
+        returnOwn();
         sumGroups(weights);
         drawRest(weights, samples);
     } else {
         drawOwn(perSpread);
         drawRest(weights, rest);
     }
+    countSamples(weights);
     for (Queued& q : queued_) environment_.findTexel(q.draw);
 }
 
@@ -63,8 +64,8 @@ bool RegionSampler::takeOwn(RegionWeights& weights, double least) {
         if (weights.group(g).spreadMax < threshold) continue;
         float* spread = weights.spread(g);
         for (int i = 0; i < kBlockCells; ++i) {
-            if (spread[i] < threshold || weights.shared(g)[i] != 0) continue;
-            own_.push_back({regionOf(weights, g, i), static_cast<double>(spread[i])});
+            if (spread[i] < threshold) continue;
+            own_.push_back({regionOf(weights, g, i), static_cast<double>(spread[i]), &spread[i]});
             ownSum_ += own_.back().spread;
             spread[i] = 0;
         }
@@ -72,17 +73,9 @@ bool RegionSampler::takeOwn(RegionWeights& weights, double least) {
     return !own_.empty();
 }
 
-void RegionSampler::returnOwn(RegionWeights& weights) {
-    std::size_t next = 0;
-    for (std::size_t g = 0; g < weights.size() && next < own_.size(); ++g) {
-        const RegionGroup& group = weights.group(g);
-        while (next < own_.size() && own_[next].region.level == group.level &&
-               own_[next].region.cell / kBlockCells == group.firstCell / kBlockCells) {
-            weights.spread(g)[own_[next].region.cell % kBlockCells] =
-                static_cast<float>(own_[next].spread);
-            ++next;
-        }
-    }
+void RegionSampler::returnOwn() {
+    for (const Own& own : own_) *own.place = static_cast<float>(own.spread);
+    own_.clear();
 }
 
 void RegionSampler::sumGroups(const RegionWeights& weights) {
@@ -98,22 +91,25 @@ void RegionSampler::sumGroups(const RegionWeights& weights) {
 
 void RegionSampler::drawOwn(double perSpread) {
     double sum = 0;
-    for (const Own& own : own_) {
+    for (Own& own : own_) {
         const int before = static_cast<int>(sum + 1e-6);
         sum += own.spread * perSpread;
-        const int count = static_cast<int>(sum + 1e-6) - before;
-        for (int j = 0; j < count; ++j) queue(own.region, (j + nextNumber()) / count, 1.0 / count);
+        own.count = static_cast<int>(sum + 1e-6) - before;
+        for (int j = 0; j < own.count; ++j)
+            queue(own.region, (j + nextNumber()) / own.count, 1.0 / own.count);
         endGroup();
     }
 }
 
-/// Draws `count` samples from the regions in the groups, stratified over all of them.
+/// Draws `count` samples from the regions in the groups, evenly over all of them: a region's number
+/// is its mean number rounded up or down.
 void RegionSampler::drawRest(const RegionWeights& weights, int count) {
     perSpread_ = restSum_ > 0 ? count / restSum_ : 0;
     if (!(restSum_ > 0)) return;
     double below = 0;
     int j = 0;
-    double x = restSum_ * nextNumber() / count;
+    const double offset = nextNumber();
+    double x = restSum_ * offset / count;
     std::size_t last = weights.size() - 1;
     while (!(groupSum_[last] > 0)) --last;
     for (std::size_t g = 0; g <= last && j < count; ++g) {
@@ -130,12 +126,22 @@ void RegionSampler::drawRest(const RegionWeights& weights, int count) {
             const bool end = g == last && i == lastLane;
             while (s > 0 && j < count && (x < below + s || end)) {
                 queue(regionOf(weights, g, i), (x - below) / s, 1 / (s * perSpread_));
-                if (++j < count) x = restSum_ * (j + nextNumber()) / count;
+                nextNumber();  // for the next one's jitter
+                x = restSum_ * (++j + offset) / count;
             }
             below += s;
         }
     }
     endGroup();
+}
+
+/// Leaves in the weights how many samples each region has, or was to have on average.
+void RegionSampler::countSamples(RegionWeights& weights) {
+    for (std::size_t g = 0; g < weights.size(); ++g) {
+        float* spread = weights.spread(g);
+        for (int i = 0; i < kBlockCells; ++i) spread[i] *= static_cast<float>(perSpread_);
+    }
+    for (const Own& own : own_) *own.place = static_cast<float>(own.count);
 }
 
 void RegionSampler::queue(const Region& region, double place, double share) {

@@ -24,7 +24,8 @@ public:
     explicit RegionSampler(const Environment& environment) : environment_(environment) {}
 
     /// Shares `samples` samples (>= 1) out: regions due many get strata of their own, all others
-    /// share the rest. Takes spread from the weights; their sum must be positive.
+    /// share the rest. The sum of the weights' spreads must be positive; in their place it leaves
+    /// the number of samples of each region, or the mean number where chance decides.
     ///
     /// @param words  one number of a sequence for each sample
     void draw(RegionWeights& weights, int samples, std::span<const std::uint32_t> words,
@@ -40,9 +41,6 @@ public:
     std::size_t size() const { return queued_.size(); }
     Drawn drawn(std::size_t i) const;
 
-    /// Samples expected for each unit of spread that draw() left in the weights.
-    double perSpread() const { return perSpread_; }
-
 private:
     struct Queued {
         Region region;
@@ -54,15 +52,18 @@ private:
     struct Own {
         Region region;
         double spread;
+        float* place;  ///< of the spread in the weights
+        int count = 0;
     };
 
     /// Takes the regions whose spread is at least `least` from the groups; false if there are none
     /// or too few samples for them.
     bool takeOwn(RegionWeights& weights, double least);
-    void returnOwn(RegionWeights& weights);
+    void returnOwn();
     void sumGroups(const RegionWeights& weights);
     void drawOwn(double perSpread);
     void drawRest(const RegionWeights& weights, int count);
+    void countSamples(RegionWeights& weights);
     void queue(const Region& region, double place, double share);
     void endGroup();
     double nextNumber();

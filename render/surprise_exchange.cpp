@@ -22,7 +22,7 @@ void SurpriseExchange::addPoint() {
     offers.expected.clear();
 }
 
-void SurpriseExchange::offer(const RegionWeights& weights, double perSpread) {
+void SurpriseExchange::offer(const RegionWeights& weights) {
     Offers& offers = offers_[lastPoint()];
     for (std::size_t g = 0; g < weights.size(); ++g) {
         const RegionGroup& group = weights.group(g);
@@ -33,8 +33,7 @@ void SurpriseExchange::offer(const RegionWeights& weights, double perSpread) {
         offers.used.push_back(static_cast<std::uint16_t>(slot));
         Expected& expected = offers.expected.emplace_back();
         for (std::size_t i = 0; i < kBlockCells; ++i)
-            expected[i] =
-                weights.shared(g)[i] * weights.spread(g)[i] * static_cast<float>(perSpread);
+            expected[i] = weights.shared(g)[i] * weights.spread(g)[i];
     }
 }
 

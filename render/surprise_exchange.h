@@ -34,8 +34,8 @@ public:
     void clear() { size_ = 0, surprises_.clear(); }
     /// The next point, none of whose regions is shared unless offer() says so.
     void addPoint();
-    /// The shared regions of the last point, sampled `perSpread` times their spread on average.
-    void offer(const RegionWeights& weights, double perSpread);
+    /// The shared regions of the last point; their spreads are the numbers of their samples.
+    void offer(const RegionWeights& weights);
     /// Number of the last point.
     std::size_t lastPoint() const { return size_ - 1; }
     void add(const Surprise& surprise) { surprises_.push_back(surprise); }
