@@ -1,7 +1,5 @@
 #include "common/item_regions.h"
 
-#include <algorithm>
-
 namespace shadowcache {
 
 namespace {

@@ -25,11 +25,15 @@ void requireSound(const LeafView& leaf, const DirectionTiers& tiers,
     }
     std::int64_t next = 0;
     for (std::uint32_t i = 0; i < leaf.items; ++i) {
-        if (leaf.firstBlock[i] != next || leaf.blockCount[i] < 0)
+        const std::int64_t past = next + leaf.blockCount[i];
+        if (leaf.firstBlock[i] != next || past < next || past > leaf.blocks)
             throwFileError(path, "damaged: an item's blocks lie outside the file's");
         if (!PatchCode::isValid(leaf.patch[i]))
             throwFileError(path, "damaged: an item's patch does not exist");
-        next += leaf.blockCount[i];
+        for (std::int64_t b = next + 1; b < past; ++b)
+            if (leaf.blockKeys[b] <= leaf.blockKeys[b - 1])
+                throwFileError(path, "damaged: an item's blocks are not in order");
+        next = past;
     }
     if (next != leaf.blocks)
         throwFileError(path, "damaged: an item's blocks lie outside the file's");

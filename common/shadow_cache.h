@@ -27,12 +27,19 @@ struct ItemView {
 
     /// Which of its blocks has `key`; -1: none.
     int findBlock(std::uint16_t key) const {
-        // Items have few blocks: to count them all is faster than to branch.
+        // Halves long lists. To count all of a short one is faster than to branch.
+        std::uint32_t first = 0, count = blockCount;
+        while (count > 64) {
+            const std::uint32_t half = count / 2;
+            const bool above = blockKeys[first + half] < key;
+            first += above ? half : 0;
+            count = above ? count - half : half;
+        }
         std::int16_t before = 0;
-        for (std::uint32_t k = 0; k < blockCount; ++k)
+        for (std::uint32_t k = first; k < first + count; ++k)
             before = static_cast<std::int16_t>(before + (blockKeys[k] < key));
-        const auto found = static_cast<std::uint32_t>(before);
-        return found < blockCount && blockKeys[found] == key ? before : -1;
+        const std::uint32_t found = first + static_cast<std::uint32_t>(before);
+        return found < blockCount && blockKeys[found] == key ? static_cast<int>(found) : -1;
     }
 };
 

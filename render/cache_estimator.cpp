@@ -177,9 +177,9 @@ private:
 
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
+        if (samples == 0) return preview(point, w);
         w.exchange.addPoint();
         w.shared.clear();
-        if (samples == 0) return preview(point, w);
         weigh(point, w);
         if (w.weights.spreadSum() > 0) {
             const double judged = std::min(1.0, kJudgedSamples / samples);

@@ -86,8 +86,10 @@ private:
         std::copy_n(d, kBlockCells, all.begin());
         for (std::size_t i = 0; i < kBlockCells; ++i) {
             const auto rays = static_cast<float>(all[i]);
-            c[i] = static_cast<float>(open[i]) / (rays > 1 ? rays : 1.0f);
+            const float share = static_cast<float>(open[i]) / (rays > 1 ? rays : 1.0f);
+            c[i] = share < rays ? share : rays;
         }
+        for (int i = 0; i < kBlockCells; ++i) c[i] = c[i] < 1 ? c[i] : 1.0f;
     }
 };
 

@@ -54,7 +54,7 @@ public:
     }
 
 private:
-    /// Marks the cells that the horizon cuts, and notes those that are doubtful.
+    /// Marks the cells for which the horizon is reason enough, and notes those that are doubtful.
     /// @return whether any cell can be split
     bool judge(int tier, const CellLight& sky, const float* c, float leastNoise,
                std::uint8_t* doubtful, Splits& out) const;

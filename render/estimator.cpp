@@ -1,6 +1,7 @@
 #include "render/estimator.h"
 
 #include <chrono>
+#include <utility>
 
 #include "common/error.h"
 #include "common/suggestion.h"

@@ -139,7 +139,7 @@ protected:
     /// @return the part of the irradiance that needs no ray
     virtual Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const = 0;
 
-    /// Looks at workspace.samples of one point after its rays are traced.
+    /// Looks at workspace.samples of one point after its rays are traced, if there are any.
     virtual void takeNote(Workspace& workspace) const;
     /// Called once the rays of all points are traced, to exchange what was found.
     virtual void exchange(std::span<const ShadingPoint> points, Workspace& workspace,

@@ -8,7 +8,7 @@ namespace shadowcache {
 
 namespace {
 
-/// Sums that are kept are 2 to the power of this.
+/// 2 to the power of this many sums are kept.
 constexpr int kEntryBits = 14;
 
 /// Square of the difference of two normals up to which the irradiance at one is taken from its

@@ -126,7 +126,7 @@ void RegionSampler::drawRest(const RegionWeights& weights, int count) {
             const bool end = g == last && i == lastLane;
             while (s > 0 && j < count && (x < below + s || end)) {
                 queue(regionOf(weights, g, i), (x - below) / s, 1 / (s * perSpread_));
-                nextNumber();  // for the next one's jitter
+                nextHash();
                 x = restSum_ * (++j + offset) / count;
             }
             below += s;
@@ -139,7 +139,8 @@ void RegionSampler::drawRest(const RegionWeights& weights, int count) {
 void RegionSampler::countSamples(RegionWeights& weights) {
     for (std::size_t g = 0; g < weights.size(); ++g) {
         float* spread = weights.spread(g);
-        for (int i = 0; i < kBlockCells; ++i) spread[i] *= static_cast<float>(perSpread_);
+        for (int i = 0; i < kBlockCells; ++i)
+            spread[i] = static_cast<float>(static_cast<double>(spread[i]) * perSpread_);
     }
     for (const Own& own : own_) *own.place = static_cast<float>(own.count);
 }
@@ -157,10 +158,14 @@ void RegionSampler::endGroup() {
     if (!queued_.empty()) queued_.back().endsGroup = true;
 }
 
+void RegionSampler::nextHash() {
+    hash_ = mixBits(hashBase_ + used_++ * 0x9e3779b97f4a7c15ull);
+}
+
 /// In [0, 1): 32 bits of the sequence and 16 of the sample's hash, which its jitter leaves.
 double RegionSampler::nextNumber() {
-    const std::size_t k = used_++;
-    hash_ = mixBits(hashBase_ + k * 0x9e3779b97f4a7c15ull);
+    const std::size_t k = used_;
+    nextHash();
     const std::uint64_t low = (hash_ & 0xff) << 8 | (hash_ >> 32 & 0xff);
     const std::uint64_t word = words_[std::min(k, words_.size() - 1)];
     return static_cast<double>(word << 16 | low) * 0x1p-48;

@@ -27,7 +27,7 @@ public:
     /// share the rest. The sum of the weights' spreads must be positive; in their place it leaves
     /// the number of samples of each region, or the mean number where chance decides.
     ///
-    /// @param words  one number of a sequence for each sample
+    /// @param words  numbers of a sequence, as many as samples: for their places in the strata
     void draw(RegionWeights& weights, int samples, std::span<const std::uint32_t> words,
               std::uint64_t seed);
 
@@ -56,8 +56,7 @@ private:
         int count = 0;
     };
 
-    /// Takes the regions whose spread is at least `least` from the groups; false if there are none
-    /// or too few samples for them.
+    /// Takes the regions whose spread is at least `least` from the groups; false if there are none.
     bool takeOwn(RegionWeights& weights, double least);
     void returnOwn();
     void sumGroups(const RegionWeights& weights);
@@ -67,6 +66,7 @@ private:
     void queue(const Region& region, double place, double share);
     void endGroup();
     double nextNumber();
+    void nextHash();
 
     const Environment& environment_;
     std::span<const std::uint32_t> words_;

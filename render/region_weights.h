@@ -55,7 +55,8 @@ public:
     std::size_t size() const { return groups_.size(); }
     const RegionGroup& group(std::size_t g) const { return groups_[g]; }
     /// Weight of each region of the group in the choice of a sample's region: the predicted
-    /// standard deviation of the residual there, and a defensive share of the light.
+    /// standard deviation of the residual there, and a defensive share of the light. After
+    /// RegionSampler::draw() the numbers of samples; the sums are those of before.
     float* spread(std::size_t g) { return lanes_[g].spread; }
     const float* spread(std::size_t g) const { return lanes_[g].spread; }
     /// c_r: the visibility that the control variate assumes.

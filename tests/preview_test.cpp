@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <functional>
 #include <vector>
 
 #include "render/item_irradiance.h"
