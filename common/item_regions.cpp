@@ -42,9 +42,9 @@ const std::uint8_t* ItemRegions::block(int tier, std::uint32_t parent,
     if (tier >= tiers_.refinements()) return nullptr;
     const int found = item_.findBlock(tiers_.blockKey(tier, parent));
     if (found < 0) return nullptr;
-    const auto k = static_cast<std::size_t>(found);
-    d = item_.blockD + k * item_.blockDStep;
-    return item_.blockN + k * item_.blockNStep;
+    const BlockCounts counts = item_.block(static_cast<std::size_t>(found));
+    d = counts.d;
+    return counts.n;
 }
 
 void ItemRegions::addCell(int tier, const CountedRegion& cell) {

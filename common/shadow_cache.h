@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -9,6 +10,12 @@
 #include "common/memory_use.h"
 
 namespace shadowcache {
+
+/// Finer counts of one region: kBlockCells open and all rays.
+struct BlockCounts {
+    const std::uint8_t* n;
+    const std::uint8_t* d;
+};
 
 /// One item near a place, as a view into an open cache.
 struct ItemView {
@@ -24,6 +31,11 @@ struct ItemView {
     Vec3f normal;
     float weight;          ///< share in the pooled counts; those of one lookup sum to 1
     std::uint64_t number;  ///< of the item in the open cache, from 0 on
+
+    /// Its k-th block.
+    BlockCounts block(std::size_t k) const {
+        return {blockN + k * blockNStep, blockD + k * blockDStep};
+    }
 
     /// Which of its blocks has `key`; -1: none.
     int findBlock(std::uint16_t key) const {

@@ -66,8 +66,8 @@ public:
         if (tier >= tiers_.refinements()) return false;
         const int found = item_.findBlock(tiers_.blockKey(tier, cell));
         if (found < 0) return false;
-        const auto k = static_cast<std::size_t>(found);
-        write(item_.blockN + k * item_.blockNStep, item_.blockD + k * item_.blockDStep, c);
+        const BlockCounts counts = item_.block(static_cast<std::size_t>(found));
+        write(counts.n, counts.d, c);
         return true;
     }
 

@@ -141,8 +141,8 @@ void PooledVisibility::poolBlock(std::uint16_t key, const PooledBlock* parents, 
          l = links_[static_cast<std::size_t>(l)].next) {
         const Link& link = links_[static_cast<std::size_t>(l)];
         const ItemView& item = items_[link.item];
-        addCounts16(block, item.blockN + std::size_t{link.block} * item.blockNStep,
-                    item.blockD + std::size_t{link.block} * item.blockDStep, item.weight);
+        const BlockCounts counts = item.block(link.block);
+        addCounts16(block, counts.n, counts.d, item.weight);
         counted += item.weight;
         if (key < tiers_.baseCells() && item.d[key] > 0)
             countedOpen +=
