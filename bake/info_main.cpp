@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "bake/grid_export.h"
-#include "bake/info_text.h"
-#include "bake/report.h"
-#include "common/atomic_file.h"
-#include "common/command_line.h"
-#include "common/error.h"
-#include "common/option_checks.h"
-#include "common/parallel.h"
+#include "bake/inspect/grid_export.h"
+#include "bake/inspect/info_text.h"
+#include "bake/inspect/report.h"
+#include "common/base/atomic_file.h"
+#include "common/base/error.h"
+#include "common/base/option_checks.h"
+#include "common/base/parallel.h"
+#include "common/cli/command_line.h"
 
 namespace shadowcache {
 namespace {

@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "bake/baker.h"
-#include "common/atomic_file.h"
-#include "common/command_line.h"
-#include "common/error.h"
-#include "common/json_file.h"
-#include "common/option_checks.h"
-#include "common/parallel.h"
-#include "common/process.h"
-#include "common/progress.h"
-#include "common/version.h"
+#include "bake/core/baker.h"
+#include "common/base/atomic_file.h"
+#include "common/base/error.h"
+#include "common/base/json_file.h"
+#include "common/base/option_checks.h"
+#include "common/base/parallel.h"
+#include "common/base/process.h"
+#include "common/base/progress.h"
+#include "common/base/version.h"
+#include "common/cli/command_line.h"
 
 namespace shadowcache {
 namespace {

@@ -3,11 +3,11 @@
 #include <exception>
 #include <vector>
 
-#include "bake/merge.h"
-#include "common/atomic_file.h"
-#include "common/command_line.h"
-#include "common/option_checks.h"
-#include "common/progress.h"
+#include "bake/core/merge.h"
+#include "common/base/atomic_file.h"
+#include "common/base/option_checks.h"
+#include "common/base/progress.h"
+#include "common/cli/command_line.h"
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;

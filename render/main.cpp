@@ -1,7 +1,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "render/command_line.h"
+#include "render/app/command_line.h"
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;

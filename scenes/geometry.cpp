@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/sequence.h"
+#include "common/base/sequence.h"
 
 namespace shadowcache::scenes {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "common/vec.h"
+#include "common/math/vec.h"
 
 namespace shadowcache::scenes {
 

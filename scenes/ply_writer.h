@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/vec.h"
+#include "common/math/vec.h"
 
 namespace shadowcache::scenes {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "common/error.h"
+#include "common/base/error.h"
 #include "scenes/geometry.h"
 #include "scenes/ply_writer.h"
 

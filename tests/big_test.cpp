@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "common/parallel.h"
-#include "render/integrator.h"
+#include "common/base/parallel.h"
+#include "render/frame/integrator.h"
 #include "scenes/sets.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"

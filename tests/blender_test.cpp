@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "render/gltf_shot.h"
+#include "render/shot/gltf_shot.h"
 #include "tests/program_run.h"
 #include "tests/temporary_folder.h"
 

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "bake/baker.h"
-#include "bake/merge.h"
-#include "common/cache_items.h"
-#include "common/sequence.h"
-#include "common/shadow_cache.h"
+#include "bake/core/baker.h"
+#include "bake/core/merge.h"
+#include "common/base/sequence.h"
+#include "common/cache/cache_items.h"
+#include "common/cache/shadow_cache.h"
 #include "tests/foreign_vdb.h"
 #include "tests/temporary_folder.h"
 #include "tests/test_scenes.h"

@@ -1,6 +1,6 @@
 // Pages of a file under a budget of memory.
 
-#include "common/cache_pages.h"
+#include "common/cache/cache_pages.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <numeric>
 #include <vector>
 
-#include "common/parallel.h"
-#include "common/sequence.h"
+#include "common/base/parallel.h"
+#include "common/base/sequence.h"
 #include "tests/temporary_folder.h"
 
 namespace shadowcache {

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "bake/grid_export.h"
-#include "bake/sky_light.h"
-#include "bake/sky_view.h"
-#include "common/volume_grids.h"
+#include "bake/inspect/grid_export.h"
+#include "bake/inspect/sky_light.h"
+#include "bake/inspect/sky_view.h"
+#include "common/cache/volume_grids.h"
 #include "tests/foreign_vdb.h"
 #include "tests/test_scenes.h"
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "common/cache_items.h"
+#include "common/cache/cache_items.h"
 #include "tests/cli_fixture.h"
 
 namespace shadowcache::test {

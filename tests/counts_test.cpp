@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "common/cache_items.h"
+#include "common/cache/cache_items.h"
 
 namespace shadowcache {
 namespace {

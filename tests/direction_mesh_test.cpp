@@ -1,4 +1,4 @@
-#include "common/direction_mesh.h"
+#include "common/math/direction_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "common/parallel.h"
+#include "common/base/parallel.h"
 #include "tests/statistics.h"
 
 namespace shadowcache {

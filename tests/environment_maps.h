@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "common/environment.h"
+#include "common/light/environment.h"
 
 namespace shadowcache::test {
 

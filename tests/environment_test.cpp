@@ -1,4 +1,4 @@
-#include "common/environment.h"
+#include "common/light/environment.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "common/sequence.h"
+#include "common/base/sequence.h"
 #include "tests/environment_maps.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "common/sequence.h"
-#include "render/integrator.h"
+#include "common/base/sequence.h"
+#include "render/frame/integrator.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "render/camera.h"
-#include "render/integrator.h"
+#include "render/frame/camera.h"
+#include "render/frame/integrator.h"
 
 namespace shadowcache::test {
 

@@ -5,11 +5,11 @@
 #include <limits>
 #include <random>
 
-#include "common/gltf_mesh.h"
-#include "common/gltf_nodes.h"
-#include "common/image.h"
-#include "common/placed_mesh.h"
-#include "common/scene.h"
+#include "common/image/image.h"
+#include "common/import/gltf_mesh.h"
+#include "common/import/gltf_nodes.h"
+#include "common/mesh/placed_mesh.h"
+#include "common/trace/scene.h"
 #include "tests/gltf_builder.h"
 #include "tests/temporary_folder.h"
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <random>
 
-#include "common/image.h"
-#include "common/mesh.h"
+#include "common/image/image.h"
+#include "common/mesh/mesh.h"
 #include "tests/gltf_builder.h"
 #include "tests/mesh_files.h"
 #include "tests/temporary_folder.h"

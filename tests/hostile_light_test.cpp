@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "common/direction_mesh.h"
-#include "render/estimator.h"
+#include "common/math/direction_mesh.h"
+#include "render/estimators/estimator.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 

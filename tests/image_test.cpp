@@ -1,4 +1,4 @@
-#include "common/image.h"
+#include "common/image/image.h"
 
 #include <OpenEXR/ImfArray.h>
 #include <OpenEXR/ImfChannelList.h>

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "render/estimator.h"
+#include "render/estimators/estimator.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 

@@ -1,10 +1,10 @@
 // Parallel layers of surface in one voxel: they become items of their own.
 
-#include "bake/layers.h"
+#include "bake/core/layers.h"
 
 #include <gtest/gtest.h>
 
-#include "common/cache_items.h"
+#include "common/cache/cache_items.h"
 #include "tests/test_scenes.h"
 
 namespace shadowcache {

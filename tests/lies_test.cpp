@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/sequence.h"
-#include "render/estimator.h"
+#include "common/base/sequence.h"
+#include "render/estimators/estimator.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 

@@ -1,6 +1,6 @@
 // The linear density over a spherical triangle: what it draws, and the shape that it takes.
 
-#include "render/linear_triangle.h"
+#include "render/paper/linear_triangle.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "common/direction_mesh.h"
+#include "common/math/direction_mesh.h"
 #include "tests/statistics.h"
 
 namespace shadowcache {

@@ -1,4 +1,4 @@
-#include "common/mesh.h"
+#include "common/mesh/mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "common/srgb.h"
-#include "common/triangulate.h"
+#include "common/image/srgb.h"
+#include "common/import/triangulate.h"
 #include "tests/mesh_files.h"
 #include "tests/temporary_folder.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "render/moving_set.h"
+#include "render/shot/moving_set.h"
 #include "tests/gltf_builder.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/sequence.h"
+#include "common/base/sequence.h"
 #include "tests/plain_set.h"
 
 namespace shadowcache::test {

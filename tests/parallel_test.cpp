@@ -1,4 +1,4 @@
-#include "common/parallel.h"
+#include "common/base/parallel.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/error.h"
-#include "common/progress.h"
+#include "common/base/error.h"
+#include "common/base/progress.h"
 
 namespace shadowcache {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "bake/baker.h"
-#include "common/parallel.h"
-#include "render/integrator.h"
+#include "bake/core/baker.h"
+#include "common/base/parallel.h"
+#include "render/frame/integrator.h"
 #include "tests/test_scenes.h"
 
 namespace shadowcache::test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "render/item_irradiance.h"
+#include "common/predict/item_irradiance.h"
 #include "tests/test_scenes.h"
 
 namespace shadowcache {

@@ -14,7 +14,7 @@
 #include <sstream>
 #include <thread>
 
-#include "common/error.h"
+#include "common/base/error.h"
 
 namespace shadowcache::test {
 

@@ -1,7 +1,7 @@
 // Patches that see more of the sky on one half than on the other are cut, and the lookup goes by
 // the part that the place lies in.
 
-#include "bake/quarters.h"
+#include "bake/core/quarters.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <array>
 #include <set>
 
-#include "common/cache_items.h"
+#include "common/cache/cache_items.h"
 #include "tests/test_scenes.h"
 
 namespace shadowcache {

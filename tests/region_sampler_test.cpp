@@ -1,6 +1,6 @@
 // How many samples each region gets.
 
-#include "render/region_sampler.h"
+#include "render/cached/region_sampler.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/sequence.h"
+#include "common/base/sequence.h"
 #include "tests/test_scenes.h"
 
 namespace shadowcache {

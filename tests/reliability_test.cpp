@@ -1,4 +1,4 @@
-#include "render/reliability.h"
+#include "render/cached/reliability.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "render/horizon.h"
-#include "render/sample_budget.h"
+#include "common/predict/horizon.h"
+#include "render/cached/sample_budget.h"
 
 namespace shadowcache {
 namespace {

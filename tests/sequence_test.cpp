@@ -1,4 +1,4 @@
-#include "common/sequence.h"
+#include "common/base/sequence.h"
 
 #include <gtest/gtest.h>
 

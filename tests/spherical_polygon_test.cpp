@@ -1,4 +1,4 @@
-#include "common/spherical_polygon.h"
+#include "render/paper/spherical_polygon.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "common/direction_mesh.h"
+#include "common/math/direction_mesh.h"
 #include "tests/statistics.h"
 
 namespace shadowcache {

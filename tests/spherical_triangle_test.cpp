@@ -1,4 +1,4 @@
-#include "common/spherical_triangle.h"
+#include "common/math/spherical_triangle.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "common/direction_mesh.h"
+#include "common/math/direction_mesh.h"
 #include "tests/statistics.h"
 
 namespace shadowcache {

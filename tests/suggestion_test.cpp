@@ -1,4 +1,4 @@
-#include "common/suggestion.h"
+#include "common/base/suggestion.h"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include <functional>
 #include <string>
 
-#include "render/convolution.h"
-#include "render/light_clusters.h"
+#include "render/estimators/light_clusters.h"
+#include "render/paper/convolution.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 

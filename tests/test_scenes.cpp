@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/sequence.h"
+#include "common/base/sequence.h"
 #include "tests/statistics.h"
 
 namespace shadowcache::test {

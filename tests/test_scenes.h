@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "bake/baker.h"
-#include "common/image.h"
-#include "render/estimator.h"
+#include "bake/core/baker.h"
+#include "common/image/image.h"
+#include "render/estimators/estimator.h"
 #include "tests/temporary_folder.h"
 
 namespace shadowcache::test {

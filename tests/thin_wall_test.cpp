@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "common/sequence.h"
-#include "render/estimator.h"
+#include "common/base/sequence.h"
+#include "render/estimators/estimator.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "bake/baker.h"
-#include "common/parallel.h"
-#include "render/integrator.h"
+#include "bake/core/baker.h"
+#include "common/base/parallel.h"
+#include "render/frame/integrator.h"
 #include "tests/foreign_vdb.h"
 #include "tests/test_scenes.h"
 

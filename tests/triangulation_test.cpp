@@ -1,13 +1,13 @@
 // The paper's triangulation of the map, from the fewest triangles to the most.
 
-#include "render/triangulation.h"
+#include "render/paper/triangulation.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
-#include "render/options.h"
+#include "render/frame/options.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 

@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "common/parallel.h"
-#include "common/process.h"
+#include "common/base/parallel.h"
+#include "common/base/process.h"
 #include "tests/benchmarks/bare_embree.h"
 #include "tests/benchmarks/bench.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
-#include "common/parallel.h"
+#include "common/base/parallel.h"
 
 namespace shadowcache::bench {
 

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <map>
 
-#include "common/error.h"
-#include "common/process.h"
+#include "common/base/error.h"
+#include "common/base/process.h"
 
 namespace shadowcache::bench {
 

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "bake/baker.h"
-#include "common/environment.h"
-#include "common/json_file.h"
-#include "common/shadow_cache.h"
-#include "render/camera.h"
-#include "render/compare.h"
-#include "render/integrator.h"
+#include "bake/core/baker.h"
+#include "common/base/json_file.h"
+#include "common/cache/shadow_cache.h"
+#include "common/light/environment.h"
+#include "render/frame/camera.h"
+#include "render/frame/compare.h"
+#include "render/frame/integrator.h"
 
 namespace shadowcache::bench {
 

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <map>
 
-#include "common/error.h"
-#include "render/film.h"
+#include "common/base/error.h"
+#include "render/frame/film.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/statistics.h"
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <mutex>
 
-#include "common/error.h"
+#include "common/base/error.h"
 
 namespace shadowcache::bench {
 

@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "common/parallel.h"
-#include "common/progress.h"
+#include "common/base/parallel.h"
+#include "common/base/progress.h"
 #include "tests/benchmarks/bench.h"
 
 int main(int argc, char** argv) try {

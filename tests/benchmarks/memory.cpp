@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "common/process.h"
+#include "common/base/process.h"
 #include "scenes/sets.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/benchmarks/programs.h"

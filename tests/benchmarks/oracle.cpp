@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "bake/item_baker.h"
-#include "common/sequence.h"
+#include "bake/core/item_baker.h"
+#include "common/base/sequence.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/test_scenes.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "common/parallel.h"
+#include "common/base/parallel.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/benchmarks/embree_spy.h"
 

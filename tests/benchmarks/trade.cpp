@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "common/process.h"
+#include "common/base/process.h"
 #include "tests/benchmarks/bench.h"
 
 namespace shadowcache::bench {

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "common/error.h"
-#include "common/image.h"
-#include "common/json_file.h"
-#include "common/sequence.h"
-#include "render/convolution.h"
+#include "common/base/error.h"
+#include "common/base/json_file.h"
+#include "common/base/sequence.h"
+#include "common/image/image.h"
+#include "render/paper/convolution.h"
 
 namespace shadowcache {
 namespace {

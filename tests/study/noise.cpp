@@ -11,10 +11,10 @@
 #include <exception>
 #include <vector>
 
-#include "common/error.h"
-#include "common/image.h"
-#include "common/json_file.h"
-#include "render/triangulation.h"
+#include "common/base/error.h"
+#include "common/base/json_file.h"
+#include "common/image/image.h"
+#include "render/paper/triangulation.h"
 
 namespace shadowcache {
 namespace {

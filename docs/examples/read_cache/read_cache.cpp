@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <exception>
 
-#include "common/shadow_cache.h"
+#include "common/cache/shadow_cache.h"
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;

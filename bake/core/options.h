@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/mesh/mesh.h"
+
+namespace shadowcache {
+
+/// What the bake of a set may choose.
+struct BakeOptions {
+    double spacing = 0;    ///< side of a voxel, world units; 0: chooseSpacing
+    int level = 5;         ///< finest direction level, 0 .. 5
+    int rays = 16;         ///< rays per region where rays disagree, 1 .. 255
+    bool adaptive = true;  ///< finer regions and more rays only where rays disagree
+    std::uint64_t seed = 1;
+    int shard = 0;  ///< of `shards`: bakes only the voxels that fall to it
+    int shards = 1;
+};
+
+/// @throws Error naming the option, the value and the range allowed
+void validate(const BakeOptions& options);
+
+/// Spacing that gives a set of this surface and extent a sensible number of items.
+double chooseSpacing(const TriangleMesh& mesh);
+
+}  // namespace shadowcache

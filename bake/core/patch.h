@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bake/core/layers.h"
+#include "bake/core/placement.h"
+#include "common/cache/patch_code.h"
+#include "common/trace/scene.h"
+
+namespace shadowcache {
+
+/// Where the rays of one item start: many points spread evenly over one side of the surface in a
+/// voxel, or over one layer of it, or a part of that.
+struct Patch {
+    static constexpr int kOrigins = 64;
+
+    PatchCode code;
+    std::uint64_t seed = 0;              ///< of its origins and rays
+    Box box;                             ///< the voxel, or the part of it that holds the patch
+    float area = 0;                      ///< of the surface in it
+    std::vector<Piece> pieces;           ///< what of the surface lies in it
+    Vec3f normal;                        ///< unit mean normal, by area
+    Vec3f meanPosition;                  ///< relative to the voxel's centre, in spacings
+    float minAgreement = 1;              ///< least cosine between `normal` and an origin's normal
+    std::array<Vec3f, kOrigins> origin;  ///< moved off the surface, relative to the mesh's origin
+    std::array<Vec3f, kOrigins> originNormal;  ///< unit, to the patch's side
+};
+
+/// The patches of a voxel's sides and their layers, in the order of their codes. `fragments` are
+/// those of one voxel.
+///
+/// @param seed decides where on the surface the origins lie
+std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
+                               std::span<const Fragment> fragments, std::uint64_t seed);
+
+/// The quarters of a patch of the voxel with the middle `voxelCenter` that hold any surface, in the
+/// order of their codes. None where the patch may not be cut: it is small, folded, or was cut too
+/// often.
+std::vector<Patch> makeQuarters(const Scene& scene, const Vec3d& voxelCenter, double spacing,
+                                const Patch& patch);
+
+}  // namespace shadowcache

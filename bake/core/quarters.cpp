@@ -1,0 +1,67 @@
+#include "bake/core/quarters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace shadowcache {
+
+namespace {
+
+/// Quarters differ where one of them sees this share more or less light than their mean,
+constexpr float kLeastChange = 0.1f;
+/// and chance does not explain it, by so many standard deviations.
+constexpr float kSignificance = 1;
+/// Rays of one octet start at one point, and so often agree: they count as a third of their number.
+constexpr float kRaysAlike = 3;
+
+/// Least area of a quarter, in areas of the largest, if their rays are to count together.
+constexpr float kAlike = 0.7f;
+
+}  // namespace
+
+bool seeDifferentSky(std::span<const Patch> quarters, std::span<const Probe> probes,
+                     const BaseCells& base) {
+    if (probes.size() < 2) return false;
+    Vec3f normal(0, 0, 0);
+    for (const Probe& q : probes) normal += q.normal;
+    normal.normalize();
+    // Under a constant sky, which stands for all that may come.
+    std::vector<float> light(probes.size(), 0);
+    float all = 0, rays = 0;
+    for (std::size_t c = 0; c < base.axis.size(); ++c) {
+        const float cosine = normal.dot(base.axis[c]);
+        const auto counted = [c](const Probe& q) { return q.base[c].rays() > 0; };
+        if (cosine <= 0 || !std::all_of(probes.begin(), probes.end(), counted)) continue;
+        for (std::size_t k = 0; k < probes.size(); ++k) {
+            const Count& count = probes[k].base[c];
+            light[k] +=
+                cosine * static_cast<float>(count.open()) / static_cast<float>(count.rays());
+            rays += static_cast<float>(count.rays());
+        }
+        all += cosine;
+    }
+    float mean = 0, area = 0;
+    for (std::size_t k = 0; k < probes.size(); ++k) {
+        mean += light[k] * quarters[k].area;
+        area += quarters[k].area;
+    }
+    mean /= area;
+    const float openness = mean / std::max(all, 1e-30f);
+    const float chance =
+        kSignificance *
+        std::sqrt(openness * kRaysAlike * static_cast<float>(light.size()) / std::max(rays, 1.0f));
+    const float least = all * (kLeastChange * openness + chance);
+    return std::any_of(light.begin(), light.end(),
+                       [&](float l) { return std::abs(l - mean) > least; });
+}
+
+bool areAlikeInSize(std::span<const Patch> quarters) {
+    if (quarters.size() < 4) return false;
+    const auto [least, most] =
+        std::minmax_element(quarters.begin(), quarters.end(),
+                            [](const Patch& a, const Patch& b) { return a.area < b.area; });
+    return least->area > kAlike * most->area;
+}
+
+}  // namespace shadowcache

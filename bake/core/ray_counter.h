@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "bake/core/patch.h"
+#include "common/cache/cache_items.h"
+#include "common/trace/scene.h"
+
+namespace shadowcache {
+
+/// Cells of the direction mesh as plane triangles, whose points are the directions of rays. What
+/// drawing one reads fits the caches near the processor, which a table of directions would not.
+class DirectionTable {
+public:
+    static constexpr std::uint32_t kCells = 8;
+
+    /// Eight consecutive cells: corner, and sides from there.
+    struct alignas(32) Octet {
+        float corner[3][kCells], side1[3][kCells], side2[3][kCells];
+    };
+
+    /// Points spread evenly over a triangle, near ones side by side, as shares of both sides.
+    static constexpr std::uint32_t kPoints = 256;
+    struct Point {
+        float along1, along2;
+    };
+
+    DirectionTable();
+
+    /// Cells 8i .. 8i + 7 of `level` (<= kMaxCacheLevel); at level 0 the last four are empty.
+    const Octet& octet(int level, std::uint32_t i) const noexcept {
+        return octets_[static_cast<std::size_t>(level)][i];
+    }
+    const Point& point(std::uint32_t i) const noexcept { return points_[i]; }
+
+private:
+    std::array<std::vector<Octet>, kMaxCacheLevel + 1> octets_;
+    std::array<Point, kPoints> points_;
+};
+
+/// Rays counted in one region, both numbers (< 2^16) in one word, so that eight add as one vector.
+struct Count {
+    static constexpr std::uint32_t kRay = 1, kOpen = 1u << 16;
+
+    std::uint32_t word = 0;
+
+    std::uint32_t rays() const { return word % kOpen; }
+    std::uint32_t open() const { return word / kOpen; }
+    bool mixed() const { return open() > 0 && open() < rays(); }
+    Count& operator+=(const Count& more) {
+        word += more.word;
+        return *this;
+    }
+};
+
+/// Traces the rays of one patch after another in streams and counts them by
+/// region.
+class RayCounter {
+public:
+    RayCounter(const Scene& scene, const DirectionTable& directions);
+
+    /// Rays start on `patch` from now on, drawn by `seed`. Nothing may be queued.
+    void start(const Patch& patch, std::uint64_t seed);
+
+    /// Queues `count` rays into each of the cells 8 octet + k of `level` for which bit k of `cells`
+    /// is set. Those into a cell are tallied in tallies[k] once flush() returns, as open when they
+    /// meet nothing nearer than `reach`. Rays below the horizon of the point they start from are
+    /// left out.
+    void add(int level, std::uint32_t octet, std::uint32_t cells, int count, Count* tallies,
+             float reach = std::numeric_limits<float>::infinity());
+
+    /// Traces what is queued.
+    void flush();
+
+    std::uint64_t raysTraced() const { return traced_; }
+
+private:
+    static constexpr std::uint32_t kCells = DirectionTable::kCells;
+
+    /// Where the rays of one octet stand in the stream.
+    struct Queued {
+        Count* tallies;
+        std::uint32_t first;
+        std::uint32_t cells;
+    };
+
+    void addOne(const DirectionTable::Octet& octet, std::uint32_t cells, std::uint32_t firstPoint,
+                std::uint32_t points, Count* tallies, float reach);
+
+    void append(const float (&direction)[3][kCells], const Vec3f& origin, float reach);
+
+    const Scene& scene_;
+    const DirectionTable& directions_;
+    const Patch* patch_ = nullptr;
+    std::uint64_t state_ = 0;
+    std::uint64_t traced_ = 0;
+    RayStream stream_;
+    std::uint32_t rays_ = 0;  ///< in the stream
+    std::array<Queued, RayStream::kSize> queue_;
+    std::size_t queued_ = 0;
+};
+
+}  // namespace shadowcache

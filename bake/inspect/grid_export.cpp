@@ -1,0 +1,265 @@
+#include "bake/inspect/grid_export.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <regex>
+
+#include "bake/inspect/sky_light.h"
+#include "common/base/error.h"
+#include "common/base/parallel.h"
+#include "common/base/suggestion.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// What the grids that show one side of each voxel are made of.
+struct Source {
+    const CacheHeader& header;
+    const CacheItems& items;
+    const VoxelRuns& runs;
+    double environmentRotation;
+};
+
+/// Open share of a sky, the middle of the open part, and what of it lies above the horizon [sr].
+struct Opening {
+    double share = 0;
+    Vec3d middle{0, 0, 0};
+    double above = 0;
+};
+
+class OpeningMeter {
+public:
+    OpeningMeter() {
+        for (int level = 0; level <= kMaxCacheLevel; ++level)
+            for (std::uint32_t cell = 0; cell < cellCount(level); ++cell)
+                cells_[static_cast<std::size_t>(level)].push_back(
+                    {cellCenter(level, cell), solidAngle(cellTriangle(level, cell))});
+    }
+
+    Opening measure(const std::vector<CountedRegion>& regions) const {
+        Opening opening;
+        double area = 0;
+        for (const CountedRegion& region : regions) {
+            const Cell& cell = cells_[static_cast<std::size_t>(region.level)][region.cell];
+            const double open = cell.solidAngle * region.share();
+            opening.middle += cell.center * open;
+            opening.share += open;
+            if (cell.center.y > 0) opening.above += open;
+            area += cell.solidAngle;
+        }
+        if (area > 0) opening.share /= area;
+        return opening;
+    }
+
+private:
+    struct Cell {
+        Vec3d center;
+        double solidAngle;
+    };
+    std::array<std::vector<Cell>, kMaxCacheLevel + 1> cells_;
+};
+
+/// Value of an item; its regions and what is open of them are known.
+using ItemValue = std::function<Vec3f(ItemRegions&, const Opening&, std::size_t item)>;
+
+/// A voxel shows the side that sees most of what is above the horizon: the inside of a solid, or
+/// the underside of the ground, would only hide it.
+VolumeGrid bestOfSides(const GridRequest& request, VolumeKind kind, const Source& source,
+                       const ItemValue& valueOf) {
+    VolumeGrid grid{request.name, kind, std::vector<Vec3f>(source.runs.voxels.size(), Vec3f(0))};
+    const OpeningMeter meter;
+    parallelFor(grid.values.size(), 256, [&](const Chunk& chunk) {
+        ItemRegions regions(source.header.tiers());
+        for (std::size_t v = chunk.begin; v < chunk.end; ++v) {
+            std::size_t best = source.runs.firstItem[v];
+            Opening widest{0, Vec3d(0), -1};
+            for (std::size_t i = best; i < source.runs.firstItem[v + 1]; ++i) {
+                regions.use(source.items, i);
+                const Opening opening = meter.measure(regions.finest());
+                if (opening.above <= widest.above) continue;
+                widest = opening;
+                best = i;
+            }
+            regions.use(source.items, best);
+            grid.values[v] = valueOf(regions, widest, best);
+        }
+    });
+    return grid;
+}
+
+VolumeGrid makeOpenness(const GridRequest& request, const Source& source) {
+    return bestOfSides(request, VolumeKind::fog, source,
+                       [](ItemRegions&, const Opening& opening, std::size_t) {
+                           return Vec3f(static_cast<float>(opening.share));
+                       });
+}
+
+VolumeGrid makeMeanDirection(const GridRequest& request, const Source& source) {
+    return bestOfSides(request, VolumeKind::direction, source,
+                       [](ItemRegions&, const Opening& opening, std::size_t) {
+                           const double length = opening.middle.length();
+                           return length > 0 ? Vec3f(opening.middle / length) : Vec3f(0);
+                       });
+}
+
+/// 1 less the mean standard deviation of a ray's answer, in units of the greatest there can be.
+VolumeGrid makeConfidence(const GridRequest& request, const Source& source) {
+    return bestOfSides(
+        request, VolumeKind::fog, source, [](ItemRegions& regions, const Opening&, std::size_t) {
+            double doubt = 0, area = 0;
+            for (const CountedRegion& r : regions.finest()) {
+                const double solidAngle = 1.0 / cellCount(r.level);  // of the sphere, about
+                doubt += solidAngle * 2 * std::sqrt(r.posterior * (1 - r.posterior));
+                area += solidAngle;
+            }
+            return Vec3f(area > 0 ? static_cast<float>(1 - doubt / area) : 0.0f);
+        });
+}
+
+/// Of all sides that face the direction, the mean.
+VolumeGrid makeDirection(const GridRequest& request, const Source& source) {
+    Vec3d direction;
+    char rest = 0;
+    if (std::sscanf(request.argument.c_str(), "%lf,%lf,%lf%c", &direction.x, &direction.y,
+                    &direction.z, &rest) != 3 ||
+        !(direction.length() > 0) || !std::isfinite(direction.length()))
+        throw Error("--export-grid direction=" + request.argument +
+                    ": wanted a direction, as in direction=0,1,0");
+    const std::uint32_t cell = locateCell(kMaxCacheLevel, direction.normalized());
+    VolumeGrid grid{request.name, VolumeKind::fog, {}};
+    ItemRegions regions(source.header.tiers());
+    for (std::size_t v = 0; v < source.runs.voxels.size(); ++v) {
+        double open = 0, counted = 0;
+        for (std::size_t i = source.runs.firstItem[v]; i < source.runs.firstItem[v + 1]; ++i) {
+            regions.use(source.items, i);
+            const CountedRegion r = regions.along(cell);
+            if (r.d == 0) continue;
+            const double weight =
+                static_cast<double>(shareOf(PatchCode::of(source.items.patch[i]).part));
+            open += weight * r.share();
+            counted += weight;
+        }
+        grid.values.emplace_back(counted > 0 ? static_cast<float>(open / counted) : 0.0f);
+    }
+    return grid;
+}
+
+Environment readEnvironment(const GridRequest& request, const Source& source) {
+    if (request.argument.empty())
+        throw Error("--export-grid " + request.kind + ": wanted a map, as in " + request.kind +
+                    "=sky.exr");
+    const RadianceImage map = readRadiance(request.argument);
+    return {map.image, source.environmentRotation, map.luminanceWeights};
+}
+
+VolumeGrid makeEnvironment(const GridRequest& request, const Source& source) {
+    const Environment sky = readEnvironment(request, source);
+    return bestOfSides(
+        request, VolumeKind::fog, source, [&](ItemRegions& regions, const Opening&, std::size_t i) {
+            const SkyLight light = skyLight(regions.finest(), source.items.normal[i], sky);
+            const float all = sky.luminance(light.unshadowed);
+            const float seen = sky.luminance(light.seen);
+            return Vec3f(all > 0 ? std::min(1.0f, seen / all) : 0.0f);
+        });
+}
+
+VolumeGrid makeIrradiance(const GridRequest& request, const Source& source) {
+    const Environment sky = readEnvironment(request, source);
+    return bestOfSides(request, VolumeKind::color, source,
+                       [&](ItemRegions& regions, const Opening&, std::size_t i) {
+                           const Rgb seen =
+                               skyLight(regions.finest(), source.items.normal[i], sky).seen;
+                           return Vec3f(seen.x, seen.y, seen.z);
+                       });
+}
+
+VolumeGrid makeSurface(const GridRequest& request, const Source& source) {
+    return {request.name, VolumeKind::fog, std::vector<Vec3f>(source.runs.voxels.size(), Vec3f(1))};
+}
+
+struct Kind {
+    const char* word;
+    const char* gridName;
+    const char* example;
+    const char* summary;
+    VolumeGrid (*make)(const GridRequest&, const Source&);
+};
+
+constexpr Kind kKinds[] = {
+    {"openness", "openness", "openness", "open share of the sky (fog volume)", makeOpenness},
+    {"mean-direction", "open_direction", "mean-direction",
+     "unit vector to the middle of the open sky (Vec3s)", makeMeanDirection},
+    {"confidence", "confidence", "confidence",
+     "how sure the counts are of a ray's answer, 0 to 1 (fog volume)", makeConfidence},
+    {"surface", "surface", "surface", "1 in every voxel, to divide the others by (fog volume)",
+     makeSurface},
+    {"direction", "direction_visibility", "direction=X,Y,Z",
+     "open share toward one direction (fog volume)", makeDirection},
+    {"env", "env_visibility", "env=MAP", "open share of a map's light (fog volume)",
+     makeEnvironment},
+    {"irradiance", "irradiance", "irradiance=MAP", "light of a map that arrives (Vec3s colour)",
+     makeIrradiance},
+};
+
+const Kind& findKind(const std::string& word) {
+    const Kind* found = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                     [&](const Kind& kind) { return word == kind.word; });
+    if (found == std::end(kKinds))
+        throw Error("--export-grid " + word + ": no such grid" + suggestion(word, gridKinds()) +
+                    " (see --help)");
+    return *found;
+}
+
+}  // namespace
+
+std::string gridKindsHelp() {
+    std::string help;
+    for (const Kind& kind : kKinds)
+        help += std::string("\n  ") + kind.example + ": " + kind.summary;
+    return help;
+}
+
+const std::vector<std::string>& gridKinds() {
+    static const std::vector<std::string> words = [] {
+        std::vector<std::string> all;
+        for (const Kind& kind : kKinds) all.emplace_back(kind.word);
+        return all;
+    }();
+    return words;
+}
+
+GridRequest parseGridRequest(const std::string& spec) {
+    static const std::regex wanted(R"((?:(\w+):)?([\w-]+)(?:=(.*))?)");
+    std::smatch match;
+    if (!std::regex_match(spec, match, wanted))
+        throw Error("--export-grid " + spec + ": wanted [NAME:]KIND[=ARGUMENT]");
+    const Kind& kind = findKind(match[2]);
+    return {match[1].matched ? match[1].str() : kind.gridName, match[2], match[3]};
+}
+
+VolumeGrid makeVolumeGrid(const GridRequest& request, double environmentRotation,
+                          const CacheHeader& header, const CacheItems& items,
+                          const VoxelRuns& runs) {
+    return findKind(request.kind).make(request, {header, items, runs, environmentRotation});
+}
+
+void exportGrids(const std::vector<GridRequest>& requests, double environmentRotation,
+                 const CacheHeader& header, const CacheItems& items,
+                 const std::filesystem::path& path) {
+    const VoxelRuns runs = findVoxels(items);
+    std::vector<VolumeGrid> grids;
+    for (const GridRequest& request : requests) {
+        for (const VolumeGrid& other : grids)
+            if (other.name == request.name)
+                throw Error("--export-grid: two grids named " + request.name +
+                            "; give one another name, as in second:" + request.kind);
+        grids.push_back(makeVolumeGrid(request, environmentRotation, header, items, runs));
+    }
+    writeVolumes(path, header, runs.voxels, grids);
+}
+
+}  // namespace shadowcache

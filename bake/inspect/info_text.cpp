@@ -1,0 +1,166 @@
+#include "bake/inspect/info_text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "common/base/json_file.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// printf into a string.
+[[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...) {
+    char line[512];
+    va_list values;
+    va_start(values, format);
+    std::vsnprintf(line, sizeof line, format, values);
+    va_end(values);
+    return line;
+}
+
+std::string tallyLine(const char* name, const RegionTally& tally) {
+    return print("%-14s %llu, %.1f %% of them pure\n", name,
+                 static_cast<unsigned long long>(tally.counted), 100 * tally.pureShare());
+}
+
+template <std::size_t N>
+std::string histogram(const std::array<std::uint64_t, N>& counts,
+                      const std::vector<std::string>& labels) {
+    std::uint64_t sum = 0;
+    for (const std::uint64_t count : counts) sum += count;
+    std::string text;
+    for (std::size_t i = 0; i < N; ++i) {
+        const double share =
+            static_cast<double>(counts[i]) / static_cast<double>(std::max<std::uint64_t>(1, sum));
+        const std::string bar(static_cast<std::size_t>(std::lround(share * 50)), '#');
+        text += print("  %-12s %5.1f %%%s%s\n", labels[i].c_str(), 100 * share,
+                      bar.empty() ? "" : "  ", bar.c_str());
+    }
+    return text;
+}
+
+template <std::size_t N>
+std::vector<std::uint64_t> asVector(const std::array<std::uint64_t, N>& counts) {
+    return {counts.begin(), counts.end()};
+}
+
+std::vector<std::string> tenths() {
+    std::vector<std::string> labels;
+    labels.reserve(10);
+    for (int i = 0; i < 10; ++i) labels.push_back(print("%d to %d %%", i * 10, i * 10 + 10));
+    return labels;
+}
+
+}  // namespace
+
+CacheFacts readFacts(const std::filesystem::path& path) {
+    CacheFacts facts;
+    facts.items = readCache(path, facts.header);
+    facts.summary = summarize(facts.header, facts.items);
+    facts.fileBytes = std::filesystem::file_size(path);
+    return facts;
+}
+
+std::vector<std::string> rayLabels() {
+    std::vector<std::string> labels{"none", "1"};
+    for (int low = 2; low < 256; low *= 2) labels.push_back(print("%d to %d", low, 2 * low - 1));
+    return labels;
+}
+
+std::vector<std::string> shareLabels() {
+    std::vector<std::string> labels = tenths();
+    labels.insert(labels.begin(), "hidden");
+    labels.emplace_back("open");
+    return labels;
+}
+
+std::string factsAsJson(const CacheFacts& facts) {
+    const auto& [header, items, summary, fileBytes] = facts;
+    JsonFile out;
+    out.set("format", static_cast<std::uint64_t>(kCacheFormat));
+    out.set("version", header.version);
+    out.set("fingerprint", fingerprintText(header.fingerprint));
+    out.set("spacing", header.spacing);
+    out.set("level", static_cast<std::uint64_t>(header.level));
+    out.set("refinement", std::string(header.adaptive ? "adaptive" : "uniform"));
+    out.set("rays", static_cast<std::uint64_t>(header.rays));
+    out.set("seeds", header.seeds);
+    out.set("up_axis", header.upAxis);
+    out.set("unit", header.unit);
+    out.set("bounds.low", std::vector{summary.low.x, summary.low.y, summary.low.z});
+    out.set("bounds.high", std::vector{summary.high.x, summary.high.y, summary.high.z});
+    out.set("items", std::uint64_t{items.size()});
+    out.set("voxels", summary.voxels);
+    out.set("parts", summary.parts);
+    out.set("blocks", std::uint64_t{items.blocks.size()});
+    out.set("regions.base", summary.base.counted);
+    out.set("regions.base_pure_share", summary.base.pureShare());
+    out.set("regions.finer", summary.finer.counted);
+    out.set("regions.finer_pure_share", summary.finer.pureShare());
+    out.set("regions.by_rays", asVector(summary.rays));
+    out.set("regions.by_open_share", asVector(summary.shares));
+    out.set("openness", asVector(summary.openness));
+    out.set("bytes.file", fileBytes);
+    for (const auto& [name, bytes] : summary.bytes) out.set("bytes." + name, bytes);
+    return out.text();
+}
+
+std::string factsAsText(const CacheFacts& facts) {
+    const auto& [header, items, summary, fileBytes] = facts;
+    std::string text =
+        print("baked by       shadowcache-bake %s, format %d\n", header.version.c_str(),
+              kCacheFormat) +
+        print("set            fingerprint %s, up axis %s, %g metres a unit\n",
+              fingerprintText(header.fingerprint).c_str(), header.upAxis.c_str(), header.unit) +
+        print("bounds         %g, %g, %g to %g, %g, %g\n", summary.low.x, summary.low.y,
+              summary.low.z, summary.high.x, summary.high.y, summary.high.z) +
+        print("directions     level %d (%s), %d rays, seeds %s\n", header.level,
+              header.adaptive ? "adaptive" : "uniform", header.rays, header.seeds.c_str()) +
+        print(
+            "items          %zu (%llu of them parts of patches) in %llu voxels of %g, %zu blocks\n",
+            items.size(), static_cast<unsigned long long>(summary.parts),
+            static_cast<unsigned long long>(summary.voxels), header.spacing, items.blocks.size()) +
+        tallyLine("base regions", summary.base) + tallyLine("finer regions", summary.finer);
+    text += "items by open share of their directions\n" + histogram(summary.openness, tenths());
+    text += "regions by number of rays\n" + histogram(summary.rays, rayLabels());
+    text += "regions by open share of their rays\n" + histogram(summary.shares, shareLabels());
+    text += print("bytes          %llu in the file; uncompressed:\n",
+                  static_cast<unsigned long long>(fileBytes));
+    for (const auto& [name, bytes] : summary.bytes)
+        text += print("  %-18s %llu\n", name.c_str(), static_cast<unsigned long long>(bytes));
+    return text;
+}
+
+std::string skyAsText(const SkyView& view) {
+    std::string text = print("items          %zu", view.weights().size());
+    if (view.weights().empty())
+        return text + ": the cache knows nothing here (off the surfaces, or no side faces so)\n";
+    text += ", weights";
+    for (const float weight : view.weights()) text += print(" %.3f", static_cast<double>(weight));
+    const SkyView::Figures f = view.figures();
+    return text +
+           print("\nknown          %.1f %% of the hemisphere, %.1f %% of that pure\n",
+                 100 * f.known, 100 * f.pure) +
+           print("open           %.1f %% of it, %.1f %% weighted by the cosine\n", 100 * f.open,
+                 100 * f.openCosine) +
+           print("toward         %.3f, %.3f, %.3f: the middle of the open part\n",
+                 f.openDirection.x, f.openDirection.y, f.openDirection.z);
+}
+
+std::string skyAsJson(const SkyView& view) {
+    const SkyView::Figures f = view.figures();
+    JsonFile out;
+    out.set("items", std::uint64_t{view.weights().size()});
+    out.set("weights", std::vector<double>(view.weights().begin(), view.weights().end()));
+    out.set("known", f.known);
+    out.set("pure", f.pure);
+    out.set("open", f.open);
+    out.set("open_cosine", f.openCosine);
+    out.set("open_direction", std::vector{f.openDirection.x, f.openDirection.y, f.openDirection.z});
+    return out.text();
+}
+
+}  // namespace shadowcache

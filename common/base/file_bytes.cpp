@@ -1,0 +1,141 @@
+#include "common/base/file_bytes.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "common/base/error.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Words longer than this are shortened in messages.
+constexpr std::size_t kQuotedLength = 40;
+
+std::string quoted(std::string_view word) {
+    std::string text = "'";
+    for (const char c : word.substr(0, kQuotedLength)) text += c >= ' ' && c < '\x7f' ? c : '?';
+    return text + (word.size() > kQuotedLength ? "...'" : "'");
+}
+
+std::string_view withoutPlus(std::string_view word) {
+    return word.size() > 1 && word[0] == '+' ? word.substr(1) : word;
+}
+
+}  // namespace
+
+void requireReadableFile(const std::filesystem::path& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) throwFileError(path, "no such file");
+    if (std::filesystem::is_directory(status)) {
+        throwFileError(path, "is a directory, expected a file");
+    }
+    const std::ifstream file(path, std::ios::binary);
+    if (!file) throwFileError(path, std::string("cannot be opened: ") + std::strerror(errno));
+    if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) == 0) {
+        throwFileError(path, "is empty");
+    }
+}
+
+std::string readFileBytes(const std::filesystem::path& path) {
+    requireReadableFile(path);
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    const std::streamoff size = file.tellg();
+    if (size <= 0) throwFileError(path, "is not a file of known size");
+    std::string bytes(static_cast<std::size_t>(size), '\0');
+    file.seekg(0);
+    file.read(bytes.data(), size);
+    if (!file) throwFileError(path, "cannot be read to its end");
+    return bytes;
+}
+
+TextScanner::TextScanner(const std::filesystem::path& path, std::string_view text, bool comments,
+                         std::size_t firstLine)
+    : path_(path),
+      at_(text.data()),
+      end_(text.data() + text.size()),
+      line_(firstLine),
+      comments_(comments) {}
+
+int TextScanner::joinLength() const {
+    if (at_ == end_ || *at_ != '\\') return 0;
+    const std::string_view following = rest().substr(1);
+    if (following.starts_with('\n')) return 2;
+    return following.starts_with("\r\n") ? 3 : 0;
+}
+
+void TextScanner::skipBlanks() {
+    while (at_ != end_) {
+        if (*at_ == ' ' || *at_ == '\t' || *at_ == '\r' || *at_ == '\v' || *at_ == '\f') {
+            ++at_;
+        } else if (const int join = joinLength(); join > 0) {
+            at_ += join;
+            ++line_;
+        } else if (*at_ == '#' && comments_) {
+            while (at_ != end_ && *at_ != '\n') ++at_;
+        } else {
+            return;
+        }
+    }
+}
+
+std::string_view TextScanner::wordOnLine() {
+    skipBlanks();
+    const char* begin = at_;
+    while (at_ != end_ && static_cast<unsigned char>(*at_) > ' ' && joinLength() == 0) ++at_;
+    // A control byte becomes a word of its own, which the parser then refuses.
+    if (at_ == begin && at_ != end_ && *at_ != '\n') ++at_;
+    return {begin, static_cast<std::size_t>(at_ - begin)};
+}
+
+std::string_view TextScanner::word() {
+    while (true) {
+        const std::string_view found = wordOnLine();
+        if (!found.empty() || atEnd()) return found;
+        nextLine();
+    }
+}
+
+bool TextScanner::nextLine() {
+    const auto* lineBreak = static_cast<const char*>(
+        at_ == end_ ? nullptr : std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
+    at_ = lineBreak ? lineBreak + 1 : end_;
+    ++line_;
+    return lineBreak != nullptr;
+}
+
+double TextScanner::number(std::string_view word) const {
+    const std::string_view digits = withoutPlus(word);
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (stop == digits.data() + digits.size() && !digits.empty()) {
+        if (error == std::errc{}) return value;
+        if (error == std::errc::result_out_of_range) {
+            const bool tiny = digits.find("e-") != digits.npos || digits.find("E-") != digits.npos;
+            return tiny ? 0.0 : std::numeric_limits<double>::infinity();
+        }
+    }
+    fail(word.empty() ? "line ends, expected a number" : quoted(word) + ", expected a number");
+}
+
+long long TextScanner::integer(std::string_view word) const {
+    const std::string_view digits = withoutPlus(word);
+    long long value = 0;
+    const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (stop == digits.data() + digits.size() && !digits.empty()) {
+        if (error == std::errc{}) return value;
+        if (error == std::errc::result_out_of_range) return std::numeric_limits<long long>::max();
+    }
+    fail(word.empty() ? "line ends, expected a whole number"
+                      : quoted(word) + ", expected a whole number");
+}
+
+void TextScanner::fail(const std::string& cause) const {
+    throwFileError(path_, "line " + std::to_string(line_) + ": " + cause);
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,106 @@
+#include "common/base/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <mutex>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#ifdef SHADOWCACHE_STD_THREADS
+#include <exception>
+#else
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include <optional>
+#endif
+
+namespace shadowcache {
+namespace {
+
+int coreCount() {
+    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+/// Limit that setThreadCount gave, 0 for none.
+std::atomic<int> threadLimit{0};
+
+#ifdef SHADOWCACHE_STD_THREADS
+
+/// Plain threads for the thread sanitizer, which takes the uninstrumented TBB library's work for
+/// races.
+void runAll(std::size_t count, const std::function<void(std::size_t)>& run) {
+    std::atomic<std::size_t> next{0};
+    std::mutex mutex;
+    std::exception_ptr failure;
+    const auto work = [&] {
+        try {
+            for (std::size_t i = next++; i < count; i = next++) run(i);
+        } catch (...) {
+            next = count;
+            const std::lock_guard lock(mutex);
+            if (!failure) failure = std::current_exception();
+        }
+    };
+    {
+        std::vector<std::jthread> workers;
+        const std::size_t threads = std::min(static_cast<std::size_t>(threadCount()), count);
+        for (std::size_t i = 1; i < threads; ++i) workers.emplace_back(work);
+        work();
+    }
+    if (failure) std::rethrow_exception(failure);
+}
+
+void applyLimit(int) {}
+
+#else
+
+void runAll(std::size_t count, const std::function<void(std::size_t)>& run) {
+    tbb::parallel_for(std::size_t{0}, count, run);
+}
+
+void applyLimit(int threads) {
+    static std::mutex mutex;
+    static std::optional<tbb::global_control> control;
+    const std::lock_guard lock(mutex);
+    control.reset();  // first: of several controls TBB takes the smallest
+    if (threads > 0)
+        control.emplace(tbb::global_control::max_allowed_parallelism,
+                        static_cast<std::size_t>(threads));
+}
+
+#endif
+
+}  // namespace
+
+void setThreadCount(int threads) {
+    threadLimit = std::max(0, threads);
+    applyLimit(threadLimit);
+}
+
+int threadCount() {
+    const int limit = threadLimit;
+    return limit > 0 ? std::min(limit, coreCount()) : coreCount();
+}
+
+void parallelFor(std::size_t count, std::size_t chunkSize,
+                 const std::function<void(const Chunk&)>& body) {
+    assert(chunkSize > 0);
+    const std::size_t chunks = count / chunkSize + (count % chunkSize != 0 ? 1 : 0);
+    runAll(chunks, [&](std::size_t index) {
+        const std::size_t begin = index * chunkSize;
+        body({begin, std::min(begin + chunkSize, count), index});
+    });
+}
+
+double parallelSum(std::size_t count, std::size_t chunkSize,
+                   const std::function<double(const Chunk&)>& body) {
+    assert(chunkSize > 0);
+    std::vector<double> parts(count / chunkSize + (count % chunkSize != 0 ? 1 : 0));
+    parallelFor(count, chunkSize, [&](const Chunk& chunk) { parts[chunk.index] = body(chunk); });
+    return std::accumulate(parts.begin(), parts.end(), 0.0);
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "common/cache/memory_use.h"
+
+namespace shadowcache {
+
+/// A part of a cache file that is unpacked as a whole.
+struct FilePage {
+    enum class Kind : std::uint8_t {
+        plain,
+        blosc,
+        voxelEnds,  ///< of several leaves, each packed on its own
+    };
+
+    std::uint64_t offset;  ///< in the file
+    std::uint32_t stored;  ///< bytes there
+    std::uint32_t size;    ///< bytes when unpacked
+    Kind kind;
+};
+
+/// A page in memory, which stays as long as somebody holds it.
+using PagePin = std::shared_ptr<const std::byte[]>;
+
+/// Pages of a file, read when they are asked for; those unused for longest are dropped when they
+/// come to more than a budget. Thread-safe.
+class CachePages {
+public:
+    /// @param overhead  bytes that the owner keeps for the file beside the pages
+    /// @throws Error naming the file if it cannot be opened
+    CachePages(const std::filesystem::path& path, std::vector<FilePage> pages, std::uint64_t budget,
+               std::uint64_t overhead);
+    ~CachePages();
+    CachePages(const CachePages&) = delete;
+    CachePages& operator=(const CachePages&) = delete;
+
+    std::uint32_t size(std::uint32_t page) const { return pages_[page].size; }
+
+    /// Pins pages[i] in pins[i], if all are in memory; else does nothing.
+    ///
+    /// @return whether they were
+    bool pinHeld(std::span<const std::uint32_t> pages, std::span<PagePin> pins);
+
+    /// The page, read first if need be. What others hold is kept whatever the budget.
+    ///
+    /// @throws Error naming the file if the page cannot be read or unpacked
+    PagePin pin(std::uint32_t page);
+
+    MemoryUse use() const;
+
+private:
+    struct Slot {
+        PagePin bytes;  ///< null: not in memory
+        bool loading = false;
+        std::list<std::uint32_t>::iterator place;  ///< in recent_, if in memory
+    };
+
+    std::filesystem::path path_;
+    int file_;
+    std::vector<FilePage> pages_;
+
+    mutable std::mutex mutex_;
+    std::condition_variable loaded_;
+    std::vector<Slot> slots_;
+    std::list<std::uint32_t> recent_;  ///< pages in memory, the last used first
+    MemoryUse use_;
+
+    void makeRoom(std::uint64_t bytes);
+    PagePin load(const FilePage& page) const;
+    void readAt(std::uint64_t offset, std::span<std::byte> out) const;
+    PagePin touch(std::uint32_t page);
+};
+
+}  // namespace shadowcache

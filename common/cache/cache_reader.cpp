@@ -1,0 +1,231 @@
+#include <openvdb/io/File.h>
+#include <openvdb/io/GridDescriptor.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <mutex>
+#include <system_error>
+
+#include "common/base/error.h"
+#include "common/cache/cache_grids.h"
+
+namespace shadowcache {
+
+namespace {
+
+namespace fs = std::filesystem;
+using openvdb::points::AttributeSet;
+
+template <class T>
+T metaValue(const openvdb::MetaMap& meta, const char* key, const fs::path& path) {
+    const auto value = meta.getMetadata<openvdb::TypedMetadata<T>>(key);
+    if (!value)
+        throwFileError(path, std::string("a shadow cache without its metadata '") + key + "'");
+    return value->value();
+}
+
+CacheHeader fromMetadata(const openvdb::MetaMap& meta, const fs::path& path) {
+    if (!meta[kFormatKey])
+        throwFileError(path, "an OpenVDB file, but not a shadow cache (no 'shadowcache_format')");
+    const auto format = metaValue<std::int32_t>(meta, kFormatKey, path);
+    if (format != kCacheFormat)
+        throwFileError(path, "cache format " + std::to_string(format) + ", this program reads " +
+                                 std::to_string(kCacheFormat) +
+                                 (format > kCacheFormat ? " (written by a newer version)" : ""));
+    CacheHeader header;
+    header.level = metaValue<std::int32_t>(meta, "level", path);
+    header.adaptive = metaValue<bool>(meta, "adaptive", path);
+    header.spacing = metaValue<double>(meta, "spacing", path);
+    header.rays = metaValue<std::int32_t>(meta, "rays", path);
+    header.seeds = metaValue<std::string>(meta, "seeds", path);
+    header.upAxis = metaValue<std::string>(meta, "up_axis", path);
+    header.unit = metaValue<double>(meta, "unit", path);
+    header.version = metaValue<std::string>(meta, "version", path);
+    const auto print = metaValue<std::string>(meta, "fingerprint", path);
+    const auto parsed =
+        std::from_chars(print.data(), print.data() + print.size(), header.fingerprint, 16);
+    if (parsed.ec != std::errc() || parsed.ptr != print.data() + print.size())
+        throwFileError(path, "fingerprint '" + print + "', wanted 16 hexadecimal digits");
+    if (header.level < 0 || header.level > kMaxCacheLevel)
+        throwFileError(path, "direction level " + std::to_string(header.level) + ", wanted 0 to 5");
+    if (!(header.spacing > 0))
+        throwFileError(path, "spacing " + std::to_string(header.spacing) + ", wanted above 0");
+    return header;
+}
+
+template <class Grid>
+typename Grid::Ptr takeGrid(openvdb::io::File& file, const char* name, const fs::path& path) {
+    if (!file.hasGrid(name)) throwFileError(path, std::string("no grid '") + name + "'");
+    const auto grid = openvdb::gridPtrCast<Grid>(file.readGrid(name));
+    if (!grid) throwFileError(path, std::string("grid '") + name + "' is of another type");
+    return grid;
+}
+
+/// Refuses a file shorter than it says, before OpenVDB takes what lies behind its end for sizes.
+void requireWhole(const fs::path& path) {
+    // The library keeps this table to itself: magic number, file and library versions, a flag for
+    // offsets, 36 characters of UUID, metadata, then a descriptor of every grid before its data.
+    std::ifstream in(path, std::ios::binary);
+    const auto number = [&](auto value) {
+        in.read(reinterpret_cast<char*>(&value), sizeof value);
+        return value;
+    };
+    if (number(std::int64_t{0}) != openvdb::OPENVDB_MAGIC || !in)
+        throwFileError(path, "not an OpenVDB file");
+    const auto size = static_cast<std::int64_t>(fs::file_size(path));
+    in.exceptions(std::ios::failbit | std::ios::badbit);
+    try {
+        const auto format = number(std::uint32_t{0});
+        if (format > openvdb::OPENVDB_FILE_VERSION) return;  // the library says so better
+        const auto major = number(std::uint32_t{0}), minor = number(std::uint32_t{0});
+        openvdb::io::setVersion(in, {major, minor}, format);
+        in.seekg(1 + 36, std::ios::cur);
+        openvdb::MetaMap().readMeta(in);
+        for (auto count = number(std::int32_t{0}); count > 0; --count) {
+            openvdb::io::GridDescriptor grid;
+            grid.read(in);
+            if (grid.getEndPos() < in.tellg() || grid.getEndPos() > size) in.setstate(in.failbit);
+            in.seekg(grid.getEndPos());
+        }
+    } catch (const std::ios::failure&) {
+        throwFileError(path, "cut short: " + std::to_string(size) + " bytes do not hold its grids");
+    }
+}
+
+}  // namespace
+
+void initializeOpenVdb() {
+    static std::once_flag once;
+    std::call_once(once, [] { openvdb::initialize(); });
+}
+
+template <class Array>
+const Array& attribute(const PointLeaf& leaf, const char* name, openvdb::Index stride,
+                       const fs::path& path) {
+    const std::size_t pos = leaf.attributeSet().find(name);
+    if (pos == AttributeSet::INVALID_POS ||
+        !leaf.constAttributeArray(pos).template isType<Array>() ||
+        leaf.constAttributeArray(pos).stride() != stride)
+        throwFileError(path, std::string("attribute '") + name + "' is missing or of another type");
+    const auto& array = Array::cast(leaf.constAttributeArray(pos));
+    array.loadData();
+    return array;
+}
+
+template const ByteArray& attribute(const PointLeaf&, const char*, openvdb::Index, const fs::path&);
+template const ShortArray& attribute(const PointLeaf&, const char*, openvdb::Index,
+                                     const fs::path&);
+template const IntArray& attribute(const PointLeaf&, const char*, openvdb::Index, const fs::path&);
+template const VectorArray& attribute(const PointLeaf&, const char*, openvdb::Index,
+                                      const fs::path&);
+
+namespace {
+
+std::uint8_t countAt(const ByteArray& array, std::size_t i) {
+    return static_cast<std::uint8_t>(array.constData()[array.isUniform() ? 0 : i]);
+}
+
+/// Appends the items of one leaf, and their blocks.
+void appendLeaf(const PointLeaf& leaf, const PointLeaf* blocks, std::size_t baseCells,
+                const fs::path& path, CacheItems& items) {
+    const auto& position = attribute<VectorArray>(leaf, "P", 1, path);
+    const auto& normal = attribute<VectorArray>(leaf, "normal", 1, path);
+    const auto& patch = attribute<ShortArray>(leaf, "patch", 1, path);
+    const auto& count = attribute<ShortArray>(leaf, "block_count", 1, path);
+    const auto& n = attribute<ByteArray>(leaf, "n", static_cast<openvdb::Index>(baseCells), path);
+    const auto& d = attribute<ByteArray>(leaf, "d", static_cast<openvdb::Index>(baseCells), path);
+    std::size_t block = 0;
+    for (auto point = leaf.beginIndexAll(); point; ++point) {
+        const openvdb::Index i = *point;
+        const openvdb::Coord voxel = point.getCoord();
+        const openvdb::Vec3f p = position.get(i), v = normal.get(i);
+        items.voxel.emplace_back(voxel.x(), voxel.y(), voxel.z());
+        items.patch.push_back(patch.get(i));
+        if (!PatchCode::isValid(items.patch.back()))
+            throwFileError(path, "damaged: an item's patch does not exist");
+        items.normal.emplace_back(v.x(), v.y(), v.z());
+        items.position.emplace_back(p.x(), p.y(), p.z());
+        for (std::size_t c = 0; c < baseCells; ++c) {
+            items.n.push_back(countAt(n, i * baseCells + c));
+            items.d.push_back(countAt(d, i * baseCells + c));
+        }
+        const auto more = static_cast<std::size_t>(std::max<std::int16_t>(0, count.get(i)));
+        if (more > 0) {
+            if (!blocks) throwFileError(path, "damaged: an item's blocks are missing");
+            const auto& key = attribute<ShortArray>(*blocks, "key", 1, path);
+            const auto& bn = attribute<ByteArray>(*blocks, "n", kBlockCells, path);
+            const auto& bd = attribute<ByteArray>(*blocks, "d", kBlockCells, path);
+            if (block + more > key.size())
+                throwFileError(path, "damaged: an item's blocks lie outside the file's");
+            for (const std::size_t end = block + more; block < end; ++block) {
+                CountBlock b{
+                    static_cast<std::uint16_t>(key.get(static_cast<openvdb::Index>(block))),
+                    {},
+                    {}};
+                for (std::size_t c = 0; c < kBlockCells; ++c) {
+                    b.n[c] = countAt(bn, block * kBlockCells + c);
+                    b.d[c] = countAt(bd, block * kBlockCells + c);
+                }
+                items.blocks.push_back(b);
+            }
+        }
+        items.firstBlock.push_back(static_cast<std::uint32_t>(items.blocks.size()));
+    }
+}
+
+}  // namespace
+
+namespace {
+
+/// Opens a cache file for `read`, and says what is wrong with it in our own words.
+template <class Read>
+auto withCacheFile(const fs::path& path, const Read& read) {
+    initializeOpenVdb();
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) throwFileError(path, "no such file");
+    if (fs::is_directory(path, ignored)) throwFileError(path, "a directory, wanted a cache file");
+    if (fs::file_size(path, ignored) == 0) throwFileError(path, "empty, wanted a cache file");
+    try {
+        requireWhole(path);
+        openvdb::io::File file(path.string());
+        file.setCopyMaxBytes(0);
+        file.open(false);
+        const openvdb::MetaMap::Ptr meta = file.getMetadata();  // a fresh copy: keep it alive
+        return read(file, fromMetadata(*meta, path));
+    } catch (const openvdb::Exception& e) {
+        throwFileError(path,
+                       std::string("not a readable OpenVDB file, or cut short (") + e.what() + ")");
+    } catch (const std::bad_alloc&) {
+        throwFileError(path, "cut short or damaged (it asks for more memory than there is)");
+    }
+}
+
+}  // namespace
+
+CacheGrids readGrids(const fs::path& path) {
+    return withCacheFile(path, [&](openvdb::io::File& file, const CacheHeader& header) {
+        CacheGrids grids{header, {}, {}};
+        grids.items = takeGrid<PointGrid>(file, kItemGrid, path);
+        grids.blocks = takeGrid<PointGrid>(file, kBlockGrid, path);
+        return grids;
+    });
+}
+
+CacheHeader readHeader(const fs::path& path) {
+    return withCacheFile(
+        path, [](const openvdb::io::File&, const CacheHeader& header) { return header; });
+}
+
+CacheItems readCache(const fs::path& path, CacheHeader& header) {
+    const CacheGrids grids = readGrids(path);
+    header = grids.header;
+    const std::size_t baseCells = header.tiers().baseCells();
+    CacheItems items;
+    for (auto leaf = grids.items->tree().cbeginLeaf(); leaf; ++leaf)
+        appendLeaf(*leaf, grids.blocks->tree().probeConstLeaf(leaf->origin()), baseCells, path,
+                   items);
+    return items;
+}
+
+}  // namespace shadowcache

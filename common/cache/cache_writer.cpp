@@ -1,0 +1,211 @@
+#include <algorithm>
+
+#include "common/base/atomic_file.h"
+#include "common/base/error.h"
+#include "common/base/parallel.h"
+#include "common/cache/cache_grids.h"
+#include "common/cache/vdb_archive.h"
+
+namespace shadowcache {
+
+namespace {
+
+namespace fs = std::filesystem;
+using openvdb::points::AttributeSet;
+using openvdb::points::PointDataTree;
+
+/// Items [begin, end) of one 8^3 leaf.
+struct LeafRange {
+    openvdb::Coord origin;
+    std::size_t begin, end;
+};
+
+std::vector<LeafRange> splitByLeaf(const CacheItems& items) {
+    std::vector<LeafRange> leaves;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        const openvdb::Coord origin = toCoord(items.voxel[i]) & ~7;
+        if (leaves.empty() || leaves.back().origin != origin) leaves.push_back({origin, i, i});
+        leaves.back().end = i + 1;
+    }
+    return leaves;
+}
+
+struct AttributeSpec {
+    const char* name;
+    openvdb::NamePair type;
+    openvdb::Index stride;
+};
+
+/// A points leaf with `count` points and the attributes that `specs` list after the position "P".
+/// `descriptors` holds the chain of descriptors, shared by all leaves.
+void initializeLeaf(PointLeaf& leaf, std::size_t count, const std::vector<AttributeSpec>& specs,
+                    std::vector<AttributeSet::Descriptor::Ptr>& descriptors) {
+    leaf.initializeAttributes(descriptors[0], static_cast<openvdb::Index>(count));
+    for (std::size_t k = 0; k < specs.size(); ++k)
+        leaf.appendAttribute(*descriptors[k], descriptors[k + 1], k + 1, specs[k].stride, true);
+}
+
+std::vector<AttributeSet::Descriptor::Ptr> describe(const std::vector<AttributeSpec>& specs) {
+    std::vector<AttributeSet::Descriptor::Ptr> chain{
+        AttributeSet::Descriptor::create(VectorArray::attributeType())};
+    for (const AttributeSpec& spec : specs)
+        chain.push_back(chain.back()->duplicateAppend(spec.name, spec.type));
+    return chain;
+}
+
+template <class Array>
+Array& expanded(PointLeaf& leaf, const char* name) {
+    auto& array = Array::cast(leaf.attributeArray(name));
+    array.expand();
+    return array;
+}
+
+/// One voxel's end offset per entry, from the voxel of every point (sorted).
+template <class VoxelOf>
+void setOffsets(PointLeaf& leaf, std::size_t count, VoxelOf voxelOf) {
+    std::vector<PointLeaf::ValueType> offsets(PointLeaf::SIZE, 0);
+    std::size_t next = 0;
+    for (openvdb::Index v = 0; v < PointLeaf::SIZE; ++v) {
+        while (next < count && PointLeaf::coordToOffset(voxelOf(next)) == v) ++next;
+        offsets[v] = PointLeaf::ValueType(static_cast<openvdb::Index32>(next));
+    }
+    leaf.setOffsets(offsets);
+}
+
+void fillItemLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& items,
+                  std::size_t baseCells) {
+    setOffsets(leaf, range.end - range.begin,
+               [&](std::size_t i) { return toCoord(items.voxel[range.begin + i]); });
+    auto& position = expanded<VectorArray>(leaf, "P");
+    auto& normal = expanded<VectorArray>(leaf, "normal");
+    auto& patch = expanded<ShortArray>(leaf, "patch");
+    auto& n = expanded<ByteArray>(leaf, "n");
+    auto& d = expanded<ByteArray>(leaf, "d");
+    auto& firstBlock = expanded<IntArray>(leaf, "first_block");
+    auto& blockCount = expanded<ShortArray>(leaf, "block_count");
+    const std::uint32_t leafBlocks = items.firstBlock[range.begin];
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+        const auto k = static_cast<openvdb::Index>(i - range.begin);
+        const Vec3f& p = items.position[i];
+        const Vec3f& v = items.normal[i];
+        position.setUnsafe(k, openvdb::Vec3f(p.x, p.y, p.z));
+        normal.setUnsafe(k, openvdb::Vec3f(v.x, v.y, v.z));
+        patch.setUnsafe(k, items.patch[i]);
+        firstBlock.setUnsafe(k, static_cast<std::int32_t>(items.firstBlock[i] - leafBlocks));
+        blockCount.setUnsafe(
+            k, static_cast<std::int16_t>(items.firstBlock[i + 1] - items.firstBlock[i]));
+        for (std::size_t c = 0; c < baseCells; ++c) {
+            const auto at = static_cast<openvdb::Index>(k * baseCells + c);
+            n.setUnsafe(at, static_cast<std::int8_t>(items.n[i * baseCells + c]));
+            d.setUnsafe(at, static_cast<std::int8_t>(items.d[i * baseCells + c]));
+        }
+    }
+    n.compact();
+    d.compact();
+}
+
+void fillBlockLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& items) {
+    const std::uint32_t first = items.firstBlock[range.begin];
+    const std::size_t count = items.firstBlock[range.end] - first;
+    std::vector<std::uint32_t> itemOf(count);
+    for (std::size_t i = range.begin; i < range.end; ++i)
+        std::fill(itemOf.begin() + (items.firstBlock[i] - first),
+                  itemOf.begin() + (items.firstBlock[i + 1] - first),
+                  static_cast<std::uint32_t>(i));
+    setOffsets(leaf, count, [&](std::size_t b) { return toCoord(items.voxel[itemOf[b]]); });
+    auto& key = expanded<ShortArray>(leaf, "key");
+    auto& n = expanded<ByteArray>(leaf, "n");
+    auto& d = expanded<ByteArray>(leaf, "d");
+    for (std::size_t b = 0; b < count; ++b) {
+        const CountBlock& block = items.blocks[first + b];
+        key.setUnsafe(static_cast<openvdb::Index>(b), static_cast<std::int16_t>(block.key));
+        for (std::size_t c = 0; c < kBlockCells; ++c) {
+            const auto at = static_cast<openvdb::Index>(b * kBlockCells + c);
+            n.setUnsafe(at, static_cast<std::int8_t>(block.n[c]));
+            d.setUnsafe(at, static_cast<std::int8_t>(block.d[c]));
+        }
+    }
+    d.compact();
+}
+
+PointGrid::Ptr makePointGrid(const char* name, double spacing) {
+    auto grid = PointGrid::create();
+    grid->setName(name);
+    grid->setTransform(makeTransform(spacing));
+    return grid;
+}
+
+struct PointGrids {
+    PointGrid::Ptr items, blocks;
+};
+
+PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
+    const auto baseCells = static_cast<openvdb::Index>(header.tiers().baseCells());
+    const std::vector<AttributeSpec> itemSpecs{{"normal", VectorArray::attributeType(), 1},
+                                               {"patch", ShortArray::attributeType(), 1},
+                                               {"n", ByteArray::attributeType(), baseCells},
+                                               {"d", ByteArray::attributeType(), baseCells},
+                                               {"first_block", IntArray::attributeType(), 1},
+                                               {"block_count", ShortArray::attributeType(), 1}};
+    const std::vector<AttributeSpec> blockSpecs{{"key", ShortArray::attributeType(), 1},
+                                                {"n", ByteArray::attributeType(), kBlockCells},
+                                                {"d", ByteArray::attributeType(), kBlockCells}};
+    auto itemDescriptors = describe(itemSpecs);
+    auto blockDescriptors = describe(blockSpecs);
+    PointGrids grids{makePointGrid(kItemGrid, header.spacing),
+                     makePointGrid(kBlockGrid, header.spacing)};
+
+    const std::vector<LeafRange> leaves = splitByLeaf(items);
+    std::vector<PointLeaf*> itemLeaves, blockLeaves;
+    for (const LeafRange& range : leaves) {
+        itemLeaves.push_back(grids.items->tree().touchLeaf(range.origin));
+        initializeLeaf(*itemLeaves.back(), range.end - range.begin, itemSpecs, itemDescriptors);
+        const std::size_t blocks = items.firstBlock[range.end] - items.firstBlock[range.begin];
+        blockLeaves.push_back(blocks ? grids.blocks->tree().touchLeaf(range.origin) : nullptr);
+        if (blocks) initializeLeaf(*blockLeaves.back(), blocks, blockSpecs, blockDescriptors);
+    }
+    parallelFor(leaves.size(), 16, [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            fillItemLeaf(*itemLeaves[i], leaves[i], items, baseCells);
+            if (blockLeaves[i]) fillBlockLeaf(*blockLeaves[i], leaves[i], items);
+        }
+    });
+    return grids;
+}
+
+openvdb::MetaMap toMetadata(const CacheHeader& header, const CacheItems& items) {
+    openvdb::MetaMap meta;
+    meta.insertMeta(kFormatKey, openvdb::Int32Metadata(kCacheFormat));
+    meta.insertMeta("level", openvdb::Int32Metadata(header.level));
+    meta.insertMeta("adaptive", openvdb::BoolMetadata(header.adaptive));
+    meta.insertMeta("spacing", openvdb::DoubleMetadata(header.spacing));
+    meta.insertMeta("rays", openvdb::Int32Metadata(header.rays));
+    meta.insertMeta("seeds", openvdb::StringMetadata(header.seeds));
+    meta.insertMeta("up_axis", openvdb::StringMetadata(header.upAxis));
+    meta.insertMeta("unit", openvdb::DoubleMetadata(header.unit));
+    meta.insertMeta("fingerprint", openvdb::StringMetadata(fingerprintText(header.fingerprint)));
+    meta.insertMeta("version", openvdb::StringMetadata(header.version));
+    meta.insertMeta("items", openvdb::Int64Metadata(static_cast<std::int64_t>(items.size())));
+    return meta;
+}
+
+}  // namespace
+
+std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
+                          const CacheItems& items) {
+    initializeOpenVdb();
+    requireWritable(path);
+    const PointGrids points = buildPointGrids(header, items);
+    const VoxelRuns runs = findVoxels(items);
+    const auto volume = [&](const VolumeGrid& grid) {
+        return makeVdbGrid(header, runs.voxels, grid);
+    };
+    // The points stand last, where whoever reads them meets the end of a file cut short.
+    writeVdb(path,
+             {volume(opennessGrid(header, items, runs)),
+              volume(openDirectionGrid(header, items, runs)), points.blocks, points.items},
+             toMetadata(header, items));
+    return fs::file_size(path);
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,74 @@
+#pragma once
+
+// Private to the cache's .cpp files: names types of OpenVDB.
+
+#include <openvdb/tree/ValueAccessor.h>
+
+#include <array>
+
+#include "common/cache/cache_pages.h"
+#include "common/cache/leaf_view.h"
+#include "common/cache/point_layout.h"
+
+namespace shadowcache {
+
+/// The leaves of a cache that stays in its file but for the pages that are in use.
+class PagedLeaves {
+public:
+    /// @throws Error naming the file and the cause
+    PagedLeaves(const std::filesystem::path& path, const DirectionTiers& tiers,
+                std::uint64_t budget);
+
+    std::size_t items() const { return items_; }
+    std::size_t blocks() const { return blocks_; }
+    MemoryUse use() const { return pages_->use(); }
+
+    /// A thread's access; keeps the leaves it last visited.
+    class Reader {
+    public:
+        explicit Reader(const PagedLeaves& leaves);
+
+        /// Begins another lookup: what the last one found may go.
+        void beginLookup() { ++now_; }
+        /// The leaf around a voxel, or null; valid until the next lookup begins. At most eight
+        /// leaves a lookup.
+        ///
+        /// @throws Error naming the file if the leaf cannot be read
+        const LeafView* find(const openvdb::Coord& voxel);
+
+    private:
+        static constexpr std::size_t kPlaces = 1 + kMostArrays + 3;
+
+        struct Slot {
+            std::int32_t leaf = -1;
+            std::uint64_t used = 0;  ///< lookup
+            LeafView view;
+            std::array<PagePin, kPlaces> pins;
+        };
+
+        const PagedLeaves& leaves_;
+        openvdb::tree::ValueAccessor<const openvdb::Int32Tree> accessor_;
+        std::uint64_t now_ = 0;
+        std::array<Slot, 8> slots_;
+
+        void fill(Slot& slot, std::int32_t leaf);
+        void releaseOthers();
+    };
+
+private:
+    struct Leaf {
+        LeafPlace items;
+        std::int32_t blocks;  ///< in blockLeaves_; -1: none
+        std::uint64_t firstItem;
+    };
+
+    std::filesystem::path path_;
+    DirectionTiers tiers_;
+    std::vector<Leaf> leaves_;
+    PointLayout blockLeaves_;
+    openvdb::Int32Tree index_{-1};  ///< by leaf, in leaf_; -1: none
+    std::size_t items_ = 0, blocks_ = 0;
+    std::unique_ptr<CachePages> pages_;
+};
+
+}  // namespace shadowcache

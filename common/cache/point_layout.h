@@ -1,0 +1,77 @@
+#pragma once
+
+// Private to the cache's .cpp files: names types of OpenVDB.
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <vector>
+
+#include "common/cache/cache_grids.h"
+#include "common/cache/cache_pages.h"
+
+namespace shadowcache {
+
+/// An attribute that a reader of a point grid wants.
+struct ArraySpec {
+    const char* name;
+    openvdb::NamePair type;
+    openvdb::Index stride;
+};
+
+/// Most attributes that are wanted of one grid.
+inline constexpr std::size_t kMostArrays = 7;
+
+/// Where the values of a leaf's attribute lie: `offset` bytes behind the start of an unpacked page.
+struct ArrayPlace {
+    std::uint32_t page;
+    std::uint32_t offset : 31;
+    std::uint32_t uniform : 1;  ///< one value stands for all
+};
+
+struct LeafPlace {
+    openvdb::Coord origin;
+    std::uint32_t points;
+    ArrayPlace voxelEnds;  ///< 512 offsets of four bytes
+    std::array<ArrayPlace, kMostArrays> arrays;
+};
+
+/// Where everything of a point grid lies in its file, leaf by leaf in the file's order.
+using PointLayout = std::vector<LeafPlace>;
+
+/// Finds the parts of point grids in an OpenVDB file without reading them. OpenVDB itself can put
+/// off the reading, but not drop again what was read.
+class PointLayoutReader final : openvdb::io::Archive {
+public:
+    /// @throws Error naming the file and the cause
+    explicit PointLayoutReader(const std::filesystem::path& path);
+
+    /// Where the attributes `wanted` of a grid are; their pages are appended to `pages`.
+    ///
+    /// @throws Error also where the grid is laid out otherwise than OpenVDB 10 does with Blosc
+    PointLayout read(const char* grid, std::span<const ArraySpec> wanted,
+                     std::vector<FilePage>& pages);
+
+private:
+    struct Pass;
+
+    std::filesystem::path path_;
+    openvdb::SharedPtr<openvdb::io::StreamMetadata> streamMetadata_;  ///< in_ keeps its address
+    std::ifstream in_;
+    std::vector<openvdb::io::GridDescriptor> grids_;
+
+    template <class T>
+    T number();
+    [[noreturn]] void failLayout(const char* cause) const;
+    const openvdb::io::GridDescriptor& find(const char* grid) const;
+    PointLayout readTopology(const openvdb::io::GridDescriptor& grid);
+    void readSizes(Pass& pass, std::span<const ArraySpec> wanted);
+    void readPageTable(Pass& pass, std::size_t attribute);
+    void placeVoxelEnds(Pass& pass);
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,327 @@
+#include "common/cache/shadow_cache.h"
+
+#include <openvdb/tree/ValueAccessor.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "common/base/error.h"
+#include "common/cache/cache_grids.h"
+#include "common/cache/paged_leaves.h"
+
+namespace shadowcache {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Values of an attribute, one a point, as a plain array.
+template <class Value, class Array>
+const Value* values(PointLeaf& leaf, const char* name, const fs::path& path) {
+    attribute<Array>(leaf, name, 1, path);
+    auto& array = Array::cast(leaf.attributeArray(name));
+    array.expand();
+    static_assert(sizeof(Value) == sizeof(typename Array::ValueType));
+    return reinterpret_cast<const Value*>(array.constData());
+}
+
+CountRows countRows(const PointLeaf& leaf, const char* name, std::uint32_t stride,
+                    const fs::path& path) {
+    const auto& array = attribute<ByteArray>(leaf, name, stride, path);
+    if (array.isUniform()) return constantRows(static_cast<std::uint8_t>(array.get(0)));
+    return {reinterpret_cast<const std::uint8_t*>(array.constData()), stride};
+}
+
+std::uint32_t pointCount(const PointLeaf& leaf, const fs::path& path) {
+    const auto& attributes = leaf.attributeSet();
+    const openvdb::Index count = attributes.get(0)->size();
+    for (std::size_t a = 1; a < attributes.size(); ++a)
+        if (attributes.get(a)->size() != count)
+            throwFileError(path, "damaged: attributes of one leaf differ in their number");
+    return count;
+}
+
+LeafView makeView(PointLeaf& items, PointLeaf* blocks, const DirectionTiers& tiers,
+                  const fs::path& path) {
+    LeafView view;
+    static_assert(sizeof *view.voxelEnd == sizeof *items.buffer().data());
+    view.voxelEnd = reinterpret_cast<const std::uint32_t*>(items.buffer().data());
+    view.items = pointCount(items, path);
+    view.n = countRows(items, "n", tiers.baseCells(), path);
+    view.d = countRows(items, "d", tiers.baseCells(), path);
+    view.normal = values<Vec3f, VectorArray>(items, "normal", path);
+    view.position = values<Vec3f, VectorArray>(items, "P", path);
+    view.patch = values<std::int16_t, ShortArray>(items, "patch", path);
+    view.firstBlock = values<std::int32_t, IntArray>(items, "first_block", path);
+    view.blockCount = values<std::int16_t, ShortArray>(items, "block_count", path);
+    if (blocks) {
+        view.blocks = pointCount(*blocks, path);
+        view.blockKeys = values<std::int16_t, ShortArray>(*blocks, "key", path);
+        view.blockN = countRows(*blocks, "n", kBlockCells, path);
+        view.blockD = countRows(*blocks, "d", kBlockCells, path);
+    }
+    requireSound(view, tiers, path);
+    return view;
+}
+
+/// What a lookup knows of an item beside its view.
+struct Found {
+    PatchCode code;
+    float distance;  ///< of the place from the item's own plane, in spacings
+};
+
+/// Items of a lookup, in two arrays of one order.
+struct FoundItems {
+    std::span<ItemView> view;
+    std::array<Found, ShadowCache::kMaxItems> about;
+    std::size_t count = 0;
+
+    bool full() const { return count == view.size() || count == about.size(); }
+    void add(const ItemView& item, const Found& found) {
+        view[count] = item;
+        about[count++] = found;
+    }
+};
+
+/// Of parallel layers of a voxel, items `begin` and on, keeps the nearest to the place: another one
+/// sees other things.
+void keepNearestLayers(FoundItems& items, std::size_t begin) {
+    const auto sameLayer = [&](std::size_t i, std::size_t j) {
+        const PatchCode &a = items.about[i].code, &b = items.about[j].code;
+        return a.side == b.side && a.layer == b.layer;
+    };
+    std::size_t alike = begin;
+    while (alike < items.count && sameLayer(alike, begin)) ++alike;
+    if (alike == items.count) return;
+    std::array<float, ShadowCache::kMaxItems> layerDistance;  // of the layer's nearest item
+    for (std::size_t i = begin; i < items.count; ++i) {
+        layerDistance[i] = items.about[i].distance;
+        for (std::size_t j = begin; j < items.count; ++j)
+            if (sameLayer(i, j))
+                layerDistance[i] = std::min(layerDistance[i], items.about[j].distance);
+    }
+    std::size_t kept = begin;
+    std::array<bool, ShadowCache::kMaxItems> farther{};
+    for (std::size_t i = begin; i < items.count; ++i)
+        for (std::size_t j = begin; j < items.count; ++j)
+            farther[i] |= layerDistance[j] < layerDistance[i] && !sameLayer(i, j) &&
+                          areLayers(items.view[i].normal, items.view[j].normal);
+    for (std::size_t i = begin; i < items.count; ++i) {
+        if (farther[i]) continue;
+        items.view[kept] = items.view[i];
+        items.about[kept++] = items.about[i];
+    }
+    items.count = kept;
+}
+
+/// Parts of patches stand for the larger ones of their sheet of surface as far as they reach: at
+/// the rim of what was cut their weights fall to zero, and the larger ones' rise.
+void preferParts(FoundItems& items) {
+    // A sheet that lies this much nearer to the place, in spacings, is another one.
+    constexpr float kSameSheet = 0.05f;
+    std::array<int, ShadowCache::kMaxItems> cutsAt;
+    int most = 0;
+    for (std::size_t i = 0; i < items.count; ++i) {
+        cutsAt[i] = cutsOf(items.about[i].code.part);
+        most = std::max(most, cutsAt[i]);
+    }
+    std::array<float, ShadowCache::kMaxItems> left;
+    std::fill_n(left.begin(), items.count, 1.0f);
+    for (int cuts = most; cuts > 0; --cuts)
+        for (std::size_t i = 0; i < items.count; ++i) {
+            if (cutsAt[i] >= cuts) continue;
+            float reach = 0;
+            for (std::size_t j = 0; j < items.count; ++j)
+                if (cutsAt[j] == cuts &&
+                    items.about[j].distance <= items.about[i].distance + kSameSheet)
+                    reach += items.view[j].weight;
+            left[i] *= 1 - std::min(reach, 1.0f);
+        }
+    for (std::size_t i = 0; i < items.count; ++i) items.view[i].weight *= left[i];
+}
+
+/// Weight of a part of a patch at a place, by the place's distance from the part's middle along the
+/// patch: bilinear among parts of one size. Outside of its voxel it falls to zero across the patch,
+/// too. `fromMiddle`: of the voxel, in spacings.
+float partWeight(const PatchCode& code, const Vec3f& fromMiddle) {
+    const std::array<float, 2> middle = middleOf(code.part);
+    const auto inverse = static_cast<float>(1 << cutsOf(code.part));
+    float weight = std::clamp(2 - 2 * std::abs(fromMiddle[code.side / 2]), 0.0f, 1.0f);
+    for (int k = 0; k < 2; ++k) {
+        const int axis = (code.side / 2 + 1 + k) % 3;
+        const float away =
+            std::abs(fromMiddle[axis] - middle[static_cast<std::size_t>(k)]) * inverse;
+        weight *= std::max(0.0f, 1 - away);
+    }
+    return weight;
+}
+
+/// Drops items that add next to nothing, and makes the others' weights sum to 1. Returns how many
+/// are left, at the front.
+int keepWeighty(std::span<ItemView> items) {
+    constexpr float kLeastShare = 0.03f;
+    static_assert(kLeastShare * ShadowCache::kMaxItems < 1, "one item at least must be left");
+    float sum = 0, left = 0;
+    for (const ItemView& item : items) sum += item.weight;
+    std::size_t kept = 0;
+    for (const ItemView& item : items) {
+        if (item.weight < kLeastShare * sum) continue;
+        left += item.weight;
+        items[kept++] = item;
+    }
+    for (ItemView& item : items.first(kept)) item.weight /= left;
+    return static_cast<int>(kept);
+}
+
+}  // namespace
+
+struct ShadowCache::Impl {
+    CacheHeader header;
+    std::size_t items = 0, blocks = 0;
+    std::optional<PagedLeaves> paged;  ///< with a budget; else:
+    CacheGrids grids;
+    std::vector<LeafView> leaves;
+
+    void readAll(const fs::path& path);
+};
+
+void ShadowCache::Impl::readAll(const fs::path& path) {
+    grids = readGrids(path);
+    header = grids.header;
+    for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf) {
+        leaf->setTransientData(static_cast<openvdb::Index32>(leaves.size()));
+        leaves.push_back(
+            makeView(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header.tiers(), path));
+        leaves.back().firstItem = items;
+        items += leaves.back().items;
+        blocks += leaves.back().blocks;
+    }
+}
+
+ShadowCache::ShadowCache(const fs::path& path, std::uint64_t memoryBudget)
+    : impl_(std::make_unique<Impl>()) {
+    if (memoryBudget == 0) {
+        impl_->readAll(path);
+        return;
+    }
+    impl_->header = readHeader(path);
+    impl_->paged.emplace(path, impl_->header.tiers(), memoryBudget);
+    impl_->items = impl_->paged->items();
+    impl_->blocks = impl_->paged->blocks();
+}
+
+ShadowCache::~ShadowCache() = default;
+
+const CacheHeader& ShadowCache::header() const {
+    return impl_->header;
+}
+
+std::size_t ShadowCache::itemCount() const {
+    return impl_->items;
+}
+
+std::size_t ShadowCache::blockCount() const {
+    return impl_->blocks;
+}
+
+std::size_t ShadowCache::memoryBytes() const {
+    if (impl_->paged) return impl_->paged->use().held;
+    return impl_->grids.items->memUsage() + impl_->grids.blocks->memUsage() +
+           impl_->leaves.size() * sizeof(LeafView);
+}
+
+MemoryUse ShadowCache::memoryUse() const {
+    return impl_->paged ? impl_->paged->use() : MemoryUse();
+}
+
+struct ShadowCache::Reader::Impl {
+    explicit Impl(const ShadowCache::Impl& source) : cache(source) {
+        if (source.paged)
+            paged.emplace(*source.paged);
+        else
+            accessor.emplace(source.grids.items->getConstAccessor());
+    }
+
+    const LeafView* leafAt(const openvdb::Coord& voxel) {
+        if (paged) return paged->find(voxel);
+        const PointLeaf* leaf = accessor->probeConstLeaf(voxel);
+        return leaf ? &cache.leaves[leaf->transientData()] : nullptr;
+    }
+
+    void collect(const Vec3d& position, const Vec3f& normal, float leastOfPart, FoundItems& found);
+
+    const ShadowCache::Impl& cache;
+    std::optional<PagedLeaves::Reader> paged;          ///< with a budget
+    std::optional<PointGrid::ConstAccessor> accessor;  ///< without
+};
+
+ShadowCache::Reader::Reader(const ShadowCache& cache)
+    : impl_(std::make_unique<Impl>(*cache.impl_)) {}
+ShadowCache::Reader::~Reader() = default;
+ShadowCache::Reader::Reader(Reader&&) noexcept = default;
+
+/// Appends the items around a place. Parts of patches that do not reach it weigh `leastOfPart`, or
+/// are left out if that is 0.
+void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& normal,
+                                        float leastOfPart, FoundItems& found) {
+    // Normals up to 60 degrees apart share items, the closer the more.
+    constexpr float kMinAgreement = 0.5f;
+    // Inverse of the distance from the plane of an item, in spacings, at which it counts a third.
+    constexpr float kPlaneFalloff = 5;
+    const Vec3d p = position / cache.header.spacing;
+    const Vec3d low(std::floor(p.x), std::floor(p.y), std::floor(p.z));
+    const Vec3d f = p - low;
+    const openvdb::Coord corner(static_cast<int>(low.x), static_cast<int>(low.y),
+                                static_cast<int>(low.z));
+    for (int k = 0; k < 8; ++k) {
+        const Vec3i step(k & 1, (k >> 1) & 1, k >> 2);
+        const openvdb::Coord voxel = corner.offsetBy(step.x, step.y, step.z);
+        const double trilinear =
+            (step.x ? f.x : 1 - f.x) * (step.y ? f.y : 1 - f.y) * (step.z ? f.z : 1 - f.z);
+        const LeafView* leaf = leafAt(voxel);
+        if (!leaf) continue;
+        const openvdb::Index offset = PointLeaf::coordToOffset(voxel);
+        const std::uint32_t begin = offset ? leaf->voxelEnd[offset - 1] : 0u;
+        const std::uint32_t end = leaf->voxelEnd[offset];
+        if (begin == end) continue;
+        const LeafView& view = *leaf;
+        const Vec3f fromMiddle(f - Vec3d(step));
+        const std::size_t before = found.count;
+        for (std::uint32_t i = begin; i < end && !found.full(); ++i) {
+            const float agreement = view.normal[i].dot(normal) - kMinAgreement;
+            if (agreement <= 0) continue;
+            const PatchCode code = PatchCode::of(view.patch[i]);
+            // The small addend keeps a lone item in a far corner from losing its weight altogether.
+            const float near = code.part == 0 ? static_cast<float>(trilinear) + 1e-6f
+                                              : std::max(partWeight(code, fromMiddle), leastOfPart);
+            if (near == 0) continue;
+            const auto firstBlock = static_cast<std::uint32_t>(view.firstBlock[i]);
+            const Vec3f toItem = view.position[i] - fromMiddle;
+            // Another layer of surface a little above or below sees other things.
+            const float plane = kPlaneFalloff * toItem.dot(normal);
+            const float nearness = 1 / (1 + plane * plane * (1 + plane * plane));
+            const float weight = near * std::min(1.0f, agreement / (1 - kMinAgreement)) * nearness;
+            found.add({view.n.row(i), view.d.row(i), view.blockKeys + firstBlock,
+                       view.blockN.row(firstBlock), view.blockD.row(firstBlock), view.blockN.step,
+                       view.blockD.step, static_cast<std::uint32_t>(view.blockCount[i]),
+                       view.normal[i], weight, view.firstItem + i},
+                      {code, std::abs(toItem.dot(view.normal[i]))});
+        }
+        if (found.count - before > 1) keepNearestLayers(found, before);
+    }
+}
+
+int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
+                                std::span<ItemView> out) {
+    if (impl_->paged) impl_->paged->beginLookup();
+    FoundItems found{out, {}};
+    impl_->collect(position, normal, 0, found);
+    // A place off the surface, as on something that moves, may lie beside all parts of a patch.
+    if (found.count == 0) impl_->collect(position, normal, 1e-6f, found);
+    preferParts(found);
+    return keepWeighty(out.first(found.count));
+}
+
+}  // namespace shadowcache

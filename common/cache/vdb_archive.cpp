@@ -1,0 +1,68 @@
+#include "common/cache/vdb_archive.h"
+
+#include <openvdb/io/Archive.h>
+
+#include <ostream>
+#include <streambuf>
+
+#include "common/base/atomic_file.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Gives a stream's bytes to an AtomicFile, which buffers them.
+class AtomicBuffer final : public std::streambuf {
+public:
+    explicit AtomicBuffer(AtomicFile& file) : file_(file) {}
+
+protected:
+    std::streamsize xsputn(const char* bytes, std::streamsize count) override {
+        file_.write(bytes, static_cast<std::size_t>(count));
+        return count;
+    }
+    int_type overflow(int_type byte) override {
+        const char c = traits_type::to_char_type(byte);
+        file_.write(&c, 1);
+        return byte;
+    }
+    pos_type seekoff(off_type offset, std::ios_base::seekdir from,
+                     std::ios_base::openmode) override {
+        const auto here = static_cast<off_type>(file_.position());
+        if (from == std::ios_base::end) return pos_type(off_type(-1));
+        return seekpos(pos_type(from == std::ios_base::cur ? here + offset : offset), {});
+    }
+    pos_type seekpos(pos_type position, std::ios_base::openmode) override {
+        file_.seek(static_cast<std::uint64_t>(off_type(position)));
+        return position;
+    }
+
+private:
+    AtomicFile& file_;
+};
+
+/// OpenVDB's writer on a stream that may seek; File, which has one too, opens its own stream.
+class SeekableArchive final : public openvdb::io::Archive {
+public:
+    void write(std::ostream& stream, const openvdb::GridCPtrVec& grids,
+               const openvdb::MetaMap& metadata) const {
+        Archive::write(stream, grids, /*seekable=*/true, metadata);
+    }
+};
+
+}  // namespace
+
+void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,
+              const openvdb::MetaMap& metadata) {
+    AtomicFile file(path);
+    AtomicBuffer buffer(file);
+    std::ostream stream(&buffer);
+    // With this the file's own Error comes through the stream.
+    stream.exceptions(std::ios_base::badbit | std::ios_base::failbit);
+    SeekableArchive archive;
+    archive.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+    archive.write(stream, grids, metadata);
+    file.commit();
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,116 @@
+#include "common/cache/volume_grids.h"
+
+#include "common/cache/cache_grids.h"
+#include "common/cache/vdb_archive.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Calls `add(voxel, cell, n / d, weight)` for every counted base region of every item; parts of
+/// patches weigh what they are of the whole.
+template <class Add>
+void forBaseRegions(const CacheHeader& header, const CacheItems& items, const VoxelRuns& runs,
+                    const Add& add) {
+    const std::size_t cells = header.tiers().baseCells();
+    for (std::size_t v = 0; v < runs.voxels.size(); ++v)
+        for (std::size_t i = runs.firstItem[v]; i < runs.firstItem[v + 1]; ++i) {
+            const float weight = shareOf(PatchCode::of(items.patch[i]).part);
+            for (std::size_t c = 0; c < cells; ++c) {
+                const unsigned d = items.d[i * cells + c];
+                if (d > 0)
+                    add(v, c, static_cast<float>(items.n[i * cells + c]) / static_cast<float>(d),
+                        weight);
+            }
+        }
+}
+
+template <class Grid>
+typename Grid::Ptr makeGrid(const CacheHeader& header, const VolumeGrid& grid) {
+    auto out = Grid::create();
+    out->setName(grid.name);
+    out->setTransform(makeTransform(header.spacing));
+    out->setSaveFloatAsHalf(true);
+    return out;
+}
+
+}  // namespace
+
+VoxelRuns findVoxels(const CacheItems& items) {
+    VoxelRuns runs;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (i > 0 && items.voxel[i] == items.voxel[i - 1]) continue;
+        runs.voxels.push_back(items.voxel[i]);
+        runs.firstItem.push_back(i);
+    }
+    runs.firstItem.push_back(items.size());
+    return runs;
+}
+
+VolumeGrid opennessGrid(const CacheHeader& header, const CacheItems& items, const VoxelRuns& runs) {
+    std::vector<double> open(runs.voxels.size()), counted(runs.voxels.size());
+    forBaseRegions(header, items, runs, [&](std::size_t v, std::size_t, float share, float weight) {
+        open[v] += static_cast<double>(share * weight);
+        counted[v] += static_cast<double>(weight);
+    });
+    VolumeGrid grid{kOpennessGrid, VolumeKind::fog, {}};
+    for (std::size_t v = 0; v < open.size(); ++v)
+        grid.values.emplace_back(counted[v] > 0 ? static_cast<float>(open[v] / counted[v]) : 0.0f);
+    return grid;
+}
+
+VolumeGrid openDirectionGrid(const CacheHeader& header, const CacheItems& items,
+                             const VoxelRuns& runs) {
+    const DirectionTiers tiers = header.tiers();
+    std::vector<Vec3f> centers;
+    for (std::uint32_t c = 0; c < tiers.baseCells(); ++c)
+        centers.emplace_back(cellCenter(tiers.baseLevel(), c));
+    VolumeGrid grid{kOpenDirectionGrid, VolumeKind::direction,
+                    std::vector<Vec3f>(runs.voxels.size(), Vec3f(0))};
+    std::vector<float> counted(runs.voxels.size());
+    forBaseRegions(header, items, runs,
+                   [&](std::size_t v, std::size_t c, float share, float weight) {
+                       grid.values[v] += centers[c] * (share * weight);
+                       counted[v] += weight;
+                   });
+    for (std::size_t v = 0; v < counted.size(); ++v)
+        if (counted[v] > 0) grid.values[v] /= counted[v];
+    return grid;
+}
+
+openvdb::math::Transform::Ptr makeTransform(double spacing) {
+    // OpenVDB refuses voxels below 1.5e-5 units: finer ones are shown a thousandfold; lookups go by
+    // the metadata's spacing.
+    constexpr double kLeastVoxel = 2e-5;
+    while (spacing > 0 && spacing < kLeastVoxel) spacing *= 1000;
+    return openvdb::math::Transform::createLinearTransform(spacing);
+}
+
+openvdb::GridBase::Ptr makeVdbGrid(const CacheHeader& header, const std::vector<Vec3i>& voxels,
+                                   const VolumeGrid& grid) {
+    const auto fill = [&](auto out, auto valueOf) -> openvdb::GridBase::Ptr {
+        auto accessor = out->getAccessor();
+        for (std::size_t v = 0; v < voxels.size(); ++v)
+            accessor.setValue(toCoord(voxels[v]), valueOf(grid.values[v]));
+        return out;
+    };
+    if (grid.kind == VolumeKind::fog) {
+        auto out = makeGrid<openvdb::FloatGrid>(header, grid);
+        out->setGridClass(openvdb::GRID_FOG_VOLUME);
+        return fill(out, [](const Vec3f& value) { return value.x; });
+    }
+    auto out = makeGrid<openvdb::Vec3SGrid>(header, grid);
+    out->setVectorType(grid.kind == VolumeKind::direction ? openvdb::VEC_CONTRAVARIANT_RELATIVE
+                                                          : openvdb::VEC_INVARIANT);
+    return fill(out, [](const Vec3f& value) { return openvdb::Vec3s(value.x, value.y, value.z); });
+}
+
+void writeVolumes(const std::filesystem::path& path, const CacheHeader& header,
+                  const std::vector<Vec3i>& voxels, const std::vector<VolumeGrid>& grids) {
+    initializeOpenVdb();
+    openvdb::GridCPtrVec out;
+    for (const VolumeGrid& grid : grids) out.push_back(makeVdbGrid(header, voxels, grid));
+    writeVdb(path, out, {});
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,128 @@
+#include "common/cli/command_help.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <regex>
+#include <sstream>
+
+#include "common/base/version.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Text as roff shows it literally.
+std::string roff(const std::string& text) {
+    std::string out;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        if (!out.empty()) out += "\n.br\n";
+        if (line.starts_with(".") || line.starts_with("'")) out += "\\&";
+        for (const char c : line) out += c == '\\' ? "\\e" : (c == '-' ? "\\-" : std::string(1, c));
+    }
+    return out;
+}
+
+std::vector<const CLI::Option*> optionsOf(const CLI::App& app, const std::string& group) {
+    return app.get_options([&](const CLI::Option* option) {
+        return option->get_group() == group && option->nonpositional();
+    });
+}
+
+std::string entry(const CLI::Option& option, bool positional) {
+    CLI::Formatter formatter;
+    // Long lists of choices may break after a comma.
+    const std::string type =
+        std::regex_replace(roff(formatter.make_option_opts(&option)), std::regex(","), ",\\:");
+    return ".TP\n\\fB" + roff(formatter.make_option_name(&option, positional)) + "\\fR" + type +
+           "\n" + roff(option.get_description()) + "\n";
+}
+
+/// The choices that stand in the name of an option's type as {a,b}; empty if it has none.
+std::string choicesOf(const CLI::Option& option) {
+    static const std::regex braces(R"(\{([^}]*)\})");
+    std::smatch match;
+    const std::string type = option.get_type_name();
+    if (!std::regex_search(type, match, braces)) return "";
+    std::string words = match[1];
+    std::replace(words.begin(), words.end(), ',', ' ');
+    return words;
+}
+
+std::string namesOf(const CLI::Option& option, const char* between) {
+    std::string names;
+    for (const std::string& name : option.get_lnames())
+        names += (names.empty() ? "--" : between + std::string("--")) + name;
+    for (const std::string& name : option.get_snames())
+        names += (names.empty() ? "-" : between + std::string("-")) + name;
+    return names;
+}
+
+}  // namespace
+
+std::string manPage(const CLI::App& app) {
+    std::string name = app.get_name(), upper = name;
+    std::transform(upper.begin(), upper.end(), upper.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    std::string page = ".TH " + upper + " 1 \"\" \"shadowcache " + kVersion +
+                       "\" \"User Commands\"\n.SH NAME\n" + roff(name) + " \\- " +
+                       roff(app.get_description()) + "\n.SH SYNOPSIS\n.B " + roff(name) +
+                       "\n[OPTIONS]";
+    const auto positionals =
+        app.get_options([](const CLI::Option* option) { return option->get_positional(); });
+    for (const CLI::Option* option : positionals)
+        page += " " + roff(option->get_name(true)) +
+                (option->get_items_expected_max() > 1 ? "..." : "");
+    page += "\n.SH ARGUMENTS\n";
+    for (const CLI::Option* option : positionals) page += entry(*option, true);
+    page += ".SH OPTIONS\n";
+    for (const std::string& group : app.get_groups()) {
+        const auto options = optionsOf(app, group);
+        if (group.empty() || options.empty()) continue;
+        if (group != "Options") page += ".SS " + roff(group) + "\n";
+        for (const CLI::Option* option : options) page += entry(*option, false);
+    }
+    page += ".SH NOTES\n.nf\n" +
+            std::regex_replace(roff(app.get_footer()), std::regex("\n\\.br"), "") +
+            "\n.fi\n.SH SEE ALSO\n";
+    for (const std::string other : {"bake", "info", "merge", "render"})
+        if (name != "shadowcache-" + other) page += ".BR shadowcache\\-" + other + " (1)\n";
+    return page;
+}
+
+std::string bashCompletion(const CLI::App& app) {
+    std::string function = "_" + app.get_name(), choices, silent, all;
+    std::replace(function.begin(), function.end(), '-', '_');
+    for (const CLI::Option* option : app.get_options()) {
+        if (!option->nonpositional() || option->get_group().empty()) continue;
+        all += (all.empty() ? "" : " ") + namesOf(*option, " ");
+        const std::string words = choicesOf(*option);
+        const bool file = option->get_type_name().find("TEXT") != std::string::npos;
+        if (!words.empty())
+            choices += "        " + namesOf(*option, "|") +
+                       ") mapfile -t COMPREPLY < <(compgen -W '" + words +
+                       "' -- \"$word\"); return ;;\n";
+        else if (option->get_items_expected_max() > 0 && !file)
+            silent += (silent.empty() ? "" : "|") + namesOf(*option, "|");
+    }
+    if (!silent.empty()) choices += "        " + silent + ") return ;;\n";
+    return "# Completion of " + app.get_name() + " " + kVersion + " for bash.\n" + function +
+           "() {\n"
+           "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
+           "    COMPREPLY=()\n"
+           "    case $before in\n" +
+           choices +
+           "    esac\n"
+           "    if [[ $word == -* ]]; then\n"
+           "        mapfile -t COMPREPLY < <(compgen -W '" +
+           all +
+           "' -- \"$word\")\n"
+           "    else\n"
+           "        mapfile -t COMPREPLY < <(compgen -f -- \"$word\")\n"
+           "    fi\n"
+           "}\n"
+           "complete -o filenames -F " +
+           function + " " + app.get_name() + "\n";
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,168 @@
+#include "common/cli/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <regex>
+
+#include "common/base/atomic_file.h"
+#include "common/base/option_checks.h"
+#include "common/base/suggestion.h"
+#include "common/base/version.h"
+#include "common/cli/command_help.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// TOML without sections: CLI11 would pass over what stands in one.
+class SettingsFormat final : public CLI::ConfigTOML {
+public:
+    SettingsFormat() {
+        // "shot.####.exr" would end at the first #, quoted or not: comments have lines of their
+        // own.
+        comment('\1');
+    }
+
+    std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+        std::vector<CLI::ConfigItem> found = CLI::ConfigTOML::from_config(input);
+        for (const CLI::ConfigItem& item : found)
+            if (!item.parents.empty())
+                throw CLI::ConfigError("settings file: section [" + item.parents.front() +
+                                       "], wanted options alone");
+        return found;
+    }
+};
+
+void printAndEnd(const std::string& text) {
+    std::fputs(text.c_str(), stdout);
+    throw CLI::Success();
+}
+
+/// What was typed, or stands in the settings file, and is no option; empty if there is none.
+std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
+    const std::vector<std::string> left = app.remaining();
+    for (const std::string& word : left)
+        if (word.starts_with("-") && word.size() > 1) return word.substr(0, word.find('='));
+    // Behind an unknown option its value may have been taken for something else.
+    const bool extras = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    return extras && !left.empty() ? left.front() : "";
+}
+
+/// The long option that was meant, with as many dashes as were typed; empty if none is near.
+std::string meantOption(const CLI::App& app, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& name : option->get_lnames())
+            if (!option->get_group().empty()) names.push_back(name);
+    const std::size_t dashes = std::min(word.find_first_not_of('-'), word.size());
+    const std::string name = nearestWord(word.substr(dashes), names);
+    return name.empty() ? "" : (dashes > 0 ? "--" : "") + name;
+}
+
+int reportWrongUsage(const CLI::App& app, const CLI::ParseError& error) {
+    const std::string word = unknownWord(app, error);
+    const std::string meant = word.empty() ? "" : meantOption(app, word);
+    const std::string cause =
+        word.empty()
+            ? error.what()
+            : word + ": no such option" + (meant.empty() ? "" : ", did you mean " + meant + "?");
+    std::fprintf(stderr, "%s: %s\nRun with --help for more information.\n", app.get_name().c_str(),
+                 cause.c_str());
+    return word.empty() ? error.get_exit_code() : static_cast<int>(CLI::ExitCodes::ExtrasError);
+}
+
+/// CLI11 takes an empty text for a 0, and for a path that was never given.
+void requireValues(const CLI::App& app) {
+    for (const CLI::Option* option : app.get_options())
+        if (option->count() > 0)
+            for (const std::string& value : option->results())
+                if (value.empty())
+                    throw CLI::ValidationError(option->get_name(), "empty, wanted a value");
+}
+
+}  // namespace
+
+void beginCommandLine(CLI::App& app) {
+    app.option_defaults()->take_last();
+    app.set_version_flag("--version", app.get_name() + " " + kVersion);
+    // Unknown keys of a settings file are treated like unknown options.
+    app.allow_config_extras(CLI::config_extras_mode::capture);
+    app.config_formatter(std::make_shared<SettingsFormat>());
+}
+
+std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
+                                    const std::function<void()>& check) {
+    const std::string group = "Settings file";
+    std::filesystem::path written;
+    app.set_config("--config", "", "Take options from a file (TOML); the command line goes first")
+        ->type_name("TEXT")
+        ->group(group);
+    app.add_option("--write-config", written, "Write this run's options to a file (.toml)")
+        ->configurable(false)
+        ->group(group);
+    const auto addPrinter = [&app](const char* name, std::string (*text)(const CLI::App&)) {
+        app.add_flag_callback(name, [&app, text] { printAndEnd(text(app)); })
+            ->configurable(false)
+            ->group("");
+    };
+    addPrinter("--man-page", manPage);
+    addPrinter("--bash-completion", bashCompletion);
+    try {
+        app.parse(argc, argv);
+        requireValues(app);
+        check();
+    } catch (const CLI::Success& e) {
+        return app.exit(e);
+    } catch (const CLI::ParseError& e) {
+        return reportWrongUsage(app, e);
+    }
+    if (!written.empty()) {
+        requireExtension(written, ".toml");
+        // Only what was given: a default, read back, would count as given and may exclude another.
+        const std::string text = app.config_to_str(false, false);
+        AtomicFile file(written);
+        file.write(text.data(), text.size());
+        file.commit();
+    }
+    return std::nullopt;
+}
+
+std::uint64_t parseSize(const char* option, const std::string& text) {
+    static const std::regex size(R"((\d{1,15}(?:\.\d{1,15})?)([KMGT]?)(?:i?B)?)",
+                                 std::regex::icase);
+    std::smatch match;
+    double bytes = 0;
+    if (std::regex_match(text, match, size)) {
+        const std::string unit = match[2];
+        const std::size_t power =
+            unit.empty() ? 0 : 1 + std::string("KMGT").find(static_cast<char>(unit[0] & ~0x20));
+        bytes = std::stod(match[1]) * std::pow(1024.0, static_cast<double>(power));
+    }
+    if (!(bytes >= 1 && bytes <= 0x1p62))
+        throw Error(std::string(option) + " " + text +
+                    ": wanted a size in bytes, as in 4G, 1.5G or 512M");
+    return static_cast<std::uint64_t>(bytes);
+}
+
+std::string notNegative(const std::string& text) {
+    return text.starts_with("-") ? text + ", wanted 0 or more" : "";
+}
+
+std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app) {
+    std::vector<std::pair<std::string, std::string>> settings;
+    for (const CLI::Option* option : app.get_options()) {
+        if (!option->get_configurable()) continue;
+        std::string value = option->get_default_str();
+        if (option->count() > 0) {
+            value.clear();
+            for (const std::string& part : option->reduced_results())
+                value += (value.empty() ? "" : " ") + part;
+        }
+        if (!value.empty()) settings.emplace_back(option->get_single_name(), value);
+    }
+    return settings;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,92 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/atomic_file.h"
+#include "common/base/error.h"
+#include "common/image/exr.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Gives the library's stream calls to an AtomicFile.
+class AtomicStream final : public Imf::OStream {
+public:
+    AtomicStream(AtomicFile& file, const std::string& name)
+        : Imf::OStream(name.c_str()), file_(file) {}
+    void write(const char bytes[], int count) override {
+        file_.write(bytes, static_cast<std::size_t>(count));
+    }
+    std::uint64_t tellp() override { return file_.position(); }
+    void seekp(std::uint64_t position) override { file_.seek(position); }
+
+private:
+    AtomicFile& file_;
+};
+
+/// Nearest half; finite values stay finite.
+std::vector<half> toHalf(const std::vector<float>& values) {
+    constexpr float kMax = 65504.0f;
+    std::vector<half> halves;
+    halves.reserve(values.size());
+    for (const float v : values) {
+        halves.emplace_back(std::isfinite(v) ? std::clamp(v, -kMax, kMax) : v);
+    }
+    return halves;
+}
+
+Imf::Header makeHeader(int width, int height, const std::vector<Channel>& channels,
+                       const Metadata& metadata, PixelType type) {
+    Imf::Header header(width, height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const Channel& channel : channels) {
+        header.channels().insert(channel.name,
+                                 Imf::Channel(type == PixelType::half ? Imf::HALF : Imf::FLOAT));
+    }
+    for (const auto& [name, value] : metadata) header.insert(name, Imf::StringAttribute(value));
+    return header;
+}
+
+}  // namespace
+
+void writeExr(const std::filesystem::path& path, int width, int height,
+              const std::vector<Channel>& channels, const Metadata& metadata, PixelType type) {
+    translated(path, [&] {
+        AtomicFile target(path);
+        {
+            AtomicStream stream(target, path.string());
+            Imf::OutputFile output(stream, makeHeader(width, height, channels, metadata, type));
+            const auto columns = static_cast<std::size_t>(width);
+            std::vector<std::vector<half>> halves;
+            Imf::FrameBuffer frame;
+            for (const Channel& channel : channels) {
+                if (channel.values.size() != columns * static_cast<std::size_t>(height)) {
+                    throwFileError(path, "channel " + channel.name + " has " +
+                                             std::to_string(channel.values.size()) +
+                                             " values, expected width * height");
+                }
+                const void* values = channel.values.data();
+                std::size_t stride = sizeof(float);
+                if (type == PixelType::half) {
+                    values = halves.emplace_back(toHalf(channel.values)).data();
+                    stride = sizeof(half);
+                }
+                frame.insert(
+                    channel.name,
+                    Imf::Slice::Make(type == PixelType::half ? Imf::HALF : Imf::FLOAT, values,
+                                     output.header().dataWindow(), stride, stride * columns));
+            }
+            output.setFrameBuffer(frame);
+            output.writePixels(height);
+        }  // the library writes its table of offsets here
+        target.commit();
+    });
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,242 @@
+#include "common/image/image.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#ifndef __clang_analyzer__  // which finds what is not ours to mend
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#endif
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_HDR
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_PNG
+#define STBI_NO_STDIO
+#include <stb/stb_image.h>
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_image_write.h>
+
+#include "common/base/atomic_file.h"
+#include "common/base/error.h"
+#include "common/base/file_bytes.h"
+#include "common/image/exr.h"
+#include "common/image/srgb.h"
+#include "common/mesh/material.h"
+
+namespace shadowcache {
+
+namespace {
+
+constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01";
+
+struct HdrHeader {
+    std::size_t width = 0;
+    std::size_t height = 0;
+    std::size_t bytes = 0;
+    float exposure = 1.0f;  ///< texels are to be divided by it
+};
+
+/// Header lines up to an empty one, then "-Y HEIGHT +X WIDTH".
+HdrHeader parseHdrHeader(const std::filesystem::path& path, const std::string& content) {
+    HdrHeader header;
+    TextScanner text(path, content, false);
+    while (true) {
+        if (!text.nextLine()) throwFileError(path, "truncated: ends within the HDR header");
+        const std::string_view word = text.wordOnLine();
+        if (word.empty()) break;
+        if (word.starts_with("FORMAT=") && word != "FORMAT=32-bit_rle_rgbe") {
+            text.fail("'" + std::string(word.substr(0, 30)) + "', expected FORMAT=32-bit_rle_rgbe");
+        }
+        if (word.starts_with("EXPOSURE=")) {
+            const std::string_view value = word.substr(9);
+            header.exposure *=
+                static_cast<float>(text.number(value.empty() ? text.wordOnLine() : value));
+        }
+    }
+    text.nextLine();
+    const auto side = [&](std::string_view axis) {
+        const std::string_view found = text.wordOnLine();
+        if (found != axis) {
+            text.fail("resolution axis '" + std::string(found.substr(0, 20)) + "', expected '" +
+                      std::string(axis) + "'");
+        }
+        const long long size = text.integer(text.wordOnLine());
+        if (size < 1 || size > (1 << 24)) {
+            text.fail("side of " + std::to_string(size) + " pixels, expected 1 to 16777216");
+        }
+        return static_cast<std::size_t>(size);
+    };
+    header.height = side("-Y");
+    header.width = side("+X");
+    if (!text.nextLine()) throwFileError(path, "truncated: ends after the HDR header");
+    header.bytes = content.size() - text.bytesLeft();
+    return header;
+}
+
+/// Bytes of one run-length coded row at the start of `data`; 0 if it is cut off or damaged.
+std::size_t codedRowBytes(std::string_view data, std::size_t width) {
+    std::size_t at = 4;
+    for (int channel = 0; channel < 4; ++channel) {
+        for (std::size_t x = 0; x < width;) {
+            if (at >= data.size()) return 0;
+            const auto code = static_cast<unsigned char>(data[at]);
+            const std::size_t length = code > 128 ? code - 128u : code;
+            at += code > 128 ? 2 : 1 + length;
+            x += length;
+            if (length == 0 || x > width) return 0;
+        }
+    }
+    return at <= data.size() ? at : 0;
+}
+
+/// stb reads what is missing as zeros, so every row is looked for before it is called.
+void requireAllHdrRows(const std::filesystem::path& path, const HdrHeader& header,
+                       std::string_view data) {
+    constexpr std::size_t kLeastCodedWidth = 8;
+    constexpr std::size_t kMostCodedWidth = 32767;
+    const bool coded = header.width >= kLeastCodedWidth && header.width <= kMostCodedWidth &&
+                       data.size() >= 4 && data[0] == 2 && data[1] == 2 && (data[2] & 0x80) == 0;
+    if (!coded) {
+        const double wanted =
+            4.0 * static_cast<double>(header.width) * static_cast<double>(header.height);
+        if (wanted > static_cast<double>(data.size())) {
+            throwFileError(path, "truncated: " + std::to_string(data.size()) +
+                                     " bytes of texels, expected " +
+                                     std::to_string(static_cast<long long>(wanted)));
+        }
+        return;
+    }
+    for (std::size_t y = 0; y < header.height; ++y) {
+        const bool marked = data.size() >= 4 && data[0] == 2 && data[1] == 2 &&
+                            (static_cast<unsigned char>(data[2]) * 256u +
+                             static_cast<unsigned char>(data[3])) == header.width;
+        const std::size_t bytes = marked ? codedRowBytes(data, header.width) : 0;
+        if (bytes == 0) {
+            throwFileError(path, "truncated or damaged: row " + std::to_string(y) + " of " +
+                                     std::to_string(header.height) + " is not whole");
+        }
+        data.remove_prefix(bytes);
+    }
+}
+
+Image readHdr(const std::filesystem::path& path) {
+    const std::string content = readFileBytes(path);
+    const HdrHeader header = parseHdrHeader(path, content);
+    requireAllHdrRows(path, header, std::string_view(content).substr(header.bytes));
+    if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+        throwFileError(path, "larger than 2 GB, expected a smaller HDR file");
+    }
+    int width = 0;
+    int height = 0;
+    int channels = 0;
+    const std::unique_ptr<float, decltype(&std::free)> texels(
+        stbi_loadf_from_memory(reinterpret_cast<const stbi_uc*>(content.data()),
+                               static_cast<int>(content.size()), &width, &height, &channels, 3),
+        &std::free);
+    if (!texels) throwFileError(path, std::string("no Radiance HDR: ") + stbi_failure_reason());
+
+    Image image{width, height, {}};
+    image.pixels.resize(header.width * header.height);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const float* t = texels.get() + 3 * i;
+        image.pixels[i] = Rgb(t[0], t[1], t[2]) / header.exposure;
+    }
+    return image;
+}
+
+/// Makes every texel usable as radiance and counts what was not.
+void mend(RadianceImage& result) {
+    for (Rgb& pixel : result.image.pixels) {
+        if (!std::isfinite(pixel.x) || !std::isfinite(pixel.y) || !std::isfinite(pixel.z)) {
+            pixel = Rgb(0.0f);
+            ++result.notFinite;
+        } else if (pixel.x < 0.0f || pixel.y < 0.0f || pixel.z < 0.0f) {
+            pixel = Rgb(std::max(pixel.x, 0.0f), std::max(pixel.y, 0.0f), std::max(pixel.z, 0.0f));
+            ++result.negative;
+        }
+    }
+}
+
+unsigned char encode(float value, float gain) {
+    const float linear = value * gain;
+    if (!(linear > 0.0f)) return 0;  // NaN, too
+    return static_cast<unsigned char>(std::lround(255.0f * linearToSrgb(std::min(linear, 1.0f))));
+}
+
+}  // namespace
+
+RadianceImage readRadiance(const std::filesystem::path& path) {
+    requireReadableFile(path);
+    std::string magic(kExrMagic.size(), '\0');
+    std::ifstream(path, std::ios::binary)
+        .read(magic.data(), static_cast<std::streamsize>(magic.size()));
+
+    RadianceImage result;
+    if (magic == kExrMagic) {
+        result = readExrRadiance(path);
+    } else if (magic.starts_with("#?")) {
+        result.image = readHdr(path);
+    } else {
+        throwFileError(path, "is neither OpenEXR nor Radiance HDR");
+    }
+    mend(result);
+    return result;
+}
+
+Texture decodeTexture(std::string_view bytes, std::string& cause) {
+    Texture texture;
+    if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+        cause = "larger than 2 GB";
+        return texture;
+    }
+    int channels = 0;
+    const std::unique_ptr<stbi_uc, decltype(&std::free)> texels(
+        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
+                              static_cast<int>(bytes.size()), &texture.width, &texture.height,
+                              &channels, 4),
+        &std::free);
+    if (!texels) {
+        cause = stbi_failure_reason();
+        return {};
+    }
+    texture.rgba.assign(texels.get(), texels.get() + 4 * static_cast<std::size_t>(texture.width) *
+                                                         static_cast<std::size_t>(texture.height));
+    return texture;
+}
+
+std::string encodePng(const Image& image, float exposure) {
+    const float gain = std::exp2(exposure);
+    std::vector<unsigned char> bytes;
+    bytes.reserve(image.pixels.size() * 3);
+    for (const Rgb& pixel : image.pixels) {
+        for (const float value : {pixel.x, pixel.y, pixel.z}) bytes.push_back(encode(value, gain));
+    }
+    std::string png;
+    const auto append = [](void* context, void* data, int size) {
+        static_cast<std::string*>(context)->append(static_cast<const char*>(data),
+                                                   static_cast<std::size_t>(size));
+    };
+    if (!stbi_write_png_to_func(append, &png, image.width, image.height, 3, bytes.data(),
+                                image.width * 3)) {
+        throw Error("a picture of " + std::to_string(image.width) + "x" +
+                    std::to_string(image.height) + " could not be encoded as PNG");
+    }
+    return png;
+}
+
+void writePng(const std::filesystem::path& path, const Image& image, float exposure) {
+    const std::string png = encodePng(image, exposure);
+    AtomicFile file(path);
+    file.write(png.data(), png.size());
+    file.commit();
+}
+
+}  // namespace shadowcache

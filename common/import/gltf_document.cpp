@@ -1,0 +1,329 @@
+#include "common/import/gltf_document.h"
+
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/error.h"
+#include "common/import/gltf_file.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Accessors of nothing but zeros could claim any size; those of real files are small.
+constexpr std::size_t kMaxZeros = std::size_t{1} << 24;
+
+/// Turns tinygltf's model, which checks little, into a document.
+class Converter {
+public:
+    Converter(const std::filesystem::path& path, tinygltf::Model model)
+        : path_(path), model_(std::move(model)) {}
+
+    GltfDocument run() {
+        out_.path = path_;
+        for (auto& buffer : model_.buffers) out_.storage.push_back(std::move(buffer.data));
+        for (std::size_t i = 0; i < model_.accessors.size(); ++i) addAccessor(i);
+        for (const auto& texture : model_.textures) addTexture(texture);
+        for (const auto& material : model_.materials) addMaterial(material);
+        for (const auto& mesh : model_.meshes) addMesh(mesh);
+        for (const auto& camera : model_.cameras) addCamera(camera);
+        for (const auto& node : model_.nodes) addNode(node);
+        linkNodes();
+        for (const auto& animation : model_.animations) addAnimation(animation);
+        return std::move(out_);
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& cause) const { throwFileError(path_, cause); }
+
+    template <class T>
+    void requireIndex(const std::string& what, int index, const std::vector<T>& list) const {
+        if (index < 0 || static_cast<std::size_t>(index) >= list.size())
+            fail(what + " " + std::to_string(index) + ", expected one below " +
+                 std::to_string(list.size()));
+    }
+
+    void requireFinite(const std::string& what, std::initializer_list<double> values) const {
+        for (const double v : values)
+            if (!std::isfinite(v)) fail(what + " is not finite");
+    }
+
+    std::string_view viewBytes(const std::string& owner, int index) const {
+        requireIndex(owner + ": buffer view", index, model_.bufferViews);
+        const auto& view = model_.bufferViews[static_cast<std::size_t>(index)];
+        requireIndex(owner + ": buffer", view.buffer, out_.storage);
+        const auto& data = out_.storage[static_cast<std::size_t>(view.buffer)];
+        if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
+            fail(owner + ": " + std::to_string(view.byteLength) + " bytes at " +
+                 std::to_string(view.byteOffset) + " of a buffer of " +
+                 std::to_string(data.size()) + ", expected them within it");
+        return {reinterpret_cast<const char*>(data.data()) + view.byteOffset, view.byteLength};
+    }
+
+    /// `count` elements of a buffer view.
+    GltfArray array(const std::string& owner, int view, std::size_t offset, int type,
+                    std::size_t components, std::size_t count) const {
+        const std::size_t element = gltfTypeSize(type) * components;
+        if (element == 0)
+            fail(owner + ": component type " + std::to_string(type) +
+                 ", expected 5120 to 5123, 5125 or 5126");
+        GltfArray result{{}, static_cast<GltfType>(type), components, element};
+        if (view < 0) return result;
+        const std::string_view bytes = viewBytes(owner, view);
+        const std::size_t stride = model_.bufferViews[static_cast<std::size_t>(view)].byteStride;
+        if (stride != 0) result.stride = stride;
+        const std::size_t room = bytes.size() < offset ? 0 : bytes.size() - offset;
+        if (result.stride < element || room < element ||
+            (room - element) / result.stride < count - 1)
+            fail(owner + ": " + std::to_string(count) + " elements of " + std::to_string(element) +
+                 " bytes do not fit into the " + std::to_string(room) + " of its buffer view");
+        result.bytes = bytes.substr(offset);
+        return result;
+    }
+
+    void addAccessor(std::size_t i) {
+        const tinygltf::Accessor& from = model_.accessors[i];
+        const std::string owner = "accessor " + std::to_string(i);
+        if (from.count == 0) fail(owner + ": no elements, expected at least one");
+        const int components =
+            tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(from.type));
+        GltfAccessor to{from.count, from.normalized, {}, {}};
+        to.array = array(owner, from.bufferView, from.byteOffset, from.componentType,
+                         static_cast<std::size_t>(std::max(0, components)), from.count);
+        if (to.array.bytes.empty() && from.count > kMaxZeros)
+            fail(owner + ": " + std::to_string(from.count) + " zeros, expected at most " +
+                 std::to_string(kMaxZeros));
+        if (from.sparse.isSparse) addSparse(owner, from, to);
+        out_.accessors.push_back(to);
+    }
+
+    void addSparse(const std::string& owner, const tinygltf::Accessor& from, GltfAccessor& to) {
+        const auto& sparse = from.sparse;
+        if (sparse.count < 1 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
+            fail(owner + ": sparse count or offset out of range");
+        if (sparse.indices.bufferView < 0 || sparse.values.bufferView < 0)
+            fail(owner + ": sparse without buffer view");
+        const auto count = static_cast<std::size_t>(sparse.count);
+        const int type = sparse.indices.componentType;
+        if (type != static_cast<int>(GltfType::uint8) &&
+            type != static_cast<int>(GltfType::uint16) &&
+            type != static_cast<int>(GltfType::uint32))
+            fail(owner + ": sparse indices of type " + std::to_string(type) +
+                 ", expected 5121, 5123 or 5125");
+        to.sparse =
+            GltfSparse{count,
+                       array(owner, sparse.indices.bufferView,
+                             static_cast<std::size_t>(sparse.indices.byteOffset), type, 1, count),
+                       array(owner, sparse.values.bufferView,
+                             static_cast<std::size_t>(sparse.values.byteOffset), from.componentType,
+                             to.array.components, count)};
+    }
+
+    static Texture::Wrap wrapOf(int code) {
+        if (code == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Texture::Wrap::clamp;
+        if (code == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Texture::Wrap::mirror;
+        return Texture::Wrap::repeat;
+    }
+
+    void addTexture(const tinygltf::Texture& from) {
+        GltfTexture to;
+        if (from.sampler >= 0) {
+            requireIndex("sampler", from.sampler, model_.samplers);
+            const auto& sampler = model_.samplers[static_cast<std::size_t>(from.sampler)];
+            to.sampler.wrapS = wrapOf(sampler.wrapS);
+            to.sampler.wrapT = wrapOf(sampler.wrapT);
+            to.sampler.smooth = sampler.magFilter != TINYGLTF_TEXTURE_FILTER_NEAREST;
+        }
+        // A texture without a picture here has one in an extension.
+        if (from.source >= 0) {
+            requireIndex("image", from.source, model_.images);
+            auto& image = model_.images[static_cast<std::size_t>(from.source)];
+            to.name = "image " + std::to_string(from.source) +
+                      (image.uri.empty() ? "" : " (" + image.uri + ")");
+            if (image.bufferView >= 0) {
+                to.encoded = viewBytes(to.name, image.bufferView);
+            } else if (!image.image.empty()) {
+                out_.storage.push_back(image.image);
+                const auto& bytes = out_.storage.back();
+                to.encoded = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+            }
+        }
+        out_.textures.push_back(to);
+    }
+
+    void placeTexture(const tinygltf::TextureInfo& info, GltfMaterial& to) const {
+        requireIndex("texture", info.index, out_.textures);
+        to.material.texture = info.index;
+        to.texcoordSet = info.texCoord;
+        const auto found = info.extensions.find("KHR_texture_transform");
+        if (found == info.extensions.end()) return;
+        const tinygltf::Value& transform = found->second;
+        const auto pair = [&](const char* name, double fallback) {
+            const tinygltf::Value& list = transform.Get(name);
+            if (list.ArrayLen() < 2) return std::array{fallback, fallback};
+            return std::array{list.Get(0).GetNumberAsDouble(), list.Get(1).GetNumberAsDouble()};
+        };
+        const auto offset = pair("offset", 0), scale = pair("scale", 1);
+        const double angle =
+            transform.Has("rotation") ? transform.Get("rotation").GetNumberAsDouble() : 0;
+        if (transform.Has("texCoord")) to.texcoordSet = transform.Get("texCoord").GetNumberAsInt();
+        // Counter-clockwise in the picture, whose t points down.
+        const double c = std::cos(angle), s = std::sin(angle);
+        to.toS = Vec3f(Vec3d(c * scale[0], s * scale[1], offset[0]));
+        to.toT = Vec3f(Vec3d(-s * scale[0], c * scale[1], offset[1]));
+        requireFinite("KHR_texture_transform", {offset[0], offset[1], scale[0], scale[1], angle});
+    }
+
+    void addMaterial(const tinygltf::Material& from) {
+        GltfMaterial to;
+        const auto& factor = from.pbrMetallicRoughness.baseColorFactor;
+        if (factor.size() != 4) fail("material " + from.name + ": baseColorFactor is no RGBA");
+        const auto share = [&](std::size_t k) {
+            return static_cast<float>(std::isfinite(factor[k]) ? std::clamp(factor[k], 0.0, 1.0)
+                                                               : 0.0);
+        };
+        to.material.albedo = Rgb(share(0), share(1), share(2));
+        to.material.opacity = share(3);
+        to.material.cutoff = static_cast<float>(from.alphaCutoff);
+        to.material.cutOut = from.alphaMode == "MASK";
+        to.material.doubleSided = from.doubleSided;
+        to.blends = from.alphaMode == "BLEND";
+        if (from.pbrMetallicRoughness.baseColorTexture.index >= 0)
+            placeTexture(from.pbrMetallicRoughness.baseColorTexture, to);
+        out_.materials.push_back(to);
+    }
+
+    void addMesh(const tinygltf::Mesh& from) {
+        GltfMesh to{from.name, {}, false};
+        for (const double weight : from.weights) to.morphs = to.morphs || weight != 0;
+        for (const auto& primitive : from.primitives) {
+            GltfPrimitive p{primitive.mode < 0 ? 4 : primitive.mode, primitive.indices,
+                            primitive.material, primitive.attributes};
+            if (p.mode > 6)
+                fail("mesh " + from.name + ": mode " + std::to_string(p.mode) +
+                     ", expected 0 to 6");
+            if (p.indices >= 0) requireIndex("index accessor", p.indices, out_.accessors);
+            if (p.material >= 0) requireIndex("material", p.material, out_.materials);
+            for (const auto& [name, accessor] : p.attributes)
+                requireIndex(name + " accessor", accessor, out_.accessors);
+            to.primitives.push_back(std::move(p));
+        }
+        out_.meshes.push_back(std::move(to));
+    }
+
+    void addCamera(const tinygltf::Camera& from) {
+        GltfCamera to;
+        to.name = from.name;
+        to.orthographic = from.type == "orthographic";
+        to.fovY = from.perspective.yfov;
+        to.height = 2 * from.orthographic.ymag;
+        if (!to.orthographic && !(to.fovY > 0 && to.fovY < 3.14159))
+            fail("camera " + from.name + ": yfov " + std::to_string(to.fovY) +
+                 ", expected radians in (0, pi)");
+        if (to.orthographic && !(to.height > 0 && std::isfinite(to.height)))
+            fail("camera " + from.name + ": ymag " + std::to_string(to.height / 2) +
+                 ", expected a number above 0");
+        out_.cameras.push_back(to);
+    }
+
+    void addNode(const tinygltf::Node& from) {
+        GltfNode to;
+        to.name = from.name;
+        to.mesh = from.mesh;
+        to.camera = from.camera;
+        to.skinned = from.skin >= 0;
+        if (to.mesh >= 0) requireIndex("mesh", to.mesh, out_.meshes);
+        if (to.camera >= 0) requireIndex("camera", to.camera, out_.cameras);
+        if (const auto& m = from.matrix; m.size() == 16)
+            to.matrix =
+                Affine{{Vec3d(m[0], m[1], m[2]), Vec3d(m[4], m[5], m[6]), Vec3d(m[8], m[9], m[10])},
+                       Vec3d(m[12], m[13], m[14])};
+        if (const auto& t = from.translation; t.size() == 3) to.translation = {t[0], t[1], t[2]};
+        if (const auto& s = from.scale; s.size() == 3) to.scale = {s[0], s[1], s[2]};
+        if (const auto& q = from.rotation; q.size() == 4) to.rotation = {q[0], q[1], q[2], q[3]};
+        requireFinite("node " + from.name,
+                      {to.translation.x, to.translation.y, to.translation.z, to.scale.x, to.scale.y,
+                       to.scale.z, to.rotation[0], to.rotation[1], to.rotation[2], to.rotation[3]});
+        if (to.matrix && !to.matrix->isFinite()) fail("node " + from.name + " is not finite");
+        out_.nodes.push_back(std::move(to));
+    }
+
+    void linkNodes() {
+        for (std::size_t i = 0; i < model_.nodes.size(); ++i)
+            for (const int child : model_.nodes[i].children) {
+                requireIndex("child node", child, out_.nodes);
+                int& parent = out_.nodes[static_cast<std::size_t>(child)].parent;
+                if (parent >= 0)
+                    fail("node " + std::to_string(child) + " has two parents, expected one");
+                parent = static_cast<int>(i);
+            }
+        requireIndex("scene", model_.scenes.empty() ? -1 : std::max(0, model_.defaultScene),
+                     model_.scenes);
+        std::vector<int> open =
+            model_.scenes[static_cast<std::size_t>(std::max(0, model_.defaultScene))].nodes;
+        for (const int root : open) {
+            requireIndex("scene's node", root, out_.nodes);
+            if (out_.nodes[static_cast<std::size_t>(root)].parent >= 0)
+                fail("node " + std::to_string(root) + " of the scene has a parent, expected none");
+        }
+        while (!open.empty()) {
+            const int i = open.back();
+            open.pop_back();
+            GltfNode& node = out_.nodes[static_cast<std::size_t>(i)];
+            if (node.inScene) fail("node " + std::to_string(i) + " is in the scene twice");
+            node.inScene = true;
+            const auto& children = model_.nodes[static_cast<std::size_t>(i)].children;
+            open.insert(open.end(), children.begin(), children.end());
+        }
+    }
+
+    void addAnimation(const tinygltf::Animation& from) {
+        GltfAnimation to{from.name, {}};
+        for (const auto& channel : from.channels) {
+            // A channel without node belongs to an extension.
+            if (channel.target_node < 0) continue;
+            requireIndex("animated node", channel.target_node, out_.nodes);
+            requireIndex("animation sampler", channel.sampler, from.samplers);
+            const auto& sampler = from.samplers[static_cast<std::size_t>(channel.sampler)];
+            requireIndex("animation input", sampler.input, out_.accessors);
+            requireIndex("animation output", sampler.output, out_.accessors);
+            GltfChannel c;
+            c.node = channel.target_node;
+            c.times = sampler.input;
+            c.values = sampler.output;
+            using Interpolation = GltfChannel::Interpolation;
+            c.interpolation = sampler.interpolation == "STEP"          ? Interpolation::step
+                              : sampler.interpolation == "CUBICSPLINE" ? Interpolation::cubicSpline
+                                                                       : Interpolation::linear;
+            using Path = GltfChannel::Path;
+            if (channel.target_path == "translation")
+                c.path = Path::translation;
+            else if (channel.target_path == "rotation")
+                c.path = Path::rotation;
+            else if (channel.target_path == "scale")
+                c.path = Path::scale;
+            else if (channel.target_path == "weights")
+                c.path = Path::weights;
+            else
+                continue;
+            to.channels.push_back(c);
+        }
+        out_.animations.push_back(std::move(to));
+    }
+
+    const std::filesystem::path& path_;
+    tinygltf::Model model_;
+    GltfDocument out_;
+};
+
+}  // namespace
+
+GltfDocument readGltfDocument(const std::filesystem::path& path) {
+    return Converter(path, readGltfFile(path)).run();
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/import/gltf_accessor.h"
+#include "common/math/affine.h"
+#include "common/mesh/material.h"
+
+namespace shadowcache {
+
+// What a glTF 2.0 file tells of a set, checked: every index names something, every accessor lies
+// within its data, every number is finite.
+
+struct GltfPrimitive {
+    int mode = 4;  ///< 0 points, 1 to 3 lines, 4 triangles, 5 strip, 6 fan
+    int indices = -1;
+    int material = -1;
+    std::map<std::string, int> attributes;  ///< name -> accessor
+};
+
+struct GltfMesh {
+    std::string name;
+    std::vector<GltfPrimitive> primitives;
+    bool morphs = false;  ///< weights of morph targets other than 0
+};
+
+struct GltfNode {
+    std::string name;
+    int parent = -1;
+    int mesh = -1;
+    int camera = -1;
+    bool skinned = false;
+    bool inScene = false;          ///< of the default scene
+    std::optional<Affine> matrix;  ///< in place of the three below
+    Vec3d translation{0, 0, 0};
+    std::array<double, 4> rotation{0, 0, 0, 1};  ///< quaternion x, y, z, w
+    Vec3d scale{1, 1, 1};
+};
+
+struct GltfCamera {
+    std::string name;
+    bool orthographic = false;
+    double fovY = 1.0;    ///< [rad], perspective
+    double height = 1.0;  ///< of the view, orthographic
+};
+
+struct GltfChannel {
+    enum class Path { translation, rotation, scale, weights };
+    enum class Interpolation { step, linear, cubicSpline };
+    int node = -1;
+    Path path = Path::translation;
+    Interpolation interpolation = Interpolation::linear;
+    int times = -1;   ///< accessor [s]
+    int values = -1;  ///< accessor
+};
+
+struct GltfAnimation {
+    std::string name;
+    std::vector<GltfChannel> channels;
+};
+
+/// A material, and where on the surface its base colour's texture lies.
+struct GltfMaterial {
+    Material material;  ///< its texture is an index into GltfDocument::textures
+    bool blends = false;
+    int texcoordSet = 0;
+    Vec3f toS{1, 0, 0};  ///< texture coordinate s is the dot product of this and (u, v, 1)
+    Vec3f toT{0, 1, 0};
+};
+
+/// A texture's sampler, and its encoded picture.
+struct GltfTexture {
+    Texture sampler;
+    std::string_view encoded;
+    std::string name;  ///< of the picture, for messages
+};
+
+struct GltfDocument {
+    std::filesystem::path path;
+    std::vector<std::vector<unsigned char>> storage;  ///< what accessors and textures look into
+    std::vector<GltfAccessor> accessors;
+    std::vector<GltfMesh> meshes;
+    std::vector<GltfNode> nodes;  ///< any order; parents form a tree
+    std::vector<GltfCamera> cameras;
+    std::vector<GltfAnimation> animations;
+    std::vector<GltfMaterial> materials;
+    std::vector<GltfTexture> textures;
+
+    const GltfAccessor& accessor(int index) const {
+        return accessors[static_cast<std::size_t>(index)];
+    }
+};
+
+/// Reads a .gltf with its buffers and pictures, or a .glb.
+///
+/// @throws Error naming the file and the cause: missing, truncated, foreign, an index out of range,
+/// an extension that is required and unknown here
+GltfDocument readGltfDocument(const std::filesystem::path& path);
+
+}  // namespace shadowcache

@@ -1,0 +1,260 @@
+#include "common/import/gltf_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "common/base/error.h"
+#include "common/image/image.h"
+#include "common/import/gltf_nodes.h"
+
+namespace shadowcache {
+
+namespace {
+
+// Modes of primitives; those below are points and lines.
+constexpr int kTriangles = 4, kStrip = 5, kFan = 6;
+
+/// Builds a RawMesh from primitives: those in the world first, then the groups.
+class Builder {
+public:
+    explicit Builder(const GltfDocument& document) : document_(document) {
+        for (const GltfMaterial& m : document.materials) out_.materials.push_back(m.material);
+        out_.textures.resize(document.textures.size());
+        used_.assign(document.materials.size(), false);
+    }
+
+    void addMesh(int mesh, int group, const Affine& place) {
+        for (const GltfPrimitive& p : document_.meshes[static_cast<std::size_t>(mesh)].primitives)
+            if (p.mode >= kTriangles) addPrimitive(mesh, p, group, place);
+    }
+
+    void startGroups() { out_.firstLocalVertex = out_.vertices.size(); }
+
+    void addInstance(int group, const Affine& toWorld) {
+        out_.instances.push_back({group, toWorld});
+    }
+
+    RawMesh finish() {
+        for (std::size_t i = 0; i < used_.size(); ++i) {
+            if (!used_[i]) continue;
+            out_.blended += document_.materials[i].blends ? 1 : 0;
+            if (const int texture = out_.materials[i].texture; texture >= 0) decodePicture(texture);
+        }
+        return std::move(out_);
+    }
+
+private:
+    [[noreturn]] void fail(int mesh, const std::string& cause) const {
+        const std::string& name = document_.meshes[static_cast<std::size_t>(mesh)].name;
+        throwFileError(document_.path, "mesh " + std::to_string(mesh) +
+                                           (name.empty() ? "" : " (" + name + ")") + ": " + cause);
+    }
+
+    /// An attribute's numbers; empty if the primitive has none.
+    std::vector<double> attribute(int mesh, const GltfPrimitive& p, const std::string& name,
+                                  std::size_t& components) const {
+        const auto found = p.attributes.find(name);
+        if (found == p.attributes.end()) return {};
+        const GltfAccessor& accessor = document_.accessor(found->second);
+        components = accessor.array.components;
+        std::string cause;
+        std::vector<double> values = decode(accessor, cause);
+        if (!cause.empty()) fail(mesh, name + ": " + cause);
+        return values;
+    }
+
+    void addPrimitive(int mesh, const GltfPrimitive& p, int group, const Affine& place) {
+        std::size_t components = 0;
+        const std::vector<double> positions = attribute(mesh, p, "POSITION", components);
+        if (positions.empty() || components != 3)
+            fail(mesh, "a primitive without POSITION of three components");
+        const std::size_t first = out_.vertices.size(), count = positions.size() / 3;
+        for (std::size_t i = 0; i < count; ++i)
+            out_.vertices.push_back(
+                place.point(Vec3d(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2])));
+        std::vector<float> opacities;
+        addColors(mesh, p, first, opacities);
+        addTexcoords(mesh, p, first, opacities);
+        addFaces(mesh, p, first, count, place.mirrors());
+        const std::size_t faces = out_.faceSizes.size() - facesDone_;
+        facesDone_ = out_.faceSizes.size();
+        out_.parts.push_back({faces, p.material, group});
+        if (p.material >= 0) used_[static_cast<std::size_t>(p.material)] = true;
+    }
+
+    void addColors(int mesh, const GltfPrimitive& p, std::size_t first,
+                   std::vector<float>& opacities) {
+        std::size_t components = 0;
+        const std::vector<double> values = attribute(mesh, p, "COLOR_0", components);
+        const std::size_t vertices = out_.vertices.size();
+        if (values.empty()) {
+            if (!out_.colors.empty()) out_.colors.resize(vertices, kUncolored);
+            return;
+        }
+        if (components < 3 || values.size() != components * (vertices - first))
+            fail(mesh, "COLOR_0 does not match the positions");
+        out_.colors.resize(first, kUncolored);
+        const auto share = [](double x) {
+            return static_cast<float>(std::isfinite(x) ? std::clamp(x, 0.0, 1.0) : 0.0);
+        };
+        for (std::size_t i = 0; i < values.size(); i += components) {
+            out_.colors.emplace_back(share(values[i]), share(values[i + 1]), share(values[i + 2]));
+            if (components == 4) opacities.push_back(share(values[i + 3]));
+        }
+    }
+
+    void addTexcoords(int mesh, const GltfPrimitive& p, std::size_t first,
+                      const std::vector<float>& opacities) {
+        const std::size_t vertices = out_.vertices.size();
+        const GltfMaterial* material =
+            p.material < 0 ? nullptr : &document_.materials[static_cast<std::size_t>(p.material)];
+        const bool textured = material && material->material.texture >= 0;
+        const bool cutOut = material && material->material.cutOut && !opacities.empty();
+        constexpr Vec3f kNone(0, 0, 1);
+        if (!textured && !cutOut) {
+            if (!out_.texcoords.empty()) out_.texcoords.resize(vertices, kNone);
+            return;
+        }
+        out_.texcoords.resize(first, kNone);
+        std::vector<double> values;
+        std::size_t components = 2;
+        if (textured)
+            values =
+                attribute(mesh, p, "TEXCOORD_" + std::to_string(material->texcoordSet), components);
+        if (!values.empty() && (components != 2 || values.size() != 2 * (vertices - first)))
+            fail(mesh, "texture coordinates do not match the positions");
+        for (std::size_t i = 0; i < vertices - first; ++i) {
+            Vec3f at = kNone;
+            if (!values.empty()) {
+                const Vec3f uv1(static_cast<float>(values[2 * i]),
+                                static_cast<float>(values[2 * i + 1]), 1.0f);
+                at.x = material->toS.dot(uv1);
+                at.y = material->toT.dot(uv1);
+            }
+            if (!opacities.empty()) at.z = opacities[i];
+            out_.texcoords.push_back(at);
+        }
+    }
+
+    void addFaces(int mesh, const GltfPrimitive& p, std::size_t first, std::size_t vertices,
+                  bool mirrored) {
+        std::vector<std::uint32_t> corners;
+        std::string cause;
+        if (p.indices >= 0) {
+            const GltfAccessor& accessor = document_.accessor(p.indices);
+            if (accessor.array.components != 1) fail(mesh, "indices are no scalars");
+            corners = decodeIndices(accessor, cause);
+            if (!cause.empty()) fail(mesh, "indices: " + cause);
+        } else {
+            corners.resize(vertices);
+            for (std::size_t i = 0; i < vertices; ++i) corners[i] = static_cast<std::uint32_t>(i);
+        }
+        const auto face = [&](std::size_t a, std::size_t b, std::size_t c) {
+            if (mirrored) std::swap(b, c);
+            for (const std::size_t k : {a, b, c})
+                out_.faceVertices.push_back(corners[k] < vertices
+                                                ? static_cast<std::uint32_t>(first) + corners[k]
+                                                : kNoVertex);
+            out_.faceSizes.push_back(3);
+        };
+        if (p.mode == kTriangles)
+            for (std::size_t i = 0; i + 2 < corners.size(); i += 3) face(i, i + 1, i + 2);
+        if (p.mode == kStrip)
+            for (std::size_t i = 0; i + 2 < corners.size(); ++i)
+                face(i, i + 1 + i % 2, i + 2 - i % 2);
+        if (p.mode == kFan)
+            for (std::size_t i = 0; i + 2 < corners.size(); ++i) face(i + 1, i + 2, 0);
+    }
+
+    void decodePicture(int index) {
+        Texture& texture = out_.textures[static_cast<std::size_t>(index)];
+        if (!texture.rgba.empty()) return;
+        const GltfTexture& from = document_.textures[static_cast<std::size_t>(index)];
+        if (from.encoded.empty())
+            throwFileError(document_.path, from.name.empty()
+                                               ? "texture " + std::to_string(index) +
+                                                     " has no picture that glTF 2.0 itself knows"
+                                               : from.name + " was not found");
+        std::string cause;
+        texture = decodeTexture(from.encoded, cause);
+        if (texture.rgba.empty())
+            throwFileError(document_.path, from.name + ": " + cause + ", expected PNG or JPEG");
+        texture.wrapS = from.sampler.wrapS;
+        texture.wrapT = from.sampler.wrapT;
+        texture.smooth = from.sampler.smooth;
+    }
+
+    const GltfDocument& document_;
+    RawMesh out_;
+    std::size_t facesDone_ = 0;
+    std::vector<bool> used_;  ///< by material
+};
+
+void requireRigid(const GltfDocument& document, const GltfNode& node) {
+    const auto refuse = [&](const std::string& what, const std::string& advice) {
+        throwFileError(document.path,
+                       "node " + node.name + ": " + what + " is not supported; " + advice);
+    };
+    if (node.skinned) refuse("an armature", "apply it before the export");
+    if (document.meshes[static_cast<std::size_t>(node.mesh)].morphs)
+        refuse("a morph target (shape key)", "apply it before the export");
+}
+
+void requireNoAnimatedShapes(const GltfDocument& document) {
+    for (const GltfAnimation& animation : document.animations)
+        for (const GltfChannel& channel : animation.channels)
+            if (channel.path == GltfChannel::Path::weights)
+                throwFileError(document.path, "animation " + animation.name +
+                                                  ": moves a shape key; only nodes may move");
+}
+
+}  // namespace
+
+RawMesh gltfMesh(const GltfDocument& document, std::span<const GltfPlacement> nodes,
+                 bool alwaysShared) {
+    std::vector<int> uses(document.meshes.size(), 0), group(document.meshes.size(), 0);
+    const auto meshOf = [&](const GltfPlacement& placement) {
+        return static_cast<std::size_t>(
+            document.nodes[static_cast<std::size_t>(placement.node)].mesh);
+    };
+    // What is flattened, as a shadow to the floor, cannot be an instance.
+    const auto shared = [&](const GltfPlacement& placement) {
+        return alwaysShared || (uses[meshOf(placement)] > 1 && placement.toWorld.invertible());
+    };
+    for (const GltfPlacement& placement : nodes) {
+        requireRigid(document, document.nodes[static_cast<std::size_t>(placement.node)]);
+        if (placement.toWorld.invertible()) ++uses[meshOf(placement)];
+    }
+    requireNoAnimatedShapes(document);
+    Builder builder(document);
+    for (const GltfPlacement& placement : nodes)
+        if (!shared(placement))
+            builder.addMesh(static_cast<int>(meshOf(placement)), 0, placement.toWorld);
+    builder.startGroups();
+    int groups = 0;
+    for (const GltfPlacement& placement : nodes) {
+        if (!shared(placement)) continue;
+        int& number = group[meshOf(placement)];
+        if (number == 0) {
+            number = ++groups;
+            builder.addMesh(static_cast<int>(meshOf(placement)), number, {});
+        }
+        builder.addInstance(number, placement.toWorld);
+    }
+    return builder.finish();
+}
+
+RawMesh readGltf(const std::filesystem::path& path) {
+    const GltfDocument document = readGltfDocument(path);
+    const GltfNodes nodes(document);
+    std::vector<GltfPlacement> still;
+    for (int i = 0; i < static_cast<int>(document.nodes.size()); ++i) {
+        const GltfNode& node = document.nodes[static_cast<std::size_t>(i)];
+        if (node.inScene && node.mesh >= 0 && !nodes.moves(i)) still.push_back({i, nodes.at(i, 0)});
+    }
+    return gltfMesh(document, still, false);
+}
+
+}  // namespace shadowcache

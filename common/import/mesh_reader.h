@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <vector>
+
+#include "common/math/affine.h"
+#include "common/math/vec.h"
+#include "common/mesh/material.h"
+
+namespace shadowcache {
+
+/// A run of faces of one material.
+struct RawPart {
+    std::size_t faceCount = 0;
+    int material = -1;  ///< of RawMesh::materials; -1: none
+    int group = 0;      ///< 0: in the world as they are; others: only where instances put them
+};
+
+/// A copy of a group's faces.
+struct RawInstance {
+    int group = 1;
+    Affine toWorld;
+};
+
+/// Faces exactly as a file tells them: nothing welded, mended or dropped.
+struct RawMesh {
+    std::vector<Vec3d> vertices;
+    std::vector<std::uint32_t> faceVertices;  ///< corners of all faces, one face after the other
+    std::vector<std::uint32_t> faceSizes;     ///< corners of each face; may be below 3
+    std::vector<Rgb> colors;                  ///< linear, one for each vertex, or empty
+    std::vector<Vec3f> texcoords;             ///< s, t and opacity, one for each vertex, or empty
+    std::vector<RawPart> parts;  ///< in order of the faces, all of them; empty: no materials
+    std::vector<RawInstance> instances;
+    /// Vertices from here on belong to groups other than 0. No group's faces use another's.
+    std::size_t firstLocalVertex = std::numeric_limits<std::size_t>::max();
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    std::size_t blended = 0;  ///< materials that blend with what is behind
+};
+
+/// Corner that names no vertex of the file.
+inline constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
+
+/// Colour of vertices without one in a file, or a set, where others have one.
+inline const Rgb kUncolored{1.0f, 1.0f, 1.0f};
+
+/// Reads one file of one format.
+///
+/// @throws Error naming the file and the cause: empty, truncated, foreign, newer
+using MeshReader = RawMesh (*)(const std::filesystem::path&);
+
+RawMesh readGltf(const std::filesystem::path& path);
+RawMesh readObj(const std::filesystem::path& path);
+RawMesh readOff(const std::filesystem::path& path);
+RawMesh readOm(const std::filesystem::path& path);
+RawMesh readPly(const std::filesystem::path& path);
+RawMesh readStl(const std::filesystem::path& path);
+
+/// Whether the file's extension is that of glTF.
+bool isGltf(const std::filesystem::path& path);
+
+/// Reads a file with the reader that its extension asks for; a new format is a reader and a line in
+/// the table of mesh_reader.cpp.
+///
+/// @throws Error as the readers do, and for an unknown extension
+RawMesh readMeshFile(const std::filesystem::path& path);
+
+}  // namespace shadowcache

@@ -1,0 +1,173 @@
+#include "common/import/mesh_soup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "common/base/error.h"
+#include "common/import/triangulate.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Coordinates beyond this are dropped: Embree ignores primitives beyond 1.8e18 silently.
+constexpr double kMaxCoordinate = 1e18;
+
+bool usable(const Vec3d& v) {
+    // Written so that NaN fails.
+    return std::abs(v.x) <= kMaxCoordinate && std::abs(v.y) <= kMaxCoordinate &&
+           std::abs(v.z) <= kMaxCoordinate;
+}
+
+/// Cuts faces into triangles, at hand for one file after the other.
+class FaceCutter {
+public:
+    FaceCutter(const std::filesystem::path& path, MeshSoup& soup, std::size_t firstVertex)
+        : path_(path), soup_(soup), firstVertex_(firstVertex) {
+        used_.assign(soup.vertices.size() - firstVertex, false);
+    }
+
+    void add(std::span<const std::uint32_t> corners) {
+        MeshReport& report = soup_.report;
+        ++report.facesRead;
+        for (const std::uint32_t corner : corners) {
+            if (corner < used_.size()) used_[corner] = true;
+        }
+        if (corners.size() < 3) {
+            ++report.degenerate;
+            return;
+        }
+        const std::size_t triangles = corners.size() - 2;
+        if (triangles > 1) {
+            ++report.polygons;
+            report.trianglesFromPolygons += triangles;
+        }
+        if (!std::all_of(corners.begin(), corners.end(), [&](auto corner) {
+                return corner < used_.size() && usable(soup_.vertices[firstVertex_ + corner]);
+            })) {
+            report.badVertexFaces += triangles;
+            return;
+        }
+        cut(corners);
+    }
+
+    std::size_t unreferenced() const {
+        return static_cast<std::size_t>(std::count(used_.begin(), used_.end(), false));
+    }
+
+private:
+    void cut(std::span<const std::uint32_t> corners) {
+        points_.clear();
+        pieces_.clear();
+        for (const auto corner : corners) points_.push_back(soup_.vertices[firstVertex_ + corner]);
+        if (!triangulate(points_, pieces_)) {
+            throwFileError(path_, "concave face with " + std::to_string(corners.size()) +
+                                      " corners, expected at most " +
+                                      std::to_string(kMaxConcaveCorners));
+        }
+        const auto first = static_cast<std::uint32_t>(firstVertex_);
+        for (const Corners& p : pieces_) {
+            soup_.triangles.push_back(
+                {first + corners[p[0]], first + corners[p[1]], first + corners[p[2]]});
+        }
+    }
+
+    const std::filesystem::path& path_;
+    MeshSoup& soup_;
+    std::size_t firstVertex_;
+    std::vector<bool> used_;
+    std::vector<Vec3d> points_;
+    std::vector<Corners> pieces_;
+};
+
+/// Brings an attribute of the vertices up to date after a file: `fallback` where it has none.
+template <class T>
+void appendAttribute(std::size_t firstVertex, std::size_t vertices, const std::vector<T>& from,
+                     const T& fallback, std::vector<T>& to) {
+    if (!from.empty()) {
+        to.resize(firstVertex, fallback);
+        to.insert(to.end(), from.begin(), from.end());
+    } else if (!to.empty()) {
+        to.resize(vertices, fallback);
+    }
+}
+
+void appendVertices(const std::filesystem::path& path, const RawMesh& raw,
+                    const MeshOptions& options, MeshSoup& soup) {
+    const std::size_t firstVertex = soup.vertices.size();
+    const std::size_t vertices = firstVertex + raw.vertices.size();
+    if (vertices > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+        throwFileError(path, std::to_string(vertices) +
+                                 " vertices with the files before it, "
+                                 "expected at most 2147483647");
+    }
+    const Affine world = worldOf(options);
+    const std::size_t direct = std::min(raw.firstLocalVertex, raw.vertices.size());
+    soup.vertices.reserve(vertices);
+    for (std::size_t i = 0; i < direct; ++i) soup.vertices.push_back(world.point(raw.vertices[i]));
+    for (std::size_t i = direct; i < raw.vertices.size(); ++i)
+        soup.vertices.push_back(raw.vertices[i]);
+    if (firstVertex + direct < vertices) soup.local.emplace_back(firstVertex + direct, vertices);
+    appendAttribute(firstVertex, vertices, raw.colors, kUncolored, soup.colors);
+    appendAttribute(firstVertex, vertices, raw.texcoords, Vec3f(0, 0, 1), soup.texcoords);
+}
+
+/// Materials, textures and instances of a file, renumbered behind those of the files before.
+void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
+    const Affine world = worldOf(options);
+    for (Material material : raw.materials) {
+        if (material.texture >= 0) material.texture += static_cast<int>(soup.textures.size());
+        soup.materials.push_back(material);
+    }
+    for (Texture& texture : raw.textures) soup.textures.push_back(std::move(texture));
+    int groups = 0;
+    for (const RawInstance& instance : raw.instances) {
+        groups = std::max(groups, instance.group);
+        soup.instances.push_back({instance.group + soup.groups, compose(world, instance.toWorld)});
+    }
+    soup.groups += groups;
+    soup.report.blended += raw.blended;
+}
+
+}  // namespace
+
+Vec3f MeshSoup::position(std::size_t vertex, const Vec3d& origin) const {
+    const bool isLocal = std::any_of(local.begin(), local.end(), [&](const auto& range) {
+        return vertex >= range.first && vertex < range.second;
+    });
+    return Vec3f(isLocal ? vertices[vertex] : vertices[vertex] - origin);
+}
+
+void append(const std::filesystem::path& path, RawMesh raw, const MeshOptions& options,
+            MeshSoup& soup) {
+    const std::size_t firstVertex = soup.vertices.size();
+    const auto firstMaterial = static_cast<int>(soup.materials.size());
+    const int firstGroup = soup.groups;
+    appendVertices(path, raw, options, soup);
+    appendLooks(raw, options, soup);
+
+    FaceCutter cutter(path, soup, firstVertex);
+    soup.triangles.reserve(soup.triangles.size() + raw.faceSizes.size());
+    std::size_t at = 0, face = 0;
+    const auto addFaces = [&](std::size_t count) {
+        for (const std::size_t end = face + count; face < end; ++face) {
+            const std::uint32_t size = raw.faceSizes[face];
+            cutter.add(std::span(raw.faceVertices).subspan(at, size));
+            at += size;
+        }
+    };
+    for (const RawPart& part : raw.parts) {
+        soup.partOf.resize(soup.triangles.size(), 0);
+        addFaces(part.faceCount);
+        soup.partOf.resize(soup.triangles.size(), static_cast<std::uint32_t>(soup.parts.size()));
+        soup.parts.emplace_back(part.group == 0 ? 0 : part.group + firstGroup,
+                                part.material < 0 ? -1 : part.material + firstMaterial);
+    }
+    addFaces(raw.faceSizes.size() - face);
+    if (!soup.partOf.empty()) soup.partOf.resize(soup.triangles.size(), 0);
+    soup.report.unreferenced += cutter.unreferenced();
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "common/import/mesh_reader.h"
+#include "common/mesh/mesh.h"
+
+namespace shadowcache {
+
+using Corners = std::array<std::uint32_t, 3>;
+
+/// Material and group of a run of triangles; group 0 is in the world, others where instances put
+/// them.
+using PartKey = std::pair<int, int>;
+
+/// Triangles of all files so far, in world space; those of groups other than 0 in their own.
+struct MeshSoup {
+    std::vector<Vec3d> vertices;
+    std::vector<Corners> triangles;
+    std::vector<Rgb> colors;
+    std::vector<Vec3f> texcoords;
+    std::vector<PartKey> parts{{0, -1}};  ///< group, material
+    std::vector<std::uint32_t> partOf;    ///< by triangle; empty: all are of part 0
+    std::vector<RawInstance> instances;
+    std::vector<std::pair<std::size_t, std::size_t>> local;  ///< ranges of the groups' vertices
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    int groups = 0;
+    MeshReport report;
+
+    /// As the renderer will see it.
+    Vec3f position(std::size_t vertex, const Vec3d& origin) const;
+};
+
+/// Adds a file's faces, cut into triangles, and its looks; faces of bad vertices are dropped and
+/// counted.
+///
+/// @throws Error naming the file: a concave face with too many corners, too many vertices
+void append(const std::filesystem::path& path, RawMesh raw, const MeshOptions& options,
+            MeshSoup& soup);
+
+}  // namespace shadowcache

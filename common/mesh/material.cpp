@@ -1,0 +1,79 @@
+#include "common/mesh/material.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/image/srgb.h"
+
+namespace shadowcache {
+
+namespace {
+
+std::array<float, 256> makeLinearTable() {
+    std::array<float, 256> table{};
+    for (std::size_t i = 0; i < table.size(); ++i)
+        table[i] = srgbToLinear(static_cast<float>(i) / 255.0f);
+    return table;
+}
+
+/// Coordinates far out have no fraction left and would overflow an int; what is not finite is 0.
+float tame(float x) {
+    return std::abs(x) < 1e6f ? x : 0.0f;
+}
+
+int wrapped(int i, int size, Texture::Wrap wrap) {
+    if (wrap == Texture::Wrap::clamp) return std::clamp(i, 0, size - 1);
+    const int period = wrap == Texture::Wrap::mirror ? 2 * size : size;
+    const int rest = (i % period + period) % period;
+    return rest < size ? rest : period - 1 - rest;
+}
+
+/// Four texels around a place and their weights.
+struct Footprint {
+    std::array<const std::uint8_t*, 4> texel;
+    std::array<float, 4> weight;
+};
+
+Footprint footprint(const Texture& texture, float s, float t) {
+    const float x = tame(s) * static_cast<float>(texture.width);
+    const float y = tame(t) * static_cast<float>(texture.height);
+    const float left = texture.smooth ? std::floor(x - 0.5f) : std::floor(x);
+    const float top = texture.smooth ? std::floor(y - 0.5f) : std::floor(y);
+    const float fx = texture.smooth ? x - 0.5f - left : 0.0f;
+    const float fy = texture.smooth ? y - 0.5f - top : 0.0f;
+    Footprint result;
+    for (int k = 0; k < 4; ++k) {
+        const int i = wrapped(static_cast<int>(left) + (k & 1), texture.width, texture.wrapS);
+        const int j = wrapped(static_cast<int>(top) + (k >> 1), texture.height, texture.wrapT);
+        const auto at = static_cast<std::size_t>(k);
+        result.texel[at] = texture.rgba.data() + 4 * (static_cast<std::size_t>(j) *
+                                                          static_cast<std::size_t>(texture.width) +
+                                                      static_cast<std::size_t>(i));
+        result.weight[at] = ((k & 1) != 0 ? fx : 1 - fx) * ((k >> 1) != 0 ? fy : 1 - fy);
+    }
+    return result;
+}
+
+}  // namespace
+
+Rgb textureColor(const Texture& texture, float s, float t) noexcept {
+    static const std::array<float, 256> kLinear = makeLinearTable();
+    const Footprint around = footprint(texture, s, t);
+    Rgb color(0.0f);
+    for (std::size_t k = 0; k < 4; ++k) {
+        const std::uint8_t* texel = around.texel[k];
+        color += Rgb(kLinear[texel[0]], kLinear[texel[1]], kLinear[texel[2]]) * around.weight[k];
+    }
+    return color;
+}
+
+float textureOpacity(const Texture& texture, float s, float t) noexcept {
+    const Footprint around = footprint(texture, s, t);
+    float sum = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+        sum += static_cast<float>(around.texel[k][3]) * around.weight[k];
+    return sum / 255.0f;
+}
+
+}  // namespace shadowcache

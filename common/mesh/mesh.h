@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/math/affine.h"
+#include "common/math/vec.h"
+#include "common/mesh/material.h"
+
+namespace shadowcache {
+
+/// What loading a set found and did; every face of the files is accounted for.
+struct MeshReport {
+    std::size_t facesRead = 0;  ///< faces in the files, of any number of sides
+    std::size_t polygons = 0;   ///< faces with more than three sides, cut into triangles
+    std::size_t trianglesFromPolygons = 0;
+    std::size_t badVertexFaces = 0;  ///< faces dropped: a corner is not finite or out of range
+    std::size_t degenerate = 0;      ///< triangles without area, dropped
+    std::size_t duplicates = 0;  ///< triangles with the same three corners as an earlier one, kept
+    std::size_t nonManifoldEdges = 0;  ///< edges with more than two triangles
+    std::size_t mixedWinding = 0;      ///< edges whose two triangles disagree in orientation
+    std::size_t unreferenced = 0;      ///< vertices that no face uses
+    std::size_t triangles = 0;         ///< triangles kept
+    std::size_t instances = 0;         ///< copies of triangles that are kept once
+    std::size_t placed = 0;            ///< triangles in the world, each copy counted
+    std::size_t blended = 0;  ///< materials that blend with what is behind, taken as opaque
+};
+
+/// A run of triangles of one material.
+struct MeshPart {
+    std::uint32_t firstTriangle = 0;
+    std::uint32_t triangleCount = 0;
+    int material = -1;  ///< of TriangleMesh::materials; -1: none
+};
+
+/// A copy in the world of a run of parts that share one place in memory.
+struct MeshInstance {
+    std::uint32_t firstPart = 0;
+    std::uint32_t partCount = 0;
+    Affine toWorld;                 ///< its images are relative to the mesh's origin
+    std::uint32_t firstPlaced = 0;  ///< number of its first triangle in the world (placed_mesh.h)
+    std::uint32_t triangleCount = 0;
+    std::uint32_t source = 0;  ///< its number in RawMesh::instances
+};
+
+/// Triangle soup in world space. Positions are relative to `origin`, so that sets far from the
+/// world's origin keep their precision: world = origin + position. Parts from firstSharedPart on,
+/// the last of the triangles, are in the world only through instances, with positions of their own.
+struct TriangleMesh {
+    Vec3d origin{0, 0, 0};
+    std::vector<Vec3f> positions;
+    std::vector<Vec3i> triangles;  ///< three indices into positions each
+    std::vector<Rgb> colors;       ///< linear albedo per vertex, or empty
+    std::vector<Vec3f> texcoords;  ///< s, t and opacity of each vertex, or empty
+    std::vector<MeshPart> parts;   ///< in order of their triangles; empty: one without material
+    std::size_t firstSharedPart = 0;
+    std::vector<MeshInstance> instances;
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    MeshReport report;
+};
+
+struct MeshOptions {
+    bool zUp = false;               ///< the files' up axis is +Z: rotated so that +Y is up
+    double scale = 1.0;             ///< files' unit in metres, > 0
+    std::optional<Vec3d> origin{};  ///< of the mesh; else its middle
+};
+
+/// Loads the files as one set: OBJ, PLY (text, binary), STL, OFF, OM, glTF 2.0 (what no animation
+/// moves).
+///
+/// @throws Error naming the file and the cause: missing, empty, truncated, foreign, no triangle
+/// left
+TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOptions& options);
+
+/// From the files' axes and unit to the world's.
+Affine worldOf(const MeshOptions& options);
+
+struct RawMesh;
+
+/// The set that one file's faces make; `path` is for messages.
+///
+/// @throws Error when no triangle is left
+TriangleMesh assembleMesh(const std::filesystem::path& path, RawMesh raw,
+                          const MeshOptions& options);
+
+/// The report in one line for people ("158236 triangles; 3 n-gons cut into 9 triangles; ..."); says
+/// nothing of what did not occur.
+std::string describe(const MeshReport& report);
+
+/// Hash of the triangles' world positions, independent of vertex order; two sets with the same
+/// fingerprint have the same visibility, holes of cut-out materials included.
+std::uint64_t fingerprint(const TriangleMesh& mesh);
+
+}  // namespace shadowcache

@@ -1,0 +1,36 @@
+#include "common/predict/cell_splits.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// A cell is split where as a whole it would add more noise than this, as a share of the sky's
+/// light: because part of it is hidden, or because the quadratic that stands for the clamped cosine
+/// on the horizon is not the cosine.
+constexpr float kLeastNoise = 5e-4f;
+
+}  // namespace
+
+CellSplitter::CellSplitter(const Environment& environment, const DirectionTiers& tiers)
+    : tiers_(tiers),
+      finest_(Environment::kLevel - (tiers.baseLevel() == Environment::kLevel % 2 ? 0 : 1)),
+      leastNoise_(kLeastNoise * static_cast<float>(environment.totalPower())) {}
+
+bool CellSplitter::judge(int tier, const CellLight& sky, const float* c, float leastNoise,
+                         std::uint8_t* doubtful, Splits& out) const {
+    out.any = false;
+    const bool divisible = tiers_.baseLevel() + 2 * tier < finest_;
+    const bool refined = tier < tiers_.refinements();
+    if (!divisible || !(refined || sky.anyHorizon)) return false;
+    const float scale = 1 / leastNoise;
+    for (int i = 0; i < kBlockCells; ++i) {
+        const float power = sky.light[i] * scale * (sky.light[i] * scale);
+        const float doubt = power * c[i] * (1 - c[i]);
+        const float noise = power * c[i] * c[i] * (sky.cosineMoment[i] - sky.fitMoment[i]);
+        doubtful[i] = refined && doubt > 1 ? 1 : 0;
+        out.marks[i] = noise > 1 ? 1 : 0;
+    }
+    return true;
+}
+
+}  // namespace shadowcache

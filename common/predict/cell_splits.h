@@ -1,0 +1,67 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+#include "common/predict/cell_light.h"
+
+namespace shadowcache {
+
+/// Which of sixteen cells are to be split.
+struct Splits {
+    alignas(16) std::uint8_t marks[kBlockCells];
+    bool any = false;
+
+    /// Calls `visit` with the number of each cell that is to be split, the first first.
+    template <class Visit>
+    void forEach(const Visit& visit) const {
+        if (!any) return;
+        std::uint64_t halves[2];
+        std::memcpy(halves, marks, sizeof halves);
+        for (int half = 0; half < 2; ++half)
+            for (std::uint64_t left = halves[half]; left; left &= left - 1)
+                visit(8 * half + std::countr_zero(left) / 8);
+    }
+};
+
+/// Decides where the hemisphere above a place is split into finer regions.
+class CellSplitter {
+public:
+    CellSplitter(const Environment& environment, const DirectionTiers& tiers);
+
+    /// Noise below which a cell stays whole, in the units of CellLight::light: a share of all the
+    /// sky's light.
+    float leastNoise() const { return leastNoise_; }
+
+    /// Marks the cells of block `block` of a tier that as a whole would add more than `leastNoise`:
+    /// because part of one is hidden, by the visibility `c`, and `counts` has finer counts; or
+    /// because the horizon cuts it.
+    ///
+    /// @param counts  has hasChildren(), as PooledVisibility
+    template <class Counts>
+    void mark(const Counts& counts, int tier, std::uint32_t block, const CellLight& sky,
+              const float* c, float leastNoise, Splits& out) const {
+        alignas(16) std::uint8_t doubtful[kBlockCells];
+        if (!judge(tier, sky, c, leastNoise, doubtful, out)) return;
+        for (std::uint32_t i = 0; i < kBlockCells; ++i)
+            if (doubtful[i] != 0)
+                out.marks[i] |=
+                    static_cast<std::uint8_t>(counts.hasChildren(tier, block * kBlockCells + i));
+        out.any = std::any_of(out.marks, out.marks + kBlockCells,
+                              [](std::uint8_t mark) { return mark != 0; });
+    }
+
+private:
+    /// Marks the cells for which the horizon is reason enough, and notes those that are doubtful.
+    /// @return whether any cell can be split
+    bool judge(int tier, const CellLight& sky, const float* c, float leastNoise,
+               std::uint8_t* doubtful, Splits& out) const;
+
+    DirectionTiers tiers_;
+    int finest_;  ///< level down to which cells on the horizon are split
+    float leastNoise_;
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,193 @@
+#include "common/predict/pooled_visibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/direction_mesh.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Adds one item's counts of sixteen cells. Cells without rays add nothing.
+void addCounts16(PooledBlock& block, const std::uint8_t* n, const std::uint8_t* d, float weight) {
+    for (int i = 0; i < kBlockCells; ++i) {
+        const auto rays = static_cast<float>(d[i]);
+        const float share = d[i] ? weight : 0.0f;
+        block.open[i] += share * static_cast<float>(n[i]) / std::max(rays, 1.0f);
+        block.weight[i] += share;
+        block.rays[i] += weight * rays;
+        block.rays2[i] += weight * weight * rays;
+    }
+}
+
+/// Middle of a cell, and the angle around it that holds the cell.
+struct CellCap {
+    Vec3f axis;
+    float angle;
+};
+
+std::vector<CellCap> makeCaps(int level) {
+    std::vector<CellCap> caps;
+    for (std::uint32_t c = 0; c < cellCount(level); ++c) {
+        const SphericalTriangle t = cellTriangle(level, c);
+        const Vec3d axis = cellCenter(level, c);
+        const double least = std::min({axis.dot(t.a), axis.dot(t.b), axis.dot(t.c)});
+        caps.push_back({Vec3f(axis), static_cast<float>(std::acos(std::min(1.0, least))) + 1e-4f});
+    }
+    return caps;
+}
+
+/// Levels that have caps: the bases and their children.
+constexpr int kCapLevels = 4;
+
+const std::vector<CellCap>& capsOf(int level) {
+    static const std::array<std::vector<CellCap>, kCapLevels> kCaps{makeCaps(0), makeCaps(1),
+                                                                    makeCaps(2), makeCaps(3)};
+    return kCaps[static_cast<std::size_t>(level)];
+}
+
+bool touches(const CellCap& cap, const Vec3f& axis, float angle) {
+    const float sum = cap.angle + angle;
+    return sum >= static_cast<float>(kPi) || axis.dot(cap.axis) >= std::cos(sum);
+}
+
+/// What was open may be hidden now; what was hidden still is.
+void doubtCell(PooledBlock& block, int i) {
+    constexpr float kOpenStill = 0.75f;
+    if (!(block.open[i] > 0)) return;
+    block.open[i] *= kOpenStill;
+    block.rays[i] = block.rays2[i] = 1;
+}
+
+}  // namespace
+
+PooledVisibility::PooledVisibility(const DirectionTiers& tiers)
+    : tiers_(tiers),
+      base_((tiers.baseCells() + kBlockCells - 1) / kBlockCells),
+      parents_(tiers.baseCells() * (1 + kBlockCells) + kBlockCells) {}
+
+void PooledVisibility::pool(std::span<const ItemView> items) {
+    for (const std::uint16_t key : used_) parents_[key] = {};
+    used_.clear();
+    links_.clear();
+    blocks_.clear();
+    doubts_.clear();
+    items_ = items;
+    std::fill(base_.begin(), base_.end(), PooledBlock{});
+    for (const ItemView& item : items) addBase(item);
+    if (tiers_.refinements() == 0) return;
+    for (std::size_t i = 0; i < items.size(); ++i) linkBlocks(i);
+}
+
+void PooledVisibility::addBase(const ItemView& item) {
+    const std::uint32_t cells = tiers_.baseCells();
+    std::size_t b = 0;
+    for (; (b + 1) * kBlockCells <= cells; ++b)
+        addCounts16(base_[b], item.n + b * kBlockCells, item.d + b * kBlockCells, item.weight);
+    if (b * kBlockCells < cells) {  // 20 cells of level 0
+        std::array<std::uint8_t, kBlockCells> n{}, d{};
+        std::copy(item.n + b * kBlockCells, item.n + cells, n.begin());
+        std::copy(item.d + b * kBlockCells, item.d + cells, d.begin());
+        addCounts16(base_[b], n.data(), d.data(), item.weight);
+    }
+}
+
+/// Notes where the counts of the item's blocks are, without reading them.
+void PooledVisibility::linkBlocks(std::size_t item) {
+    const ItemView& view = items_[item];
+    for (std::size_t k = 0; k < view.blockCount; ++k) {
+        const auto key = static_cast<std::uint16_t>(view.blockKeys[k]);
+        Parent& parent = parents_[key];
+        if (parent.link < 0) used_.push_back(key);
+        links_.push_back(
+            {static_cast<std::uint32_t>(item), static_cast<std::uint32_t>(k), parent.link});
+        parent.link = static_cast<std::int32_t>(links_.size()) - 1;
+    }
+}
+
+const PooledBlock* PooledVisibility::children(int tier, std::uint32_t cell) const {
+    if (tier >= tiers_.refinements() || !hasChildren(tier, cell)) return nullptr;
+    const std::uint16_t key = tiers_.blockKey(tier, cell);
+    if (parents_[key].block < 0) {
+        // The parents come first: the block's items without counts of it refer to them.
+        const PooledBlock* parents =
+            tier == 0 ? &base_[cell / kBlockCells] : children(0, cell / kBlockCells);
+        parents_[key].block = static_cast<std::int32_t>(blocks_.size());
+        const PooledBlock above = parents ? *parents : PooledBlock{};
+        blocks_.push_back({});
+        PooledBlock& block = blocks_.back();
+        poolBlock(key, parents ? &above : nullptr, static_cast<int>(cell % kBlockCells), block);
+        if (parents_[key].link < 0) used_.push_back(key);
+        if (!doubts_.empty())
+            doubtBlock(tiers_.baseLevel() + 2 * (tier + 1), cell * kBlockCells, block);
+    }
+    return &blocks_[static_cast<std::size_t>(parents_[key].block)];
+}
+
+/// Pools the block `key`; where no item has it, it is all like its parent. Items without it say of
+/// all its cells what they say of their parent: cell `i` of `parents`.
+void PooledVisibility::poolBlock(std::uint16_t key, const PooledBlock* parents, int i,
+                                 PooledBlock& block) const {
+    if (parents && parents_[key].link < 0) {
+        std::fill_n(block.open, kBlockCells, parents->open[i]);
+        std::fill_n(block.weight, kBlockCells, parents->weight[i]);
+        std::fill_n(block.rays, kBlockCells, parents->rays[i]);
+        std::fill_n(block.rays2, kBlockCells, parents->rays2[i]);
+        return;
+    }
+    float counted = 0, countedOpen = 0;  // of the items that have it, in the parent cell
+    for (std::int32_t l = parents_[key].link; l >= 0;
+         l = links_[static_cast<std::size_t>(l)].next) {
+        const Link& link = links_[static_cast<std::size_t>(l)];
+        const ItemView& item = items_[link.item];
+        const BlockCounts counts = item.block(link.block);
+        addCounts16(block, counts.n, counts.d, item.weight);
+        counted += item.weight;
+        if (key < tiers_.baseCells() && item.d[key] > 0)
+            countedOpen +=
+                item.weight * static_cast<float>(item.n[key]) / static_cast<float>(item.d[key]);
+    }
+    float weight = 1 - counted, ratio = 0;
+    if (weight <= 1e-4f || !parents) return;
+    if (key < tiers_.baseCells()) {
+        weight = std::max(0.0f, std::min(weight, parents->weight[i] - counted));
+        if (weight <= 1e-4f) return;
+        ratio = std::clamp((parents->open[i] - countedOpen) / weight, 0.0f, 1.0f);
+    } else {
+        if (parents->weight[i] <= 0) return;
+        ratio = parents->ratio(i);
+    }
+    for (int k = 0; k < kBlockCells; ++k) {
+        if (block.weight[k] <= 0) continue;
+        block.open[k] += weight * ratio;
+        block.weight[k] += weight;
+    }
+}
+
+void PooledVisibility::doubt(const Vec3f& axis, float angle) {
+    if (doubts_.empty()) doubtedBase_ = base_;
+    doubts_.push_back({axis, angle});
+    for (std::uint32_t b = 0; b < baseBlocks(); ++b) {
+        doubtedBase_[b] = base_[b];
+        doubtBlock(tiers_.baseLevel(), b * kBlockCells, doubtedBase_[b]);
+    }
+}
+
+bool PooledVisibility::isDoubted(int level, std::uint32_t cell) const {
+    return std::any_of(doubts_.begin(), doubts_.end(), [&](const Doubt& d) {
+        return touches(capsOf(level)[cell], d.axis, d.angle);
+    });
+}
+
+/// Makes the doubted ones of sixteen cells uncertain. Cells finer than the caps are judged by their
+/// common ancestor.
+void PooledVisibility::doubtBlock(int level, std::uint32_t firstCell, PooledBlock& block) const {
+    for (std::uint32_t i = 0; i < kBlockCells && firstCell + i < cellCount(level); ++i) {
+        const bool doubted = level < kCapLevels ? isDoubted(level, firstCell + i)
+                                                : isDoubted(level - 2, firstCell / kBlockCells);
+        if (doubted) doubtCell(block, static_cast<int>(i));
+    }
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/cache/shadow_cache.h"
+
+namespace shadowcache {
+
+/// Visibility of sixteen cells pooled over cache items.
+struct alignas(64) PooledBlock {
+    float open[kBlockCells];    ///< sum over the items of weight * n / d
+    float weight[kBlockCells];  ///< sum of the weights of the items that counted rays there, <= 1
+    float rays[kBlockCells];    ///< sum of weight * d
+    float rays2[kBlockCells];   ///< sum of weight^2 * d
+
+    /// Visible share of cell i, in [0, 1]; weight[i] must be positive.
+    float ratio(int i) const { return open[i] / weight[i]; }
+    /// Visible share of cell i, 0 where nothing was counted.
+    float ratioOrNone(int i) const {
+        const float share = open[i] / (weight[i] > 1e-30f ? weight[i] : 1e-30f);
+        return share < 1 ? share : 1.0f;
+    }
+    /// Rays that the ratio is worth: those of one item, or more where several share the weight.
+    float effectiveRays(int i) const { return rays2[i] > 0 ? rays[i] * rays[i] / rays2[i] : 0.0f; }
+};
+
+/// The cache items around one place as one tree of visibility: base cells, and finer blocks where
+/// any item has them. Reused from place to place.
+class PooledVisibility {
+public:
+    explicit PooledVisibility(const DirectionTiers& tiers);
+
+    /// Pools `items`, whose weights sum to 1. They are read until the next call: finer counts are
+    /// pooled when they are asked for.
+    void pool(std::span<const ItemView> items);
+
+    /// Something that the counts know nothing of may hide what lies within `angle` [rad] of the
+    /// unit vector `axis`: the regions there that were open become uncertain.
+    void doubt(const Vec3f& axis, float angle);
+
+    const DirectionTiers& tiers() const { return tiers_; }
+    /// Base cells 16 block .. 16 block + 15.
+    const PooledBlock& base(std::uint32_t block) const {
+        return doubts_.empty() ? base_[block] : doubtedBase_[block];
+    }
+    std::uint32_t baseBlocks() const { return static_cast<std::uint32_t>(base_.size()); }
+    /// Whether any item has finer counts of cell `parent` of tier 0 or 1.
+    bool hasChildren(int tier, std::uint32_t parent) const {
+        return parents_[tiers_.blockKey(tier, parent)].link >= 0 ||
+               (tier == 0 && isDoubted(tiers_.baseLevel(), parent));
+    }
+    /// Children of that cell, or null where no item has them; valid until the next call.
+    const PooledBlock* children(int tier, std::uint32_t parent) const;
+
+private:
+    /// A cell that some item refines.
+    struct Parent {
+        std::int32_t link = -1;   ///< first of its blocks in links_; -1: none
+        std::int32_t block = -1;  ///< in blocks_; -1: not pooled yet
+    };
+    /// A block of an item.
+    struct Link {
+        std::uint32_t item, block;
+        std::int32_t next;  ///< block of the same cell in links_; -1: no more
+    };
+
+    /// A cone of directions that something may hide.
+    struct Doubt {
+        Vec3f axis;
+        float angle;
+    };
+
+    DirectionTiers tiers_;
+    std::span<const ItemView> items_;
+    std::vector<PooledBlock> base_;
+    std::vector<PooledBlock> doubtedBase_;  ///< only with doubts
+    std::vector<Doubt> doubts_;
+    mutable std::vector<PooledBlock> blocks_;  ///< those that were asked for
+    mutable std::vector<Parent> parents_;      ///< by key
+    mutable std::vector<std::uint16_t> used_;  ///< keys with a link or a block
+    std::vector<Link> links_;
+
+    void addBase(const ItemView& item);
+    void linkBlocks(std::size_t item);
+    void poolBlock(std::uint16_t key, const PooledBlock* parents, int i, PooledBlock& block) const;
+    bool isDoubted(int level, std::uint32_t cell) const;
+    void doubtBlock(int level, std::uint32_t firstCell, PooledBlock& block) const;
+};
+
+}  // namespace shadowcache

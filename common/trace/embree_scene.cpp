@@ -1,0 +1,149 @@
+#include "common/trace/embree_scene.h"
+
+#include <memory>
+#include <string>
+
+#include "common/base/error.h"
+#include "common/base/parallel.h"
+#include "common/mesh/placed_mesh.h"
+
+namespace shadowcache {
+
+EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : mesh_(mesh), parts_(mesh.parts) {
+    if (parts_.empty())
+        parts_.push_back({0, static_cast<std::uint32_t>(mesh.triangles.size()), -1});
+    const std::size_t direct = mesh.instances.empty() ? parts_.size() : mesh.firstSharedPart;
+    const std::string config = "threads=" + std::to_string(threadCount());
+    device_ = rtcNewDevice(config.c_str());
+    if (!device_) throw Error("ray tracing: no device (Embree found no usable processor)");
+    root_ = rtcNewScene(device_);
+    // Robust: no ray slips between neighbouring triangles.
+    rtcSetSceneFlags(root_, RTC_SCENE_FLAG_ROBUST);
+    makeBuffers();
+    for (const MeshPart& part : parts_)
+        filtered_.push_back(
+            {&mesh,
+             part.material < 0 ? nullptr : &mesh.materials[static_cast<std::size_t>(part.material)],
+             part.firstTriangle});
+    for (std::size_t i = 0; i < direct; ++i) attachPart(root_, static_cast<unsigned>(i), parts_[i]);
+    attachInstances(static_cast<unsigned>(direct));
+    rtcCommitScene(root_);
+    throwOnError();
+}
+
+EmbreeScene::~EmbreeScene() {
+    if (root_) rtcReleaseScene(root_);
+    for (RTCScene scene : shared_)
+        if (scene) rtcReleaseScene(scene);
+    if (corners_) rtcReleaseBuffer(corners_);
+    if (indices_) rtcReleaseBuffer(indices_);
+    if (device_) rtcReleaseDevice(device_);
+}
+
+void EmbreeScene::throwOnError() const {
+    if (rtcGetDeviceError(device_) != RTC_ERROR_NONE)
+        throw Error("ray tracing: building the acceleration structure failed (out of memory?)");
+}
+
+void EmbreeScene::makeBuffers() {
+    // Embree reads 16 bytes a corner; a copy of its own carries the padding.
+    constexpr std::size_t kPadding = 16;
+    corners_ = rtcNewBuffer(device_, sizeof(Vec3f) * mesh_.positions.size() + kPadding);
+    indices_ = rtcNewBuffer(device_, sizeof(Vec3i) * mesh_.triangles.size() + kPadding);
+    if (!corners_ || !indices_) throwOnError();
+    std::uninitialized_copy(mesh_.positions.begin(), mesh_.positions.end(),
+                            static_cast<Vec3f*>(rtcGetBufferData(corners_)));
+    std::uninitialized_copy(mesh_.triangles.begin(), mesh_.triangles.end(),
+                            static_cast<Vec3i*>(rtcGetBufferData(indices_)));
+}
+
+void EmbreeScene::attachPart(RTCScene scene, unsigned id, const MeshPart& part) {
+    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, corners_, 0,
+                         sizeof(Vec3f), mesh_.positions.size());
+    rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices_,
+                         sizeof(Vec3i) * part.firstTriangle, sizeof(Vec3i), part.triangleCount);
+    Part& filtered = filtered_[static_cast<std::size_t>(&part - parts_.data())];
+    if (const Material* material = filtered.material) {
+        rtcSetGeometryUserData(geometry, &filtered);
+        if (material->cutOut) rtcSetGeometryOccludedFilterFunction(geometry, filterHoles);
+        if (material->cutOut || !material->doubleSided)
+            rtcSetGeometryIntersectFilterFunction(geometry, filterUnseen);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene, geometry, id);
+    rtcReleaseGeometry(geometry);
+}
+
+void EmbreeScene::attachInstances(unsigned firstId) {
+    firstInstance_ = firstId;
+    shared_.resize(parts_.size(), nullptr);
+    for (std::size_t i = 0; i < mesh_.instances.size(); ++i) {
+        const MeshInstance& instance = mesh_.instances[i];
+        // A moving thing without extent is hidden.
+        if (!instance.toWorld.invertible()) continue;
+        RTCScene& shared = shared_[instance.firstPart];
+        if (!shared) {
+            shared = rtcNewScene(device_);
+            rtcSetSceneFlags(shared, RTC_SCENE_FLAG_ROBUST);
+            for (std::uint32_t k = 0; k < instance.partCount; ++k)
+                attachPart(shared, k, parts_[instance.firstPart + k]);
+            rtcCommitScene(shared);
+        }
+        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, shared);
+        float map[12];
+        const Affine& a = instance.toWorld;
+        const Vec3d columns[4] = {a.axis[0], a.axis[1], a.axis[2], a.position};
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 3; ++r) map[3 * c + r] = static_cast<float>(columns[c][r]);
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, map);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(root_, geometry, firstId + static_cast<unsigned>(i));
+        rtcReleaseGeometry(geometry);
+    }
+}
+
+std::uint32_t EmbreeScene::placedNumber(const RTCHit& hit) const noexcept {
+    if (hit.instID[0] == RTC_INVALID_GEOMETRY_ID)
+        return parts_[hit.geomID].firstTriangle + hit.primID;
+    const MeshInstance& instance = mesh_.instances[hit.instID[0] - firstInstance_];
+    return instance.firstPlaced + parts_[instance.firstPart + hit.geomID].firstTriangle -
+           parts_[instance.firstPart].firstTriangle + hit.primID;
+}
+
+bool EmbreeScene::inHole(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray) {
+    return isHole(*part.mesh, *part.material,
+                  part.firstTriangle + RTCHitN_primID(hits.hit, hits.N, ray),
+                  RTCHitN_u(hits.hit, hits.N, ray), RTCHitN_v(hits.hit, hits.N, ray));
+}
+
+void EmbreeScene::filterHoles(const RTCFilterFunctionNArguments* hits) {
+    const Part& part = *static_cast<const Part*>(hits->geometryUserPtr);
+    for (unsigned i = 0; i < hits->N; ++i)
+        if (hits->valid[i] == -1 && inHole(part, *hits, i)) hits->valid[i] = 0;
+}
+
+void EmbreeScene::filterUnseen(const RTCFilterFunctionNArguments* hits) {
+    const Part& part = *static_cast<const Part*>(hits->geometryUserPtr);
+    const bool culls = !part.material->doubleSided &&
+                       reinterpret_cast<const QueryContext*>(hits->context)->fromCamera;
+    for (unsigned i = 0; i < hits->N; ++i) {
+        if (hits->valid[i] != -1) continue;
+        if (part.material->cutOut && inHole(part, *hits, i)) hits->valid[i] = 0;
+        if (!culls) continue;
+        // In the geometry's own space, so that a mirroring instance turns no side around.
+        const Vec3i& t =
+            part.mesh->triangles[part.firstTriangle + RTCHitN_primID(hits->hit, hits->N, i)];
+        const auto corner = [&](int k) {
+            return part.mesh->positions[static_cast<std::size_t>(t[k])];
+        };
+        const Vec3f normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+        const Vec3f direction(RTCRayN_dir_x(hits->ray, hits->N, i),
+                              RTCRayN_dir_y(hits->ray, hits->N, i),
+                              RTCRayN_dir_z(hits->ray, hits->N, i));
+        if (normal.dot(direction) > 0) hits->valid[i] = 0;
+    }
+}
+
+}  // namespace shadowcache

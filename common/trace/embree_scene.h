@@ -1,0 +1,64 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "common/mesh/mesh.h"
+
+namespace shadowcache {
+
+// Names Embree's types; for scene.cpp and embree_scene.cpp only.
+
+/// What a query that may call the filters below hands to them.
+struct QueryContext {
+    RTCIntersectContext base;
+    bool fromCamera;  ///< backs of surfaces that are not double-sided are not seen
+
+    explicit QueryContext(bool camera) : fromCamera(camera) { rtcInitIntersectContext(&base); }
+};
+
+/// A mesh in Embree: a geometry for each part in the world, an instance for each of the mesh's.
+/// Only geometries whose material needs them have filters, so others lose nothing.
+class EmbreeScene {
+public:
+    /// @throws Error when memory runs out
+    explicit EmbreeScene(const TriangleMesh& mesh);
+    ~EmbreeScene();
+    EmbreeScene(const EmbreeScene&) = delete;
+    EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+    RTCScene root() const { return root_; }
+
+    /// Number in the world of the triangle that was hit (placed_mesh.h).
+    std::uint32_t placedNumber(const RTCHit& hit) const noexcept;
+
+private:
+    /// What the filters know of their geometry.
+    struct Part {
+        const TriangleMesh* mesh;
+        const Material* material;
+        std::uint32_t firstTriangle;
+    };
+
+    static void filterHoles(const RTCFilterFunctionNArguments* hits);
+    static void filterUnseen(const RTCFilterFunctionNArguments* hits);
+    static bool inHole(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray);
+
+    void makeBuffers();
+    void attachPart(RTCScene scene, unsigned id, const MeshPart& part);
+    void attachInstances(unsigned firstId);
+    void throwOnError() const;
+
+    const TriangleMesh& mesh_;
+    std::vector<MeshPart> parts_;  ///< the mesh's, at least one
+    std::vector<Part> filtered_;   ///< by part
+    RTCDevice device_ = nullptr;
+    RTCBuffer corners_ = nullptr, indices_ = nullptr;
+    RTCScene root_ = nullptr;
+    std::vector<RTCScene> shared_;  ///< by first part; null where no instance begins
+    unsigned firstInstance_ = 0;    ///< its number as a geometry of the root
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,192 @@
+#include "common/trace/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "common/mesh/placed_mesh.h"
+#include "common/trace/embree_scene.h"
+
+namespace shadowcache {
+
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// Sets of more are traced as single rays: the packets of neighbouring rays that win in the kitchen
+/// (83 k triangles, by a third) and tie in the atrium (155 k) lose around the dragon (871 k).
+constexpr std::size_t kManyTriangles = 300000;
+
+void fillRays(const RayPacket& rays, RTCRay8& out) {
+    constexpr std::size_t kBytes = sizeof(float) * RayPacket::kSize;
+    std::memcpy(out.org_x, rays.originX, kBytes);
+    std::memcpy(out.org_y, rays.originY, kBytes);
+    std::memcpy(out.org_z, rays.originZ, kBytes);
+    std::memcpy(out.dir_x, rays.directionX, kBytes);
+    std::memcpy(out.dir_y, rays.directionY, kBytes);
+    std::memcpy(out.dir_z, rays.directionZ, kBytes);
+    for (int i = 0; i < RayPacket::kSize; ++i) {
+        out.tnear[i] = 0.0f;
+        out.time[i] = 0.0f;
+        out.tfar[i] = kInfinity;
+        out.mask[i] = ~0u;
+        out.flags[i] = 0;
+    }
+}
+
+struct Lanes {
+    alignas(32) int valid[RayPacket::kSize];
+    explicit Lanes(int count) {
+        for (int i = 0; i < RayPacket::kSize; ++i) valid[i] = i < count ? -1 : 0;
+    }
+};
+
+float maxAbs(const Vec3f& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// Largest number that takes part in placing `p`, and in bringing rays back to it: what is rounded
+/// off is in proportion.
+float roundingScale(const Affine& map, const Vec3f& p) {
+    double scale = maxAbs(Vec3f(map.position));
+    for (int k = 0; k < 3; ++k)
+        scale +=
+            map.axis[static_cast<std::size_t>(k)].length() * std::abs(static_cast<double>(p[k]));
+    return static_cast<float>(2 * scale);
+}
+
+Ball ballAround(const Box3d& box) {
+    // Rounded up.
+    return {Vec3f(box.center()), static_cast<float>(box.size().length() / 2 * 1.00001)};
+}
+
+}  // namespace
+
+Scene::Scene(const TriangleMesh& mesh)
+    : mesh_(mesh),
+      // Embree 3.13 sometimes never returns from streams of coherent rays that meet instances.
+      many_(placedCount(mesh) >= kManyTriangles || !mesh.instances.empty()),
+      embree_(std::make_unique<EmbreeScene>(mesh)) {}
+
+Scene::~Scene() = default;
+
+void Scene::setMoving(const Scene* moving) {
+    moving_ = moving;
+    movingBalls_.clear();
+    for (; moving; moving = moving->moving_) {
+        const TriangleMesh& mesh = moving->mesh();
+        // Every ball costs every shading point a little.
+        constexpr std::size_t kMostBalls = 16;
+        if (mesh.instances.empty() || mesh.instances.size() > kMostBalls) {
+            movingBalls_.push_back(ballAround(placedBounds(mesh)));
+            continue;
+        }
+        for (const MeshInstance& instance : mesh.instances)
+            if (instance.toWorld.invertible())  // else it is hidden
+                movingBalls_.push_back(ballAround(instanceBounds(mesh, instance)));
+    }
+}
+
+Vec3f Scene::normal(std::uint32_t triangle) const noexcept {
+    const auto [a, b, c] = placedCorners(mesh_, triangle);
+    const MeshInstance* instance = placedTriangle(mesh_, triangle).instance;
+    const Vec3d n = (b - a).cross(c - a).normalized();
+    return Vec3f(instance && instance->toWorld.mirrors() ? -n : n);
+}
+
+Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept {
+    QueryContext context(true);
+    RTCRayHit query{};
+    query.ray.org_x = origin.x;
+    query.ray.org_y = origin.y;
+    query.ray.org_z = origin.z;
+    query.ray.dir_x = direction.x;
+    query.ray.dir_y = direction.y;
+    query.ray.dir_z = direction.z;
+    query.ray.tfar = kInfinity;
+    query.ray.mask = ~0u;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(embree_->root(), &context.base, &query);
+
+    Hit hit;
+    if (moving_) hit = moving_->intersect(origin, direction);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+    if (hit.found && hit.distance < query.ray.tfar) return hit;
+    hit.found = true;
+    hit.scene = this;
+    hit.triangle = embree_->placedNumber(query.hit);
+    hit.u = query.hit.u;
+    hit.v = query.hit.v;
+    hit.distance = query.ray.tfar;
+    const auto [a, b, c] = placedCorners(mesh_, hit.triangle);
+    hit.position =
+        Vec3f(a + (b - a) * static_cast<double>(hit.u) + (c - a) * static_cast<double>(hit.v));
+    hit.normal = normal(hit.triangle);
+    return hit;
+}
+
+std::uint32_t Scene::visibility(const RayPacket& rays, int count) const noexcept {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = mesh_.instances.empty() ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                            : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    alignas(32) RTCRay8 query;
+    fillRays(rays, query);
+    const Lanes lanes(count);
+    rtcOccluded8(lanes.valid, embree_->root(), &context, &query);
+    std::uint32_t bits = 0;
+    for (int i = 0; i < count; ++i)
+        bits |= static_cast<std::uint32_t>(query.tfar[i] >= 0.0f) << i;  // -inf on a hit
+    return moving_ && bits != 0 ? bits & moving_->visibility(rays, count) : bits;
+}
+
+void Scene::trace(RayStream& rays, std::size_t count) const noexcept {
+    alignas(64) static constexpr float kNearest[RayStream::kSize] = {};
+    RTCRayNp query{};
+    query.org_x = rays.origin[0];
+    query.org_y = rays.origin[1];
+    query.org_z = rays.origin[2];
+    query.dir_x = rays.direction[0];
+    query.dir_y = rays.direction[1];
+    query.dir_z = rays.direction[2];
+    query.tnear = const_cast<float*>(kNearest);  // only read
+    query.tfar = rays.reach;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    // Rays of a packet stay together among large triangles and part among small ones.
+    context.flags =
+        many_ ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcOccludedNp(embree_->root(), &context, &query, static_cast<unsigned>(count));
+}
+
+void Scene::distances(const RayPacket& rays, int count, float* out) const noexcept {
+    QueryContext context(false);
+    alignas(32) RTCRayHit8 query;
+    fillRays(rays, query.ray);
+    for (unsigned& id : query.hit.geomID) id = RTC_INVALID_GEOMETRY_ID;
+    const Lanes lanes(count);
+    rtcIntersect8(lanes.valid, embree_->root(), &context.base, &query);
+    std::copy_n(query.ray.tfar, count, out);  // still infinite where nothing was hit
+    if (!moving_) return;
+    float near[RayPacket::kSize];
+    moving_->distances(rays, count, near);
+    for (int i = 0; i < count; ++i) out[i] = std::min(out[i], near[i]);
+}
+
+Vec3f Scene::rayOrigin(const Vec3f& position, std::uint32_t triangle,
+                       const Vec3f& side) const noexcept {
+    const PlacedTriangle placed = placedTriangle(mesh_, triangle);
+    const Vec3i& t = mesh_.triangles[placed.triangle];
+    float scale = 0;
+    for (int k = 0; k < 3; ++k) {
+        const Vec3f& p = mesh_.positions[static_cast<std::size_t>(t[k])];
+        scale = std::max(scale,
+                         placed.instance ? roundingScale(placed.instance->toWorld, p) : maxAbs(p));
+    }
+    // A point interpolated from three corners is off its plane by a few ulp (2^-23) of the largest.
+    return position + side * (scale * 0x1p-19f);
+}
+
+}  // namespace shadowcache

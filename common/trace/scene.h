@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "common/mesh/mesh.h"
+
+namespace shadowcache {
+
+class EmbreeScene;
+class Scene;
+
+/// Where a ray meets the set, relative to the mesh's origin.
+struct Hit {
+    bool found = false;
+    const Scene* scene = nullptr;  ///< whose triangle it is: the one asked, or what moves in it
+    Vec3f position{0};             ///< on the triangle, from its corners
+    Vec3f normal{0};               ///< unit geometric normal, by the triangle's winding
+    float distance = 0;            ///< along the ray
+    std::uint32_t triangle = 0;    ///< its number in the world (placed_mesh.h)
+    float u = 0, v = 0;            ///< barycentric coordinates of the second and third corner
+};
+
+/// Eight shadow rays toward the sky, as arrays; origins relative to the mesh's origin, directions
+/// unit.
+struct alignas(32) RayPacket {
+    static constexpr int kSize = 8;
+    float originX[kSize], originY[kSize], originZ[kSize];
+    float directionX[kSize], directionY[kSize], directionZ[kSize];
+
+    void set(int i, const Vec3f& origin, const Vec3f& direction) {
+        originX[i] = origin.x;
+        originY[i] = origin.y;
+        originZ[i] = origin.z;
+        directionX[i] = direction.x;
+        directionY[i] = direction.y;
+        directionZ[i] = direction.z;
+    }
+};
+
+/// Shadow rays toward the sky in bulk, as arrays; origins relative to the mesh's origin, directions
+/// of any length.
+struct RayStream {
+    static constexpr std::size_t kSize = 256;
+    alignas(64) float origin[3][kSize];
+    alignas(64) float direction[3][kSize];
+    alignas(64) float reach[kSize];  ///< in lengths of the direction; negative once it is occluded
+
+    bool open(std::size_t i) const { return reach[i] >= 0; }
+};
+
+struct Ball {
+    Vec3f center;
+    float radius;
+};
+
+/// The set's triangles in an acceleration structure. Queries are thread-safe.
+class Scene {
+public:
+    /// Keeps a reference to `mesh`, which must outlive the scene.
+    ///
+    /// @throws Error when memory runs out
+    explicit Scene(const TriangleMesh& mesh);
+    ~Scene();
+    Scene(const Scene&) = delete;
+    Scene& operator=(const Scene&) = delete;
+
+    const TriangleMesh& mesh() const { return mesh_; }
+
+    /// Puts what moves into the scene, in place of what was there before; null: nothing. Its mesh
+    /// has the same origin. All queries but trace() see it. Not thread-safe.
+    void setMoving(const Scene* moving);
+
+    /// Balls around what moves, relative to the mesh's origin.
+    const std::vector<Ball>& movingBalls() const { return movingBalls_; }
+
+    /// Nearest hit of a ray from a camera, which looks through holes and through the backs of
+    /// surfaces that are not double-sided.
+    Hit intersect(const Vec3f& origin, const Vec3f& direction) const noexcept;
+
+    /// Bit i: ray i (< count <= 8) reaches the sky.
+    std::uint32_t visibility(const RayPacket& rays, int count) const noexcept;
+
+    /// Finds out which of the first `count` rays of a stream are open. Fastest when neighbours in
+    /// the stream are near each other in place and direction.
+    void trace(RayStream& rays, std::size_t count) const noexcept;
+
+    /// Distances to the first hit of `count` rays, infinite where there is none.
+    void distances(const RayPacket& rays, int count, float* out) const noexcept;
+
+    /// Unit geometric normal of a triangle, by its winding in the file.
+    Vec3f normal(std::uint32_t triangle) const noexcept;
+
+    /// Origin for rays that leave `position` on `triangle` on the side of the unit vector `side`:
+    /// moved off the surface by an amount scaled to the corners' own ulp, so that no ray meets the
+    /// triangle it starts from. [Wächter & Binder 2019]
+    Vec3f rayOrigin(const Vec3f& position, std::uint32_t triangle,
+                    const Vec3f& side) const noexcept;
+
+private:
+    const TriangleMesh& mesh_;
+    bool many_;
+    std::unique_ptr<EmbreeScene> embree_;
+    const Scene* moving_ = nullptr;
+    std::vector<Ball> movingBalls_;
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,88 @@
+#include "render/app/arguments.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <regex>
+#include <sstream>
+
+#include "common/base/error.h"
+#include "common/cli/command_line.h"
+#include "render/shot/frames.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// "A,B,C" -> finite numbers, as many as `count`.
+std::vector<double> parseNumbers(const char* option, const std::string& text, std::size_t count,
+                                 const char* wanted) {
+    std::vector<double> numbers;
+    std::istringstream parts(text);
+    std::string part;
+    while (std::getline(parts, part, ',')) {
+        double number = 0;
+        std::istringstream field(part);
+        if (!(field >> number) || !field.eof() || !std::isfinite(number)) break;
+        numbers.push_back(number);
+    }
+    if (numbers.size() != count || !parts.eof())
+        throw Error(std::string(option) + " " + text + ": wanted " + wanted);
+    return numbers;
+}
+
+Vec3d parseVector(const char* option, const std::string& text, const char* wanted) {
+    const std::vector<double> v = parseNumbers(option, text, 3, wanted);
+    return {v[0], v[1], v[2]};
+}
+
+/// "AxB" or "A,B" -> two whole numbers of 0 or more.
+std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted) {
+    static const std::regex pair(R"((\d{1,5})[x,](\d{1,5}))");
+    std::smatch match;
+    if (!std::regex_match(text, match, pair))
+        throw Error(std::string(option) + " " + text + ": wanted " + wanted);
+    return {std::stoi(match[1]), std::stoi(match[2])};
+}
+
+}  // namespace
+
+const std::vector<std::string>& sequenceNames() {
+    static const std::vector<std::string> names{"sobol", "random", "larcher-xor", "larcher-shift"};
+    return names;
+}
+
+RenderJob jobOf(const Arguments& arguments) {
+    RenderJob job = arguments.job;
+    if (!arguments.eye.empty()) {
+        job.eye = parseVector("--eye", arguments.eye, "X,Y,Z");
+        job.lookAt = parseVector("--look-at", arguments.target, "X,Y,Z");
+    }
+    if (!arguments.memory.empty()) job.memory = parseSize("--memory", arguments.memory);
+    for (const std::string& text : arguments.dynamic) job.dynamic.push_back(parseDynamic(text));
+    if (!arguments.frames.empty()) job.frames = parseFrames(arguments.frames);
+    const auto [width, height] = parsePair("--size", arguments.size, "WxH, as in 960x540");
+    job.render.width = width;
+    job.render.height = height;
+    const bool grey = arguments.albedo.find(',') == std::string::npos;
+    job.render.albedo =
+        Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])
+                 : parseVector("--albedo", arguments.albedo, "one value, or R,G,B"));
+    if (!arguments.debug.empty())
+        job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
+    job.mesh.zUp = arguments.up == "z";
+    const auto& names = sequenceNames();
+    job.estimatorOptions.sequence = static_cast<Sequence>(
+        std::find(names.begin(), names.end(), arguments.sequence) - names.begin());
+    job.estimatorOptions.exactConvolution = arguments.convolution == "exact";
+    const auto [pixelWidth, pixelHeight] =
+        parsePair("--pixel-map", arguments.pixelMap, "WxH, as in 200x100");
+    job.estimatorOptions.pixelWidth = pixelWidth;
+    job.estimatorOptions.pixelHeight = pixelHeight;
+    job.estimatorOptions.adaptive = arguments.budget == "adaptive";
+    job.estimatorOptions.minLevel =
+        std::min(job.estimatorOptions.minLevel, job.estimatorOptions.maxLevel);
+    return job;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/app/job.h"
+
+namespace shadowcache {
+
+/// A command line as it was typed: plain values go straight into the job, others are texts that
+/// jobOf() reads.
+struct Arguments {
+    RenderJob job;
+    std::string up = "y", frames, size = "960x540", sequence = "sobol", budget = "adaptive",
+                albedo = "0.5", memory;
+    std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
+    std::vector<std::string> dynamic;
+    bool list = false;  ///< print what the set has, do not render
+};
+
+/// As --sequence has them, in the order of Sequence.
+const std::vector<std::string>& sequenceNames();
+
+/// The job, its texts read. @throws Error naming the option, the text and the form wanted
+RenderJob jobOf(const Arguments& arguments);
+
+}  // namespace shadowcache

@@ -1,0 +1,120 @@
+#include "render/app/explain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "common/base/parallel.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Pixels of the thumbnail, about.
+constexpr double kPixels = 4096;
+
+/// Means over the pixels of the thumbnail that show the set.
+struct Means {
+    double set = 0;  ///< share of the picture
+    double irradiance = 0, variance = 0, expectedVariance = 0;
+    double items = 0, regions = 0, misses = 0, rays = 0;
+};
+
+Means meansOf(const Film& film, const Environment& environment) {
+    Means m;
+    for (const Pixel& p : film.pixels) {
+        if (p.depth <= 0) continue;
+        m.set += 1;
+        m.irradiance += static_cast<double>(environment.luminance(p.irradiance));
+        m.variance += static_cast<double>(p.variance);
+        m.expectedVariance += static_cast<double>(p.expectedNoise * p.expectedNoise);
+        m.items += static_cast<double>(p.items);
+        m.regions += static_cast<double>(p.regions);
+        m.misses += static_cast<double>(p.misses);
+        m.rays += static_cast<double>(p.rays);
+    }
+    for (double* value : {&m.irradiance, &m.variance, &m.expectedVariance, &m.items, &m.regions,
+                          &m.misses, &m.rays})
+        *value /= std::max(1.0, m.set);
+    m.set /= static_cast<double>(film.pixels.size());
+    return m;
+}
+
+template <class... Values>
+std::string line(const char* format, Values... values) {
+    char text[400];
+    std::snprintf(text, sizeof text, format, values...);
+    return text;
+}
+
+std::string duration(double seconds) {
+    if (seconds < 100) return line("%.2g s", seconds);
+    return seconds < 5400 ? line("%.0f min", seconds / 60) : line("%.1f h", seconds / 3600);
+}
+
+std::string cacheLines(const ShadowCache& cache, const Means& means, bool used) {
+    const CacheHeader& header = cache.header();
+    std::string text =
+        line("cache       %zu items of %g m, %zu blocks of finer regions, level %d%s\n",
+             cache.itemCount(), header.spacing, cache.blockCount(), header.level,
+             used ? "" : "; this estimator does not say how it reads them");
+    if (used)
+        text += line(
+            "here        %.1f items and %.0f regions a place; %.2g %% of the set in view "
+            "has no items\n",
+            means.items, means.regions, 100 * means.misses);
+    return text;
+}
+
+std::string noiseLine(const Means& means, bool predicted, int samples) {
+    if (means.set == 0) return "noise       none: the set is not in view\n";
+    if (samples == 0)
+        return "noise       none, but biased: with no rays it shows what the cache "
+               "believes\n";
+    const double light = std::max(means.irradiance, 1e-30);
+    std::string text = line("noise       %.2g %% of the mean light, by the samples of a thumbnail",
+                            100 * std::sqrt(means.variance) / light);
+    if (predicted)
+        text += line("; %.2g %% by the counts alone, without what good strata gain",
+                     100 * std::sqrt(means.expectedVariance) / light);
+    return text + "\n";
+}
+
+}  // namespace
+
+std::string explain(Estimator& estimator, const EstimatorContext& context, const Camera& camera,
+                    int frame, const RenderOptions& options, const Forecast& forecast) {
+    RenderStats survey, picture;
+    shadowcache::survey(estimator, context, camera, frame, options, survey);
+    RenderOptions small = options;
+    const double pixels = static_cast<double>(options.width) * options.height;
+    const double shrink = std::min(1.0, std::sqrt(kPixels / pixels));
+    small.width = std::max(1, static_cast<int>(std::lround(options.width * shrink)));
+    small.height = std::max(1, static_cast<int>(std::lround(options.height * shrink)));
+    const Film plain = render(estimator, context, camera, frame, small, picture);
+    // A second time for what the cache says, which is not part of the work to be timed.
+    small.insight = forecast.estimator.needsCache;
+    RenderStats unused;
+    const Means means =
+        meansOf(small.insight ? render(estimator, context, camera, frame, small, unused) : plain,
+                context.environment);
+
+    const double scale = pixels / (static_cast<double>(small.width) * small.height);
+    const double seconds = survey.seconds + picture.seconds * scale;
+    std::string text = line("estimator   %s%s: %s\n", forecast.estimator.name,
+                            forecast.chosen ? "" : " by default", forecast.estimator.summary);
+    text += line("picture     %dx%d, %.0f %% of it the set, %d frame%s\n", options.width,
+                 options.height, 100 * means.set, forecast.frames, forecast.frames > 1 ? "s" : "");
+    text += line(
+        "samples     %d a camera ray, %d camera ray%s a pixel; %.1f shadow rays a pixel "
+        "of the set\n",
+        options.samples, options.cameraRays, options.cameraRays > 1 ? "s" : "", means.rays);
+    if (context.cache) text += cacheLines(*context.cache, means, small.insight);
+    text += noiseLine(means, small.insight, options.samples);
+    text += line("time        %s a frame, %s for all, on %d threads; loading took %s\n",
+                 duration(seconds).c_str(), duration(seconds * forecast.frames).c_str(),
+                 threadCount(), duration(forecast.setupSeconds).c_str());
+    return text;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,235 @@
+#include "render/app/job.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "common/base/error.h"
+#include "common/base/option_checks.h"
+#include "common/base/parallel.h"
+#include "common/base/process.h"
+#include "common/base/progress.h"
+#include "common/import/mesh_reader.h"
+#include "render/app/explain.h"
+#include "render/app/job_output.h"
+#include "render/app/memory_report.h"
+#include "render/app/pixel_report.h"
+#include "render/app/resume.h"
+#include "render/frame/integrator.h"
+#include "render/frame/target_error.h"
+#include "render/shot/camera_source.h"
+#include "render/shot/gltf_shot.h"
+#include "render/shot/light_plan.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// The cache, if it is of this set.
+std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh& mesh) {
+    if (job.cache.empty()) return nullptr;
+    auto cache = std::make_unique<ShadowCache>(job.cache, job.memory);
+    if (cache->header().fingerprint == fingerprint(mesh)) return cache;
+    if (!job.staleOk)
+        throwFileError(job.cache,
+                       "baked for another set (its fingerprint differs): bake this set, or use the "
+                       "cache all the same with --stale-ok, at the price of noise");
+    std::fprintf(stderr,
+                 "shadowcache-render: warning: %s: baked for another set; unbiased, but noisier\n",
+                 job.cache.c_str());
+    return cache;
+}
+
+std::vector<GltfShot> openShots(const RenderJob& job) {
+    std::vector<GltfShot> shots;
+    for (const auto& file : job.files)
+        if (isGltf(file)) shots.emplace_back(file, job.mesh, job.fps);
+    return shots;
+}
+
+/// Whatever can be refused is refused before the long work.
+///
+/// @return the estimator asked for
+const EstimatorEntry& validate(const RenderJob& job) {
+    validate(job.render);
+    validate(job.estimatorOptions);
+    requireRange("threads", job.threads, 0, kMaxThreads);
+    requireRange("fps", job.fps, 1e-3, 1e6);
+    requireRange("target-error", job.targetError, 0.0, 1e6);
+    requireRange("exposure", job.exposure, -64.0f, 64.0f);
+    requireRange("fov-y", job.fovYDegrees, 0.01, 179.0);
+    if (job.debugPixel) {
+        requireRange("debug (x)", (*job.debugPixel)[0], 0, job.render.width - 1);
+        requireRange("debug (y)", (*job.debugPixel)[1], 0, job.render.height - 1);
+    }
+    const std::string name =
+        !job.estimator.empty() ? job.estimator : (job.cache.empty() ? "mis" : "cache");
+    const EstimatorEntry& entry = findEstimator(name);
+    if (entry.needsCache && job.cache.empty())
+        throw Error("--estimator " + name +
+                    " needs --cache: bake the set with shadowcache-bake first");
+    if (job.render.samples < entry.minSamples)
+        throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
+                    " wants at least " + std::to_string(entry.minSamples));
+    validateOutputs(job, entry);
+    return entry;
+}
+
+/// A job under way: what is loaded once, and the frames.
+class Shot {
+public:
+    explicit Shot(const RenderJob& job)
+        : job_(job),
+          entry_(validate(job)),
+          plan_(job.environment, job.environmentRotation, job.frames),
+          light_(plan_) {
+        setThreadCount(job.threads);
+        installInterruptHandler();
+    }
+
+    void run() {
+        const double start = secondsNow();
+        plan_.requireFiles();
+        refuseToOverwriteInputs(job_, plan_);
+        std::vector<GltfShot> shots = openShots(job_);
+        const CameraSource camera(job_, shots);
+        for (const int frame : job_.frames) camera.at(frame);
+        if (!job_.reference.empty())
+            reference_ = readReference(job_.reference, job_.render.width, job_.render.height);
+        mesh_ = loadMesh(job_.files, job_.mesh);
+        std::printf("set: %s\n", describe(mesh_.report).c_str());
+        moving_.emplace(shots, job_.dynamic, job_.mesh, mesh_.origin, job_.fps);
+        for (const int frame : job_.frames) moving_->requireFrame(frame);
+        for (GltfShot& shot : shots) shot.dropData();
+        if (!moving_->empty())
+            std::printf("moving: %zu triangles, which are not in the cache\n",
+                        moving_->triangles());
+        cache_ = openCache(job_, mesh_);
+        const double loaded = secondsNow();
+        scene_.emplace(mesh_);
+        timing_ = {loaded - start, secondsNow() - loaded};
+        options_ = job_.render;
+        options_.insight = std::ranges::any_of(job_.aovs, needsInsight);
+        for (std::size_t i = 0; i < job_.frames.size(); ++i) {
+            frame(camera, i);
+            if (job_.explain) return;
+        }
+        if (job_.debugPixel) return;
+        summarize();
+        if (!job_.stats.empty())
+            writeStats(job_, entry_, mesh_, cache_.get(), timing_, stats_, error_);
+    }
+
+private:
+    void frame(const CameraSource& camera, std::size_t i) {
+        throwIfInterrupted();
+        const int frame = job_.frames[i];
+        Metadata metadata = frameMetadata(job_, entry_, cache_.get(), plan_.at(i), frame);
+        if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
+        const double start = secondsNow();
+        if (light_.turnTo(i)) {
+            context_.reset(new EstimatorContext{*scene_, light_.environment(), cache_.get(),
+                                                job_.estimatorOptions});
+            estimator_ = entry_.make(*context_);
+        }
+        if (job_.debugPixel && estimator_->inOrder())
+            throw Error(std::string("--debug: a pixel of --estimator ") + entry_.name +
+                        " depends on the pixels before it and has no story of its own");
+        timing_.build += secondsNow() - start;
+        scene_->setMoving(moving_->pose(frame));
+        const double before = stats_.seconds;
+        const Camera view = camera.at(frame);
+        if (job_.explain) {
+            const Forecast forecast{entry_, !job_.estimator.empty(),
+                                    static_cast<int>(job_.frames.size()),
+                                    timing_.load + timing_.build};
+            std::fputs(explain(*estimator_, *context_, view, frame, options_, forecast).c_str(),
+                       stdout);
+            return;
+        }
+        RenderOptions options = options_;
+        if (job_.targetError > 0)
+            options.samples = samplesForError(*estimator_, *context_, view, frame, options_,
+                                              job_.targetError, stats_);
+        else
+            survey(*estimator_, *context_, view, frame, options, stats_);
+        if (job_.debugPixel) {
+            const auto [x, y] = *job_.debugPixel;
+            reportPixel(*estimator_, *context_, view, frame, options, x, y);
+            return;
+        }
+        const Film film = render(*estimator_, *context_, view, frame, options, stats_);
+        stats_.samples = options.samples;
+        stats_.ownError = measuredError(film.pixels, context_->environment.luminanceWeights());
+        if (job_.targetError > 0) reportError(frame);
+        writeFrame(job_, film, std::move(metadata), stats_.seconds - before, frame);
+        ++rendered_;
+        if (reference_) error_ = relativeError(colorImage(film), *reference_);
+    }
+
+    /// Says what the frame's own samples tell of its error.
+    void reportError(int frame) const {
+        std::printf("frame %d: %d samples, relMSE %.3g by its own variance, wanted %.3g%s\n", frame,
+                    stats_.samples, stats_.ownError, job_.targetError,
+                    stats_.samples == kMostSamples ? " (no more samples are allowed)" : "");
+    }
+
+    /// Whether the frame is there as it would be rendered; counts and tells what is not.
+    bool isDone(const Metadata& metadata, int frame) {
+        const auto files = frameFiles(job_, frame);
+        const FrameState state = frameState(files.front(), metadata);
+        if (state == FrameState::broken)
+            std::printf("%s: broken, rendered again\n", files.front().c_str());
+        if (state == FrameState::changed)
+            std::printf("%s: of other settings or files, rendered again\n", files.front().c_str());
+        if (state != FrameState::done ||
+            !std::ranges::all_of(files, [](const auto& f) { return std::filesystem::exists(f); }))
+            return false;
+        ++skipped_;
+        return true;
+    }
+
+    void summarize() const {
+        std::printf("%s: %zu frame%s", entry_.name, rendered_, rendered_ == 1 ? "" : "s");
+        if (job_.resume)
+            std::printf(" (%zu more %s done)", skipped_, skipped_ == 1 ? "was" : "were");
+        std::printf(", %d samples, %.1f M shadow rays in %.2f s",
+                    job_.targetError > 0 ? stats_.samples : job_.render.samples,
+                    static_cast<double>(stats_.shadowRays) * 1e-6, stats_.seconds);
+        if (error_) std::printf(", relMSE %.3g", error_->mean);
+        std::printf(" -> %s\n", job_.output.c_str());
+        if (cache_) printMemoryUse(cache_->memoryUse());
+    }
+
+    const RenderJob& job_;
+    const EstimatorEntry& entry_;
+    LightPlan plan_;
+    LightSource light_;
+    TriangleMesh mesh_;
+    std::optional<MovingSet> moving_;
+    std::unique_ptr<ShadowCache> cache_;
+    std::optional<Scene> scene_;
+    std::unique_ptr<EstimatorContext> context_;
+    std::unique_ptr<Estimator> estimator_;
+    std::optional<Image> reference_;
+    std::optional<RelativeError> error_;
+    RenderOptions options_;
+    RenderStats stats_;
+    Timing timing_;
+    std::size_t rendered_ = 0, skipped_ = 0;
+};
+
+}  // namespace
+
+void run(const RenderJob& job) {
+    Shot(job).run();
+}
+
+void listSet(const RenderJob& job) {
+    for (const auto& file : job.files) {
+        if (!isGltf(file)) throwFileError(file, "no glTF file, of which alone there is a list");
+        std::fputs(describe(GltfShot(file, job.mesh, job.fps)).c_str(), stdout);
+    }
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,143 @@
+#include "render/app/job_output.h"
+
+#include <set>
+#include <sstream>
+
+#include "common/base/atomic_file.h"
+#include "common/base/error.h"
+#include "common/base/json_file.h"
+#include "common/base/option_checks.h"
+#include "common/base/process.h"
+#include "common/base/version.h"
+#include "render/app/memory_report.h"
+#include "render/app/resume.h"
+#include "render/frame/aov_pictures.h"
+#include "render/shot/frames.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Files whose change makes a picture another one.
+std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPlan::Light& light) {
+    std::vector<std::filesystem::path> inputs = job.files;
+    for (const DynamicFile& file : job.dynamic) {
+        inputs.push_back(file.mesh);
+        inputs.push_back(file.track);
+    }
+    for (const std::string& text : {job.cache.string(), job.camera, light.environment})
+        inputs.emplace_back(text);
+    return inputs;
+}
+
+}  // namespace
+
+std::filesystem::path frameFile(const RenderJob& job, int frame) {
+    return framePath(job.output, frame, job.frames.size() > 1);
+}
+
+std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame) {
+    std::vector<std::filesystem::path> files{frameFile(job, frame)};
+    if (!job.png) return files;
+    auto png = files.front();
+    files.push_back(png.replace_extension(".png"));
+    for (const auto& [aov, picture] : aovPictures(png, job.aovs)) files.push_back(picture);
+    return files;
+}
+
+void validateOutputs(const RenderJob& job, const EstimatorEntry& entry) {
+    requireExtension(job.output, ".exr");
+    for (const std::string& aov : job.aovs)
+        if (needsInsight(aov) && !entry.needsCache)
+            throw Error("--aov " + aov + ": wanted --estimator cache, which alone knows it");
+    for (const int frame : job.frames)
+        for (const auto& file : frameFiles(job, frame)) requireWritable(file);
+    if (!job.stats.empty()) requireWritable(job.stats);
+}
+
+void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {
+    std::set<std::filesystem::path> inputs{job.reference};
+    for (std::size_t i = 0; i < job.frames.size(); ++i)
+        for (const auto& input : inputsOf(job, plan.at(i))) inputs.insert(input);
+    std::set<std::filesystem::path> kept;
+    for (const auto& input : inputs)
+        if (std::error_code no; std::filesystem::exists(input, no))
+            kept.insert(std::filesystem::canonical(input, no));
+    const auto check = [&](const std::filesystem::path& output) {
+        std::error_code no;
+        if (kept.contains(std::filesystem::weakly_canonical(output, no)))
+            throwFileError(output, "is an input of this run, wanted another file to write");
+    };
+    for (const int frame : job.frames)
+        for (const auto& file : frameFiles(job, frame)) check(file);
+    check(job.stats);
+}
+
+Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
+                       const LightPlan::Light& light, int frame) {
+    Metadata metadata{{"shadowcache:version", kVersion}};
+    for (const auto& [name, value] : job.settings)
+        if (name != "env" && name != "env-rotate")
+            metadata.emplace_back("shadowcache:" + name, value);
+    std::ostringstream angle;
+    angle.precision(17);
+    angle << light.rotation;
+    metadata.emplace_back("shadowcache:env", light.environment);
+    metadata.emplace_back("shadowcache:env-rotate", angle.str());
+    metadata.emplace_back("shadowcache:bias", biasOf(entry, job.render.samples));
+    metadata.emplace_back("shadowcache:frame", std::to_string(frame));
+    metadata.emplace_back("shadowcache:inputs", inputsMark(inputsOf(job, light)));
+    if (cache) {
+        std::ostringstream print;
+        print << std::hex << cache->header().fingerprint;
+        metadata.emplace_back("shadowcache:fingerprint", print.str());
+    }
+    return metadata;
+}
+
+void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, double seconds,
+                int frame) {
+    const auto path = frameFile(job, frame);
+    metadata.emplace_back("shadowcache:seconds", std::to_string(seconds));
+    writeExr(path, film.width, film.height, channels(film, job.aovs), metadata,
+             job.half ? PixelType::half : PixelType::full);
+    if (!job.png) return;
+    auto png = path;
+    writePng(png.replace_extension(".png"), colorImage(film), job.exposure);
+    for (const auto& [aov, picture] : aovPictures(png, job.aovs))
+        writePng(picture, falseColorImage(film, aov), 0);
+}
+
+void writeStats(const RenderJob& job, const EstimatorEntry& entry, const TriangleMesh& mesh,
+                const ShadowCache* cache, const Timing& timing, const RenderStats& stats,
+                const std::optional<RelativeError>& error) {
+    JsonFile out;
+    out.set("version", std::string(kVersion));
+    out.set("estimator", std::string(entry.name));
+    out.set("bias", biasOf(entry, job.render.samples));
+    out.set("triangles", std::uint64_t{mesh.triangles.size()});
+    out.set("seconds.load", timing.load);
+    out.set("seconds.build", timing.build);
+    // Set-up and tracing are kept per thread; the rest is the camera's rays and the film.
+    out.set("seconds.render", stats.seconds);
+    out.set("seconds.setup", stats.setupSeconds);
+    out.set("seconds.trace", stats.traceSeconds);
+    out.set("rays.camera", stats.cameraRays);
+    out.set("rays.shadow", stats.shadowRays);
+    out.set("cache.items", std::uint64_t{cache ? cache->itemCount() : 0});
+    out.set("cache.bytes", std::uint64_t{cache ? cache->memoryBytes() : 0});
+    if (cache) addMemoryUse(out, cache->memoryUse());
+    out.set("samples", static_cast<std::uint64_t>(stats.samples));
+    out.set("error.by_own_variance", stats.ownError);
+    if (error) {
+        out.set("error.relmse", error->mean);
+        out.set("error.l2", error->l2);
+        out.set("error.p50", error->p50);
+        out.set("error.p99", error->p99);
+        out.set("error.max", error->max);
+    }
+    out.set("peak_rss_bytes", peakMemoryBytes());
+    out.write(job.stats);
+}
+
+}  // namespace shadowcache

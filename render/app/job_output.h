@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+
+#include "common/cache/shadow_cache.h"
+#include "common/image/image.h"
+#include "render/app/job.h"
+#include "render/frame/compare.h"
+#include "render/frame/film.h"
+#include "render/frame/integrator.h"
+#include "render/shot/light_plan.h"
+
+namespace shadowcache {
+
+// What a job writes: the frames' files, and the statistics.
+
+/// Refuses what could not be written, before the long work. @throws Error
+void validateOutputs(const RenderJob& job, const EstimatorEntry& entry);
+
+/// Refuses to write over what the run reads. @throws Error
+void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan);
+
+/// Every file that a frame makes, the EXR first; with --png its pictures.
+std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame);
+
+/// The EXR of a frame.
+std::filesystem::path frameFile(const RenderJob& job, int frame);
+
+/// All that a frame's file tells but the time it took.
+///
+/// @param cache  null: none
+Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
+                       const LightPlan::Light& light, int frame);
+
+/// The EXR, and with --png its pictures. @throws Error
+void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, double seconds,
+                int frame);
+
+/// Seconds that all frames share.
+struct Timing {
+    double load = 0, build = 0;
+};
+
+/// The JSON of --stats. @throws Error
+void writeStats(const RenderJob& job, const EstimatorEntry& entry, const TriangleMesh& mesh,
+                const ShadowCache* cache, const Timing& timing, const RenderStats& stats,
+                const std::optional<RelativeError>& error);
+
+}  // namespace shadowcache

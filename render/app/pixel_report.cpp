@@ -1,0 +1,79 @@
+#include "render/app/pixel_report.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "common/base/error.h"
+
+namespace shadowcache {
+
+namespace {
+
+template <class Vector>
+std::string text(const Vector& v) {
+    char buffer[96];
+    std::snprintf(buffer, sizeof buffer, "%.9g, %.9g, %.9g", static_cast<double>(v.x),
+                  static_cast<double>(v.y), static_cast<double>(v.z));
+    return buffer;
+}
+
+void printItems(const EstimatorContext& context, const ShadingPoint& point) {
+    if (!context.cache) return;
+    ShadowCache::Reader reader(*context.cache);
+    std::array<ItemView, ShadowCache::kMaxItems> items;
+    const int count = reader.gather(point.position, point.normal, items);
+    std::printf("  cache items: %d, weights:", count);
+    for (int i = 0; i < count; ++i)
+        std::printf(" %.4f", static_cast<double>(items[static_cast<std::size_t>(i)].weight));
+    std::printf("\n");
+}
+
+void printSample(const EstimatorContext& context, const ShadingPoint& point, std::size_t i,
+                 const Vec3f& direction) {
+    std::printf("  sample %zu: ", i);
+    if (direction == Vec3f(0, 0, 0)) {
+        std::printf("no ray, contributes nothing whatever it would meet\n");
+        return;
+    }
+    RayPacket packet{};
+    packet.set(0, point.rayOrigin, direction);
+    float distance = 0;
+    context.scene.distances(packet, 1, &distance);
+    std::printf("direction %s, cosine %.6f, ", text(direction).c_str(),
+                static_cast<double>(point.normal.dot(direction)));
+    if (std::isinf(distance))
+        std::printf("sky of radiance %s\n", text(context.environment.radiance(direction)).c_str());
+    else
+        std::printf("hidden at distance %.6g\n", static_cast<double>(distance));
+}
+
+}  // namespace
+
+void reportPixel(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
+                 int frame, const RenderOptions& options, int x, int y) {
+    std::printf("frame %d, pixel %d,%d, seed %llu:\n", frame, x, y,
+                static_cast<unsigned long long>(options.seed));
+    const auto report = [&](const CameraSample& sample) {
+        const ShadingPoint& point = sample.point;
+        std::printf("  position: %s\n  normal: %s\n  ray origin (from the set's): %s\n",
+                    text(point.position).c_str(), text(point.normal).c_str(),
+                    text(point.rayOrigin).c_str());
+        printItems(context, point);
+        for (std::size_t i = 0; i < sample.samples.size(); ++i)
+            printSample(context, point, i, sample.samples.direction(i));
+        std::printf("  irradiance: %s; variance %.6g; %u shadow rays; albedo: %s\n",
+                    text(sample.estimate.irradiance).c_str(),
+                    static_cast<double>(sample.estimate.variance), sample.estimate.rays,
+                    text(sample.albedo).c_str());
+    };
+    const Pixel pixel = renderPixel(estimator, context, camera, frame, options, x, y, report);
+    if (pixel.depth == 0) std::printf("  the sky\n");
+    std::printf("  colour: %s\n", text(pixel.color).c_str());
+    if (!isFinite(pixel))
+        throw Error("pixel " + std::to_string(x) + "," + std::to_string(y) +
+                    ": not a finite estimate");
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "common/image/image.h"
+
+namespace shadowcache {
+
+/// What --resume finds of a frame.
+enum class FrameState {
+    missing,
+    broken,   ///< not a whole EXR file
+    changed,  ///< of other settings or inputs
+    done
+};
+
+/// Compares a frame's file with the metadata it would get; what says nothing of the picture (time,
+/// threads, where it is written) is left out.
+FrameState frameState(const std::filesystem::path& path, const Metadata& metadata);
+
+/// Size and time of change of the files, as one number for the metadata.
+std::string inputsMark(std::span<const std::filesystem::path> files);
+
+}  // namespace shadowcache

@@ -1,0 +1,64 @@
+#include "render/cached/cache_survey.h"
+
+#include "common/base/sequence.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Rays at each place.
+constexpr int kRays = 64;
+
+}  // namespace
+
+std::uint64_t CacheSurvey::look(const Scene& scene, const Environment& environment,
+                                const ShadingPoint& point, const RegionWeights& weights,
+                                LightSamples& samples, Reliability& found) {
+    regions_.clear();
+    double sums[2] = {0, 0};
+    for (std::size_t g = 0; g < weights.size(); ++g)
+        for (int i = 0; i < kBlockCells; ++i) {
+            const float spread = weights.spread(g)[i];
+            if (!(spread > 0)) continue;
+            const RegionGroup& group = weights.group(g);
+            regions_.push_back({group.level,
+                                group.firstCell + static_cast<std::uint32_t>(i),
+                                weights.posterior(g)[i],
+                                {spread, weights.light(g)[i]}});
+            for (int k = 0; k < 2; ++k) sums[k] += static_cast<double>(regions_.back().weight[k]);
+        }
+    samples.clear();
+    posteriors_.clear();
+    for (int k = 0; k < 2 && sums[k] > 0; ++k) draw(environment, point, k, sums[k], samples);
+    Estimate unused;
+    samples.trace(scene, point, environment, unused);
+    for (std::size_t i = 0; i < samples.size(); ++i) found.add(posteriors_[i], samples.open(i));
+    return unused.rays;
+}
+
+/// Queues half of the rays, in proportion to weight[k] of the regions.
+void CacheSurvey::draw(const Environment& environment, const ShadingPoint& point, int k, double sum,
+                       LightSamples& samples) {
+    constexpr int kHalf = kRays / 2;
+    double below = 0;
+    int j = 0;
+    const auto numberOf = [&](int dimension) {
+        return hashWords(point.seed, 81,
+                         static_cast<std::uint64_t>(j) * 8 + static_cast<std::uint64_t>(k) * 4 +
+                             static_cast<std::uint64_t>(dimension));
+    };
+    for (const Region& r : regions_) {
+        below += static_cast<double>(r.weight[k]);
+        for (; j < kHalf && sum * (j + toUnit(numberOf(0))) / kHalf < below; ++j) {
+            const std::uint64_t h = numberOf(1);
+            const EnvironmentSample s = environment.sampleCell(
+                r.level, r.cell, toUnit(numberOf(2)), toUnitFloat(static_cast<std::uint32_t>(h)),
+                toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
+            if (s.direction.dot(point.normal) <= 0) continue;
+            samples.add(s.direction, Rgb(0, 0, 0));
+            posteriors_.push_back(r.posterior);
+        }
+    }
+}
+
+}  // namespace shadowcache

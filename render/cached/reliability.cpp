@@ -1,0 +1,62 @@
+#include "render/cached/reliability.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shadowcache {
+
+namespace {
+
+/// How strongly the counts' own word stands against the measured share, in rays.
+constexpr double kPriorRays = 2;
+
+/// Least error of the visibility that is corrected: below it nothing is to be gained, and what the
+/// counts call fully open or fully hidden stays free of noise.
+constexpr double kTolerance = 0.02;
+
+/// Standard errors that a measured share must be off by to count as the cache's fault.
+constexpr double kSignificance = 4;
+
+}  // namespace
+
+Reliability::Reliability() {
+    factor_.fill(1);
+    correction_.fill(0);
+}
+
+void Reliability::add(float a, bool open) {
+    const std::uint32_t bin = binOf(a, doubtOf(a));
+    open_[bin] += open;
+    ++rays_[bin];
+    sum_[bin] += static_cast<double>(a > 0.5f ? 1 - doubtOf(a) : doubtOf(a));
+}
+
+void Reliability::add(const Reliability& other) {
+    for (std::size_t i = 0; i < kBins; ++i) {
+        open_[i] += other.open_[i];
+        rays_[i] += other.rays_[i];
+        sum_[i] += other.sum_[i];
+    }
+}
+
+void Reliability::update() {
+    for (std::size_t i = 0; i < kBins; ++i) {
+        if (rays_[i] == 0) continue;
+        const auto rays = static_cast<double>(rays_[i]);
+        const auto open = static_cast<double>(open_[i]);
+        const double said = sum_[i] / rays;
+        const double found = (open + kPriorRays * said) / (rays + kPriorRays);
+        const double least = static_cast<double>(kLeastDoubt);
+        const double doubt = i < kBinsPerSide ? found : 1 - found;
+        const double saidDoubt = i < kBinsPerSide ? said : 1 - said;
+        factor_[i] = static_cast<float>(std::clamp(doubt, least, 1 - least) / saidDoubt);
+        const double share = std::clamp(open / rays, 1 / (rays + 2), 1 - 1 / (rays + 2));
+        const double error = std::sqrt(share * (1 - share) / rays);
+        const double off = found - said;
+        correction_[i] = std::abs(off) > std::max(kTolerance, kSignificance * error)
+                             ? static_cast<float>(off)
+                             : 0.0f;
+    }
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,58 @@
+#include "render/cached/sample_budget.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/sequence.h"
+
+namespace shadowcache {
+
+namespace {
+
+constexpr double kRange = 4;
+
+/// As relMSE has it [docs/estimator.md].
+constexpr double kFloorShare = 0.01;
+
+}  // namespace
+
+double SampleBudget::need(const PredictedNoise& noise) const {
+    return noise.deviation / std::sqrt(noise.value * noise.value + floor_);
+}
+
+double SampleBudget::share(double need) const {
+    return std::clamp(need * perNeed_, least_, most_);
+}
+
+void SampleBudget::plan(std::span<const PredictedNoise> places, int samples) {
+    const double wanted = samples;
+    least_ = std::max(1.0, wanted / kRange);
+    most_ = wanted * kRange;
+    const auto count = static_cast<double>(std::max<std::size_t>(places.size(), 1));
+    double mean = 0;
+    for (const PredictedNoise& p : places) mean += p.value / count;
+    floor_ = std::max(kFloorShare * mean * mean, 1e-30);
+    // The mean share grows with perNeed_: halve the interval.
+    double low = 0, high = 1;
+    const auto meanShare = [&](double perNeed) {
+        perNeed_ = perNeed;
+        double sum = 0;
+        for (const PredictedNoise& p : places) sum += share(need(p)) / count;
+        return sum;
+    };
+    while (meanShare(high) < wanted && high < 1e18) high *= 4;
+    for (int i = 0; i < 60; ++i) {
+        const double middle = (low + high) / 2;
+        (meanShare(middle) < wanted ? low : high) = middle;
+    }
+    perNeed_ = high;
+    predictedError_ = 0;
+    for (const PredictedNoise& p : places)
+        predictedError_ += need(p) * need(p) / share(need(p)) / count;
+}
+
+int SampleBudget::samplesOf(const PredictedNoise& noise, std::uint64_t seed) const {
+    return static_cast<int>(share(need(noise)) + toUnit(hashWords(seed, 82)));
+}
+
+}  // namespace shadowcache

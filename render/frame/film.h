@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/image/image.h"
+
+namespace shadowcache {
+
+/// What the renderer knows of one pixel, averaged over its camera rays.
+struct Pixel {
+    Rgb color{0, 0, 0};  ///< outgoing radiance, or the sky's
+    Rgb irradiance{0, 0, 0};
+    Rgb albedo{0, 0, 0};
+    Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
+    Vec3f position{0, 0, 0};  ///< world space
+    float depth = 0;          ///< distance from the camera; 0: the sky
+    float variance = 0;       ///< of the irradiance's luminance, estimated from the samples
+    float rays = 0;           ///< shadow rays traced
+    // What the cache says before any ray, if RenderOptions::insight.
+    float openness = 0;       ///< open share of the sky, weighted by the cosine
+    float expectedNoise = 0;  ///< standard deviation of the irradiance's luminance
+    float items = 0;          ///< cache items found
+    float regions = 0;        ///< regions that samples are drawn from
+    float misses = 0;         ///< share of the camera rays that met the set and found no item
+};
+
+struct Film {
+    int width = 0;
+    int height = 0;
+    std::vector<Pixel> pixels;
+};
+
+/// Whether colour, irradiance and variance are finite numbers.
+bool isFinite(const Pixel& pixel);
+
+/// Names that channels() knows.
+const std::vector<std::string>& aovNames();
+
+/// How an AOV is drawn in false colour.
+struct AovScale {
+    float most;  ///< value of the brightest colour; 0: the highest in the picture, about
+    float (*value)(const Pixel&);
+};
+
+/// Nothing for an AOV that is no false-colour picture.
+std::optional<AovScale> aovScale(const std::string& name);
+
+/// Whether an AOV shows what the cache says (RenderOptions::insight).
+bool needsInsight(const std::string& aov);
+
+/// R, G, B and the channels of the AOVs named, for writeExr.
+///
+/// @throws Error naming the AOVs there are
+std::vector<Channel> channels(const Film& film, const std::vector<std::string>& aovs);
+
+Image colorImage(const Film& film);
+
+}  // namespace shadowcache

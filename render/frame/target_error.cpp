@@ -1,0 +1,59 @@
+#include "render/frame/target_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shadowcache {
+
+namespace {
+
+/// Samples of the first pilot; the second has a quarter of those that the first asks for.
+constexpr int kPilotSamples = 16;
+
+/// One tile in how many a pilot renders.
+constexpr int kTilesApart = 16;
+
+constexpr std::uint64_t kPilotSeed = 0x70696c6f74;
+
+}  // namespace
+
+double measuredError(std::span<const Pixel> pixels, const Rgb& luminanceWeights) {
+    if (pixels.empty()) return 0;
+    const auto luminance = [&](const Rgb& c) {
+        return static_cast<double>(c.dot(luminanceWeights));
+    };
+    const auto count = static_cast<double>(pixels.size());
+    double mean = 0;
+    for (const Pixel& p : pixels) mean += luminance(p.color) / count;
+    double error = 0;
+    for (const Pixel& p : pixels) {
+        const double value = luminance(p.color);
+        const double scale = value * value + 0.01 * mean * mean;
+        const double reflectance = luminance(p.albedo) / kPi;
+        if (scale > 0)
+            error += reflectance * reflectance * static_cast<double>(p.variance) / scale / count;
+    }
+    return error;
+}
+
+int samplesForError(Estimator& estimator, const EstimatorContext& context, const Camera& camera,
+                    int frame, RenderOptions options, double target, RenderStats& stats) {
+    const auto needed = [&](int samples) {
+        options.samples = samples;
+        survey(estimator, context, camera, frame, options, stats);
+        const double error = measuredError(
+            renderSomeTiles(estimator, context, camera, frame, options, kTilesApart, stats),
+            context.environment.luminanceWeights());
+        return static_cast<int>(std::clamp(std::ceil(samples * error / target), 1.0,
+                                           static_cast<double>(kMostSamples)));
+    };
+    options.seed ^= kPilotSeed;
+    const int first = needed(kPilotSamples);
+    const int wanted = first > kPilotSamples ? needed(std::max(kPilotSamples, first / 4)) : first;
+    options.seed ^= kPilotSeed;
+    options.samples = wanted;
+    survey(estimator, context, camera, frame, options, stats);
+    return wanted;
+}
+
+}  // namespace shadowcache

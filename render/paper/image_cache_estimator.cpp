@@ -1,0 +1,102 @@
+// The paper's estimator with the cache that the paper has: an item every few pixels, filled by the
+// shadow rays of the pixels before. [paper 4.3]
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "render/estimators/estimators.h"
+#include "render/paper/paper_estimator.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Side of the square of pixels that share an item.
+constexpr int kItemPixels = 4;
+
+/// Counts of one item, by group of triangles.
+struct ImageItem {
+    std::vector<std::uint8_t> n, d;
+};
+
+struct ImageWorkspace final : PaperWorkspace {
+    std::unordered_map<std::uint64_t, ImageItem> cache;
+    std::vector<float> open, counted;  ///< sums over the items nearby, by group
+    std::uint64_t item;                ///< of the pixel in work
+};
+
+std::uint64_t itemKey(int column, int row) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(row)) << 32 |
+           static_cast<std::uint32_t>(column);
+}
+
+class PaperImage final : public Paper {
+public:
+    explicit PaperImage(const EstimatorContext& context) : Paper(context) {
+        // Triangles stand in the order of the hierarchy: those of a common ancestor in a run.
+        std::uint64_t last = 0;
+        for (const MapTriangle& t : triangles()) {
+            const int level = std::min(t.level, context.options.cacheLevel);
+            const std::uint64_t cell = std::uint64_t{ancestorCell(t.cell, t.level, level)} * 16 +
+                                       static_cast<std::uint64_t>(level);
+            if (group_.empty() || cell != last) ++groups_;
+            last = cell;
+            group_.push_back(groups_ - 1);
+        }
+    }
+
+    bool inOrder() const override { return true; }
+
+    std::unique_ptr<Workspace> makeWorkspace() const override {
+        return std::make_unique<ImageWorkspace>();
+    }
+
+private:
+    std::vector<std::uint32_t> group_;  ///< by triangle: where it is counted
+    std::uint32_t groups_ = 0;
+
+    void gather(const ShadingPoint& point, PaperWorkspace& workspace) const override {
+        auto& w = static_cast<ImageWorkspace&>(workspace);
+        w.open.assign(groups_, 0.0f);
+        w.counted.assign(groups_, 0.0f);
+        const int column = point.filmX / kItemPixels, row = point.filmY / kItemPixels;
+        w.item = itemKey(column, row);
+        for (int y = row - 1; y <= row + 1; ++y)
+            for (int x = column - 1; x <= column + 1; ++x) {
+                const auto found = w.cache.find(itemKey(x, y));
+                if (found == w.cache.end()) continue;
+                for (std::uint32_t g = 0; g < groups_; ++g) {
+                    w.open[g] += static_cast<float>(found->second.n[g]);
+                    w.counted[g] += static_cast<float>(found->second.d[g]);
+                }
+            }
+    }
+
+    CachedVisibility cached(const PaperWorkspace& workspace,
+                            std::uint32_t triangle) const override {
+        const auto& w = static_cast<const ImageWorkspace&>(workspace);
+        const std::uint32_t g = group_[triangle];
+        if (!(w.counted[g] > 0)) return {};
+        return {w.open[g] / w.counted[g], w.counted[g]};
+    }
+
+    void takeNote(Workspace& workspace) const override {
+        auto& w = static_cast<ImageWorkspace&>(workspace);
+        ImageItem& item = w.cache[w.item];
+        item.n.resize(groups_);
+        item.d.resize(groups_);
+        for (std::size_t i = 0; i < w.triangleOf.size(); ++i) {
+            if (w.samples.direction(i) == Vec3f(0, 0, 0)) continue;
+            const std::uint32_t g = group_[w.triangleOf[i]];
+            addCounts(item.n[g], item.d[g], w.samples.open(i) ? 1 : 0, 1);
+        }
+    }
+};
+
+}  // namespace
+
+std::unique_ptr<Estimator> makePaperImage(const EstimatorContext& context) {
+    return std::make_unique<PaperImage>(context);
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,201 @@
+#include "render/paper/paper_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/estimators/estimators.h"
+#include "render/estimators/hemisphere.h"
+#include "render/paper/spherical_polygon.h"
+
+namespace shadowcache {
+
+namespace {
+
+constexpr double kBelowOne = 0x1.fffffffffffffp-1;
+
+void addPiece(const PaperPiece& piece, PaperWorkspace& w) {
+    if (!(piece.weight > 0) || !(piece.area > 0)) return;
+    w.pieces.push_back(piece);
+    w.cdf.push_back((w.cdf.empty() ? 0.0 : w.cdf.back()) + piece.weight);
+}
+
+/// First cell of the finest level in a triangle: the triangles stand in the order of these.
+std::uint64_t firstCell(const MapTriangle& t) {
+    return std::uint64_t{t.cell} << (2 * (kMaxDirectionLevel - t.level));
+}
+
+}  // namespace
+
+Paper::Paper(const EstimatorContext& context)
+    : Estimator(context),
+      triangles_(triangulate(context.environment, context.options.triangles,
+                             context.options.minLevel, context.options.maxLevel)) {
+    if (!context.options.exactConvolution) table_.emplace(context.environment, triangles_);
+}
+
+std::unique_ptr<Workspace> Paper::makeWorkspace() const {
+    auto w = std::make_unique<PaperWorkspace>();
+    if (context_.cache) {
+        w->reader.emplace(*context_.cache);
+        w->pooled.emplace(context_.cache->header().tiers());
+        w->items.resize(ShadowCache::kMaxItems);
+    }
+    return w;
+}
+
+void Paper::gather(const ShadingPoint& point, PaperWorkspace& w) const {
+    if (!w.reader) return;
+    const int found = w.reader->gather(point.position, point.normal, w.items);
+    w.pooled->pool(std::span(w.items).first(static_cast<std::size_t>(found)));
+}
+
+CachedVisibility Paper::cached(const PaperWorkspace& w, std::uint32_t triangle) const {
+    if (!w.pooled) return {};
+    const MapTriangle& t = triangles_[triangle];
+    const int level = std::min(t.level, context_.options.cacheLevel);
+    return visibilityOf(*w.pooled, level, ancestorCell(t.cell, t.level, level));
+}
+
+Rgb Paper::prepare(const ShadingPoint& point, int samples, Workspace& workspace) const {
+    auto& w = static_cast<PaperWorkspace&>(workspace);
+    buildImportance(point, w);
+    w.triangleOf.clear();
+    const double total = w.cdf.empty() ? 0.0 : w.cdf.back();
+    if (!(total > 0)) return {0, 0, 0};
+    const double beta = context_.options.beta;
+    const Vec3d n(point.normal);
+    const auto u = w.numbers(context_.options.sequence, point.seed, 0, samples);
+    const auto v = w.numbers(context_.options.sequence, point.seed, 1, samples);
+    for (std::size_t j = 0; j < u.size(); ++j) {
+        // The lower bits come from a hash: 32 bits would be few for a large table.
+        const double x =
+            (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, j))) * 0x1p-32;
+        Vec3f direction;
+        std::uint32_t triangle = 0;
+        if (x < beta) {
+            direction = aroundNormal(point.normal, static_cast<float>(x / beta), toUnitFloat(v[j]));
+            triangle = triangleAlong(direction);
+        } else {
+            direction =
+                drawDirection(w, n, (x - beta) / (1 - beta) * total, toUnitFloat(v[j]), triangle);
+        }
+        w.triangleOf.push_back(triangle);
+        const float cosine = direction.dot(point.normal);
+        if (cosine <= 0) {
+            w.samples.addZero();
+            continue;
+        }
+        const double density =
+            beta / (2 * kPi) + (1 - beta) * this->density(w, n, triangle, direction) / total;
+        w.samples.add(direction, context_.environment.radiance(direction) *
+                                     (cosine / static_cast<float>(density * samples)));
+    }
+    w.samples.endGroup();
+    return {0, 0, 0};
+}
+
+/// W_i of all triangles, clipped to the hemisphere, and their running sum.
+void Paper::buildImportance(const ShadingPoint& point, PaperWorkspace& w) const {
+    gather(point, w);
+    convolveAll(point.normal, w.convolution);
+    w.pieces.clear();
+    w.cdf.clear();
+    w.density.assign(triangles_.size(), 0.0);
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) addTriangle(i, Vec3d(point.normal), w);
+}
+
+void Paper::convolveAll(const Vec3f& n, std::vector<float>& out) const {
+    if (table_) return table_->evaluate(n, out);
+    out.resize(triangles_.size());
+    for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] = static_cast<float>(convolve(context_.environment, triangles_[i], Vec3d(n)));
+}
+
+void Paper::addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& w) const {
+    const MapTriangle& t = triangles_[triangle];
+    const double height = n.dot(t.axis), sine = t.sinRadius;
+    if (height <= -sine || (t.power <= 0 && t.floor <= 0)) return;
+    constexpr double kLeastCosine = 0.05;
+    const double light = std::max(static_cast<double>(w.convolution[triangle]),
+                                  t.floor * std::max(height, kLeastCosine));
+    const double weight = light * visibility(w, triangle);
+    if (height >= sine) {
+        w.density[triangle] = weight / t.area;
+        addPiece({t.corners, t.area, weight, triangle}, w);
+        return;
+    }
+    const ClippedTriangle clipped = clipToHemisphere(t.corners, n);
+    double areas[2] = {0, 0};
+    for (int k = 0; k < clipped.count; ++k)
+        areas[k] = solidAngle(clipped.pieces[static_cast<std::size_t>(k)]);
+    const double area = areas[0] + areas[1];
+    if (!(area > 0)) return;
+    w.density[triangle] = weight / area;
+    for (int k = 0; k < clipped.count; ++k)
+        addPiece({clipped.pieces[static_cast<std::size_t>(k)], areas[k], weight * areas[k] / area,
+                  triangle},
+                 w);
+}
+
+/// alpha A + (1 - alpha) / 2. [paper 4.3]
+double Paper::visibility(const PaperWorkspace& w, std::uint32_t triangle) const {
+    const CachedVisibility v = cached(w, triangle);
+    const double a = v.rays < static_cast<float>(context_.options.threshold)
+                         ? 1.0
+                         : static_cast<double>(v.ratio);
+    return context_.options.alpha * a + (1 - context_.options.alpha) * 0.5;
+}
+
+/// Whether the importance in a triangle is linear: in one that the horizon may cut it never is.
+bool Paper::isLinear(std::uint32_t triangle, const Vec3d& n) const {
+    const MapTriangle& t = triangles_[triangle];
+    return context_.options.order == 1 && n.dot(t.axis) >= t.sinRadius;
+}
+
+LinearTriangle Paper::linear(std::uint32_t triangle, const Vec3d& n) const {
+    const MapTriangle& t = triangles_[triangle];
+    // On the horizon itself the density must not be zero.
+    constexpr double kLeastCosine = 1e-3;
+    return {t.corners,
+            {t.shape[0] * std::max(kLeastCosine, n.dot(t.corners.a)),
+             t.shape[1] * std::max(kLeastCosine, n.dot(t.corners.b)),
+             t.shape[2] * std::max(kLeastCosine, n.dot(t.corners.c))}};
+}
+
+/// Place `x` in [0, total) of the running sum -> piece and direction. [paper 4.2: Idx, Coord,
+/// SphTri]
+Vec3f Paper::drawDirection(const PaperWorkspace& w, const Vec3d& n, double x, float v,
+                           std::uint32_t& triangle) const {
+    auto i =
+        static_cast<std::size_t>(std::upper_bound(w.cdf.begin(), w.cdf.end(), x) - w.cdf.begin());
+    i = std::min(i, w.pieces.size() - 1);
+    const PaperPiece& piece = w.pieces[i];
+    triangle = piece.triangle;
+    const double coordinate =
+        std::clamp((x - (w.cdf[i] - piece.weight)) / piece.weight, 0.0, kBelowOne);
+    if (isLinear(triangle, n))
+        return Vec3f(linear(triangle, n).sample(coordinate, static_cast<double>(v)));
+    return Vec3f(sampleDirection(piece.corners, coordinate, static_cast<double>(v)));
+}
+
+/// Of a direction in a triangle, times the sum of all weights.
+double Paper::density(const PaperWorkspace& w, const Vec3d& n, std::uint32_t triangle,
+                      const Vec3f& direction) const {
+    const double constant = w.density[triangle];
+    if (!isLinear(triangle, n)) return constant;
+    return constant * triangles_[triangle].area * linear(triangle, n).density(Vec3d(direction));
+}
+
+std::uint32_t Paper::triangleAlong(const Vec3f& direction) const {
+    const std::uint64_t cell = locateCell(kMaxDirectionLevel, Vec3d(direction));
+    const auto after =
+        std::upper_bound(triangles_.begin(), triangles_.end(), cell,
+                         [](std::uint64_t c, const MapTriangle& t) { return c < firstCell(t); });
+    return static_cast<std::uint32_t>(after - triangles_.begin() - 1);
+}
+
+std::unique_ptr<Estimator> makePaper(const EstimatorContext& context) {
+    return std::make_unique<Paper>(context);
+}
+
+}  // namespace shadowcache

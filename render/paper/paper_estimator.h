@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/base/sequence.h"
+#include "render/estimators/estimator.h"
+#include "render/paper/cached_visibility.h"
+#include "render/paper/convolution.h"
+#include "render/paper/linear_triangle.h"
+
+namespace shadowcache {
+
+/// A triangle of the tessellated hemisphere, or a part of one.
+struct PaperPiece {
+    SphericalTriangle corners;
+    double area;
+    double weight;           ///< W
+    std::uint32_t triangle;  ///< of the map
+};
+
+struct PaperWorkspace : Workspace {
+    std::optional<ShadowCache::Reader> reader;
+    std::optional<PooledVisibility> pooled;
+    std::vector<ItemView> items;
+    std::vector<float> convolution;
+    std::vector<PaperPiece> pieces;
+    std::vector<double> cdf;
+    std::vector<double> density;            ///< W / area above the horizon, by triangle
+    std::vector<std::uint32_t> triangleOf;  ///< by sample
+};
+
+/// The estimator of the paper: importance constant over the triangles of an adaptive triangulation
+/// of the map, tabulated diffuse convolutions, clipping to the hemisphere, cached visibility, and
+/// perhaps a share of uniform samples. [paper 4, 6.1]
+class Paper : public Estimator {
+public:
+    explicit Paper(const EstimatorContext& context);
+
+    std::unique_ptr<Workspace> makeWorkspace() const override;
+
+protected:
+    const std::vector<MapTriangle>& triangles() const { return triangles_; }
+
+    /// Brings what the cache knows around `point` to the workspace.
+    virtual void gather(const ShadingPoint& point, PaperWorkspace& w) const;
+    /// What it knows of a triangle; all is open where nothing was counted.
+    virtual CachedVisibility cached(const PaperWorkspace& w, std::uint32_t triangle) const;
+
+private:
+    std::vector<MapTriangle> triangles_;
+    std::optional<ConvolutionTable> table_;
+
+    Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override;
+    void buildImportance(const ShadingPoint& point, PaperWorkspace& w) const;
+    void convolveAll(const Vec3f& n, std::vector<float>& out) const;
+    void addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& w) const;
+    double visibility(const PaperWorkspace& w, std::uint32_t triangle) const;
+    LinearTriangle linear(std::uint32_t triangle, const Vec3d& n) const;
+    bool isLinear(std::uint32_t triangle, const Vec3d& n) const;
+    Vec3f drawDirection(const PaperWorkspace& w, const Vec3d& n, double x, float v,
+                        std::uint32_t& triangle) const;
+    double density(const PaperWorkspace& w, const Vec3d& n, std::uint32_t triangle,
+                   const Vec3f& direction) const;
+    std::uint32_t triangleAlong(const Vec3f& direction) const;
+};
+
+}  // namespace shadowcache

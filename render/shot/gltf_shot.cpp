@@ -1,0 +1,150 @@
+#include "render/shot/gltf_shot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "common/base/error.h"
+
+namespace shadowcache {
+
+namespace {
+
+template <class... Values>
+std::string formatted(const char* format, Values... values) {
+    char text[256];
+    std::snprintf(text, sizeof text, format, values...);
+    return text;
+}
+
+/// Triangles of a mesh as its accessors announce them.
+std::size_t announcedTriangles(const GltfDocument& document, int mesh) {
+    std::size_t sum = 0;
+    for (const GltfPrimitive& p : document.meshes[static_cast<std::size_t>(mesh)].primitives) {
+        const auto positions = p.attributes.find("POSITION");
+        if (p.mode < 4 || positions == p.attributes.end()) continue;
+        const std::size_t corners =
+            document.accessor(p.indices >= 0 ? p.indices : positions->second).count;
+        sum += p.mode == 4 ? corners / 3 : corners - std::min<std::size_t>(2, corners);
+    }
+    return sum;
+}
+
+/// Length that neither overflows nor underflows for any finite vector.
+Vec3d unit(const Vec3d& v) {
+    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    return largest > 0 ? (v / largest).normalized() : Vec3d(0.0);
+}
+
+}  // namespace
+
+GltfShot::GltfShot(const std::filesystem::path& path, const MeshOptions& options, double fps)
+    : document_(std::make_unique<GltfDocument>(readGltfDocument(path))),
+      nodes_(std::make_unique<GltfNodes>(*document_)),
+      world_(worldOf(options)),
+      fps_(fps) {}
+
+std::vector<int> GltfShot::cameraNodes() const {
+    std::vector<int> found;
+    for (int i = 0; i < static_cast<int>(document_->nodes.size()); ++i) {
+        const GltfNode& node = document_->nodes[static_cast<std::size_t>(i)];
+        if (node.inScene && node.camera >= 0) found.push_back(i);
+    }
+    return found;
+}
+
+std::vector<int> GltfShot::movingNodes() const {
+    std::vector<int> found;
+    for (int i = 0; i < static_cast<int>(document_->nodes.size()); ++i) {
+        const GltfNode& node = document_->nodes[static_cast<std::size_t>(i)];
+        if (node.inScene && node.mesh >= 0 && nodes_->moves(i)) found.push_back(i);
+    }
+    return found;
+}
+
+std::string GltfShot::cameraName(int node) const {
+    const GltfNode& n = document_->nodes[static_cast<std::size_t>(node)];
+    return n.name.empty() ? document_->cameras[static_cast<std::size_t>(n.camera)].name : n.name;
+}
+
+Affine GltfShot::place(int node, int frame) const {
+    return compose(world_, nodes_->at(node, frame / fps_));
+}
+
+Camera GltfShot::camera(int node, int frame) const {
+    const Affine at = place(node, frame);
+    const GltfCamera& from = document_->cameras[static_cast<std::size_t>(
+        document_->nodes[static_cast<std::size_t>(node)].camera)];
+    Camera camera;
+    camera.origin = at.position;
+    // A camera looks along its -z; a scale has no say in that, and a shear of parents is undone.
+    camera.forward = unit(-at.axis[2]);
+    const Vec3d right = camera.forward.cross(unit(at.axis[1]));
+    if (camera.forward == Vec3d(0.0) || !(right.length() > 1e-6))
+        throwFileError(document_->path, "camera " + cameraName(node) + ", frame " +
+                                            std::to_string(frame) +
+                                            ": its node's scale leaves no direction of view");
+    camera.up = right.normalized().cross(camera.forward).normalized();
+    camera.fovY = from.fovY;
+    if (from.orthographic) camera.height = from.height * world_.axis[0].length();
+    return camera;
+}
+
+NamedCamera findCamera(std::span<const GltfShot> shots, const std::string& name) {
+    std::string known;
+    std::vector<NamedCamera> found;
+    for (const GltfShot& shot : shots)
+        for (const int node : shot.cameraNodes()) {
+            known += (known.empty() ? "" : ", ") + shot.cameraName(node);
+            const GltfNode& n = shot.document().nodes[static_cast<std::size_t>(node)];
+            const GltfCamera& camera = shot.document().cameras[static_cast<std::size_t>(n.camera)];
+            if (n.name == name || camera.name == name) found.push_back({&shot, node});
+        }
+    if (found.empty())
+        throw Error("--camera " + name + ": wanted one of the set's cameras: " +
+                    (known.empty() ? "it has none" : known));
+    if (found.size() > 1)
+        throw Error("--camera " + name + ": " + std::to_string(found.size()) +
+                    " cameras of the set have that name, wanted one: " + known);
+    return found[0];
+}
+
+std::string describe(const GltfShot& shot) {
+    const GltfDocument& document = shot.document();
+    std::set<int> meshes;
+    std::size_t nodes = 0, unique = 0, placed = 0;
+    for (const GltfNode& node : document.nodes) {
+        if (!node.inScene || node.mesh < 0) continue;
+        const std::size_t triangles = announcedTriangles(document, node.mesh);
+        if (meshes.insert(node.mesh).second) unique += triangles;
+        placed += triangles;
+        ++nodes;
+    }
+    std::string text = document.path.string() + ":\n";
+    text += formatted("  %zu meshes with %zu triangles; %zu nodes place %zu triangles\n",
+                      meshes.size(), unique, nodes, placed);
+    for (const int node : shot.cameraNodes()) {
+        const Camera camera = shot.camera(node, 1);
+        const Vec3d& at = camera.origin;
+        text += "  camera " + shot.cameraName(node) + ": ";
+        text += camera.height > 0
+                    ? formatted("orthographic, %g high", camera.height)
+                    : formatted("perspective, %.4g degrees high", camera.fovY * 180 / kPi);
+        text += formatted(", at %.4g, %.4g, %.4g in frame 1%s\n", at.x, at.y, at.z,
+                          shot.nodes().moves(node) ? ", moves" : "");
+    }
+    for (const GltfAnimation& animation : document.animations)
+        text += "  animation " + animation.name + ": " + std::to_string(animation.channels.size()) +
+                " channels\n";
+    for (const int node : shot.movingNodes())
+        text += "  moves: " + document.nodes[static_cast<std::size_t>(node)].name +
+                " (not baked, rendered in every frame)\n";
+    if (!document.animations.empty())
+        text +=
+            formatted("  the last key is at %.4g s: frame %.0f at %g frames a second\n",
+                      shot.nodes().duration(), shot.nodes().duration() * shot.fps(), shot.fps());
+    return text;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/import/gltf_nodes.h"
+#include "common/mesh/mesh.h"
+#include "render/frame/camera.h"
+
+namespace shadowcache {
+
+/// What a glTF file brings to a shot beside its set: cameras, and nodes over time. Frame f is at
+/// f / fps seconds, as Blender exports it.
+class GltfShot {
+public:
+    /// @throws Error as readGltfDocument
+    GltfShot(const std::filesystem::path& path, const MeshOptions& options, double fps);
+
+    /// Forgets the arrays; from now on no mesh of document() can be read.
+    void dropData() { document_->storage.clear(); }
+
+    const GltfDocument& document() const { return *document_; }
+    const GltfNodes& nodes() const { return *nodes_; }
+
+    /// Nodes of the scene with a camera.
+    std::vector<int> cameraNodes() const;
+    /// Nodes of the scene with a mesh that an animation moves.
+    std::vector<int> movingNodes() const;
+    /// Of a node's camera: the node's name, or else the camera's.
+    std::string cameraName(int node) const;
+
+    /// @throws Error if the node's scale leaves no direction of view
+    Camera camera(int node, int frame) const;
+    /// A node's place in the world.
+    Affine place(int node, int frame) const;
+
+    double fps() const { return fps_; }
+
+private:
+    std::unique_ptr<GltfDocument> document_;
+    std::unique_ptr<GltfNodes> nodes_;
+    Affine world_;
+    double fps_;
+};
+
+/// A camera of one of several files.
+struct NamedCamera {
+    const GltfShot* shot = nullptr;
+    int node = -1;
+};
+
+/// @throws Error naming all cameras if none, or more than one, has the name
+NamedCamera findCamera(std::span<const GltfShot> shots, const std::string& name);
+
+/// What --list prints of a file: cameras, animations, sizes.
+std::string describe(const GltfShot& shot);
+
+}  // namespace shadowcache

@@ -1,0 +1,103 @@
+#include "render/shot/light_plan.h"
+
+#include <cmath>
+#include <cstdio>
+#include <regex>
+#include <sstream>
+
+#include "common/base/error.h"
+#include "common/base/file_bytes.h"
+#include "render/shot/frames.h"
+
+namespace shadowcache {
+
+namespace {
+
+std::vector<std::string> environmentsOf(const std::string& text, std::span<const int> frames) {
+    if (parseRadiance(text) || std::filesystem::exists(text)) return {text};
+    static const std::regex sequence("#|%0?\\d?d");
+    if (std::regex_search(text, sequence)) {
+        std::vector<std::string> all;
+        for (const int frame : frames) all.push_back(framePath(text, frame, true).string());
+        return all;
+    }
+    std::vector<std::string> all;
+    std::istringstream parts(text);
+    for (std::string part; std::getline(parts, part, ',');) all.push_back(part);
+    if (all.size() > 1 && all.size() != frames.size())
+        throw Error("--env " + text + ": " + std::to_string(all.size()) + " maps for " +
+                    std::to_string(frames.size()) + (frames.size() > 1 ? " frames" : " frame") +
+                    ", wanted one, or one for each frame");
+    return all;
+}
+
+/// First and last angle.
+std::pair<double, double> rotationOf(const std::string& text) {
+    static const std::string number = R"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)";
+    static const std::regex wanted("(" + number + ")(?:-(" + number + "))?");
+    std::smatch match;
+    if (!std::regex_match(text, match, wanted))
+        throw Error("--env-rotate " + text + ": wanted degrees, or A-B to turn from A to B");
+    const double first = std::stod(match[1]);
+    return {first, match[2].matched ? std::stod(match[2]) : first};
+}
+
+}  // namespace
+
+LightPlan::LightPlan(const std::string& environments, const std::string& rotation,
+                     std::span<const int> frames) {
+    const std::vector<std::string> maps = environmentsOf(environments, frames);
+    const auto [first, last] = rotationOf(rotation);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        const double share =
+            frames.size() > 1 ? static_cast<double>(i) / static_cast<double>(frames.size() - 1) : 0;
+        lights_.push_back({maps[std::min(i, maps.size() - 1)], first + (last - first) * share});
+    }
+}
+
+void LightPlan::requireFiles() const {
+    for (const Light& light : lights_)
+        if (!parseRadiance(light.environment)) requireReadableFile(light.environment);
+}
+
+LightSource::LightSource(const LightPlan& plan) : plan_(plan) {}
+
+LightSource::~LightSource() = default;
+
+bool LightSource::turnTo(std::size_t i) {
+    const LightPlan::Light& light = plan_.at(i);
+    if (environment_ && light == current_) return false;
+    environment_.reset();
+    if (light.environment != current_.environment || map_.image.pixels.empty()) load(light);
+    current_ = light;
+    environment_ = std::make_unique<Environment>(map_.image, light.rotation, map_.luminanceWeights);
+    return true;
+}
+
+void LightSource::load(const LightPlan::Light& light) {
+    if (const auto color = parseRadiance(light.environment)) {
+        map_ = {};
+        map_.image = {1, 1, {*color}};
+        return;
+    }
+    map_ = readRadiance(light.environment);
+    if (map_.image.width != 2 * map_.image.height)
+        std::fprintf(stderr,
+                     "shadowcache-render: warning: %s: %dx%d texels, a lat-long map is 2:1\n",
+                     light.environment.c_str(), map_.image.width, map_.image.height);
+    if (map_.notFinite + map_.negative > 0)
+        std::printf("map: %zu texels not finite and %zu negative, set to 0\n", map_.notFinite,
+                    map_.negative);
+}
+
+std::optional<Rgb> parseRadiance(const std::string& text) {
+    Rgb c;
+    char rest = 0;
+    if (std::sscanf(text.c_str(), "%f,%f,%f%c", &c.x, &c.y, &c.z, &rest) != 3) return std::nullopt;
+    for (int k = 0; k < 3; ++k)
+        if (!(c[k] >= 0) || std::isinf(c[k]))
+            throw Error("--env " + text + ": wanted three radiances of 0 or more");
+    return c;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/image/image.h"
+#include "common/light/environment.h"
+
+namespace shadowcache {
+
+/// Which light falls on each frame of a job: a map or one radiance, and how far it is turned.
+class LightPlan {
+public:
+    struct Light {
+        std::string environment;  ///< a file, or "R,G,B"
+        double rotation = 0;      ///< [degrees]
+        bool operator==(const Light&) const = default;
+    };
+
+    /// `environments` is a file, one radiance R,G,B, files joined by commas, one for each frame, or
+    /// a sequence whose #### or %04d is the frame's number. `rotation` is an angle, or A-B: from A
+    /// in the first frame to B in the last.
+    ///
+    /// @throws Error if the two do not read so, or the maps are not as many as the frames
+    LightPlan(const std::string& environments, const std::string& rotation,
+              std::span<const int> frames);
+
+    /// Light of the job's frame number i, counted from 0.
+    const Light& at(std::size_t i) const { return lights_[i]; }
+
+    /// @throws Error naming the first file that is missing
+    void requireFiles() const;
+
+private:
+    std::vector<Light> lights_;
+};
+
+/// The light of one frame after the other; what stays the same is read and built once.
+class LightSource {
+public:
+    explicit LightSource(const LightPlan& plan);
+    ~LightSource();
+
+    /// Brings the light of the job's frame number i.
+    ///
+    /// @return whether environment() is another one than before
+    /// @throws Error if the map cannot be read
+    bool turnTo(std::size_t i);
+    const Environment& environment() const { return *environment_; }
+
+private:
+    void load(const LightPlan::Light& light);
+
+    const LightPlan& plan_;
+    LightPlan::Light current_;
+    RadianceImage map_;
+    std::unique_ptr<Environment> environment_;
+};
+
+/// "R,G,B" -> one colour. @throws Error on radiances below 0
+std::optional<Rgb> parseRadiance(const std::string& text);
+
+}  // namespace shadowcache

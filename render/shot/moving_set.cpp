@@ -1,0 +1,169 @@
+#include "render/shot/moving_set.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.h"
+#include "common/base/file_bytes.h"
+#include "common/base/json_depth.h"
+#include "common/import/gltf_mesh.h"
+
+namespace shadowcache {
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// Makes instances of all that a file has in its world directly.
+void makeMovable(RawMesh& raw) {
+    if (raw.parts.empty()) raw.parts.push_back({raw.faceSizes.size(), -1, 0});
+    int group = 1;
+    for (const RawInstance& instance : raw.instances) group = std::max(group, instance.group + 1);
+    bool any = false;
+    for (RawPart& part : raw.parts) {
+        if (part.group != 0) continue;
+        part.group = group;
+        any = true;
+    }
+    if (any) raw.instances.push_back({group, {}});
+    raw.firstLocalVertex = 0;
+}
+
+std::vector<double> numbers(const std::filesystem::path& path, const Json& frame, const char* name,
+                            std::vector<double> fallback) {
+    const auto found = frame.find(name);
+    if (found == frame.end()) return fallback;
+    std::vector<double> values;
+    if (found->is_array())
+        for (const Json& value : *found)
+            if (value.is_number()) values.push_back(value.get<double>());
+    const bool finite =
+        std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+    if (values.size() != fallback.size() || !found->is_array() ||
+        found->size() != fallback.size() || !finite)
+        throwFileError(path, std::string(name) + " is no list of " +
+                                 std::to_string(fallback.size()) + " finite numbers");
+    return values;
+}
+
+}  // namespace
+
+DynamicFile parseDynamic(const std::string& text) {
+    // A file may have an @ in its name; a track's name ends in .json.
+    const std::size_t at = text.rfind('@');
+    if (at == std::string::npos || !text.ends_with(".json")) return {text, {}};
+    return {text.substr(0, at), text.substr(at + 1)};
+}
+
+std::vector<Affine> readTransformTrack(const std::filesystem::path& path) {
+    const std::string text = readFileBytes(path);
+    if (!isShallowJson(text)) throwFileError(path, "JSON nested deeper than 256 levels");
+    const Json json = Json::parse(text, nullptr, false);
+    if (json.is_discarded()) throwFileError(path, "no JSON, expected a track of transforms");
+    const auto frames = json.is_object() ? json.find("frames") : json.end();
+    if (!json.is_object() || frames == json.end() || !frames->is_array() || frames->empty())
+        throwFileError(path, "has no list of frames, expected {\"frames\": [...]}");
+    std::vector<Affine> track;
+    for (const Json& frame : *frames) {
+        if (!frame.is_object())
+            throwFileError(path, "frame " + std::to_string(track.size() + 1) + " is no object");
+        const auto t = numbers(path, frame, "translation", {0, 0, 0});
+        const auto q = numbers(path, frame, "rotation", {0, 0, 0, 1});
+        const auto s = numbers(path, frame, "scale", {1, 1, 1});
+        track.push_back(
+            fromParts({t[0], t[1], t[2]}, {q[0], q[1], q[2], q[3]}, {s[0], s[1], s[2]}));
+    }
+    return track;
+}
+
+MovingSet::MovingSet(std::span<const GltfShot> shots, std::span<const DynamicFile> files,
+                     const MeshOptions& options, const Vec3d& origin, double fps) {
+    MeshOptions placed = options;
+    placed.origin = origin;
+    for (const GltfShot& shot : shots)
+        if (auto nodes = shot.movingNodes(); !nodes.empty())
+            addNodes(shot, std::move(nodes), {shot.document().path, {}}, placed);
+    for (const DynamicFile& file : files) {
+        if (!isGltf(file.mesh)) {
+            addFile(file, placed);
+            continue;
+        }
+        ownShots_.push_back(std::make_unique<GltfShot>(file.mesh, options, fps));
+        std::vector<int> nodes;
+        const auto& all = ownShots_.back()->document().nodes;
+        for (int i = 0; i < static_cast<int>(all.size()); ++i)
+            if (const GltfNode& node = all[static_cast<std::size_t>(i)];
+                node.inScene && node.mesh >= 0)
+                nodes.push_back(i);
+        addNodes(*ownShots_.back(), std::move(nodes), file, placed);
+    }
+}
+
+MovingSet::~MovingSet() = default;
+
+void MovingSet::addNodes(const GltfShot& shot, std::vector<int> nodes, DynamicFile file,
+                         const MeshOptions& options) {
+    std::vector<GltfPlacement> placements;
+    for (const int node : nodes) placements.push_back({node, shot.nodes().at(node, 0)});
+    Source source;
+    source.mesh = assembleMesh(file.mesh, gltfMesh(shot.document(), placements, true), options);
+    source.shot = &shot;
+    source.nodes = std::move(nodes);
+    source.trackPath = file.track;
+    if (!file.track.empty()) source.track = readTransformTrack(file.track);
+    sources_.push_back(std::move(source));
+}
+
+void MovingSet::addFile(const DynamicFile& file, const MeshOptions& options) {
+    RawMesh raw = readMeshFile(file.mesh);
+    makeMovable(raw);
+    Source source;
+    source.mesh = assembleMesh(file.mesh, std::move(raw), options);
+    for (const MeshInstance& instance : source.mesh.instances) {
+        Affine atRest = instance.toWorld;
+        atRest.position += *options.origin;
+        source.atRest.push_back(atRest);
+    }
+    source.trackPath = file.track;
+    if (!file.track.empty()) source.track = readTransformTrack(file.track);
+    sources_.push_back(std::move(source));
+}
+
+std::size_t MovingSet::triangles() const {
+    std::size_t sum = 0;
+    for (const Source& source : sources_) sum += source.mesh.report.placed;
+    return sum;
+}
+
+Affine MovingSet::trackAt(const Source& source, int frame) {
+    if (source.track.empty()) return {};
+    if (frame < 1 || static_cast<std::size_t>(frame) > source.track.size())
+        throwFileError(source.trackPath, "frame " + std::to_string(frame) + ", expected 1 to " +
+                                             std::to_string(source.track.size()));
+    return source.track[static_cast<std::size_t>(frame - 1)];
+}
+
+void MovingSet::requireFrame(int frame) const {
+    for (const Source& source : sources_) trackAt(source, frame);
+}
+
+const Scene* MovingSet::pose(int frame) {
+    // The scenes refer to the meshes, which change now.
+    scenes_.clear();
+    for (Source& source : sources_) {
+        const Affine track = trackAt(source, frame);
+        for (std::size_t i = 0; i < source.mesh.instances.size(); ++i) {
+            MeshInstance& instance = source.mesh.instances[i];
+            const Affine place = source.shot
+                                     ? source.shot->place(source.nodes[instance.source], frame)
+                                     : source.atRest[i];
+            instance.toWorld = compose(track, place);
+            instance.toWorld.position -= source.mesh.origin;
+        }
+        scenes_.push_back(std::make_unique<Scene>(source.mesh));
+        if (scenes_.size() > 1) scenes_.back()->setMoving(scenes_[scenes_.size() - 2].get());
+    }
+    return scenes_.empty() ? nullptr : scenes_.back().get();
+}
+
+}  // namespace shadowcache
