@@ -13,6 +13,7 @@
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/cli/command_line.h"
+#include "common/image/png.h"
 
 namespace shadowcache {
 namespace {

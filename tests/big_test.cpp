@@ -10,7 +10,11 @@
 #include <vector>
 
 #include "common/base/parallel.h"
+#include "common/image/exr.h"
+#include "common/image/radiance.h"
+#include "common/import/load_mesh.h"
 #include "render/frame/integrator.h"
+#include "render/table/estimator_table.h"
 #include "scenes/sets.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
@@ -36,7 +40,7 @@ std::vector<double> pictureMeans(const EstimatorContext& context, const std::str
     for (int i = 1; i <= count; ++i) {
         options.seed = static_cast<std::uint64_t>(i);
         RenderStats stats;
-        const Film film = render(*estimator, context, camera, 1, options, stats);
+        const Film film = render({*estimator, camera, 1, options}, stats);
         double sum = 0;
         for (const Pixel& pixel : film.pixels) sum += static_cast<double>(pixel.irradiance.y);
         means.push_back(sum / static_cast<double>(film.pixels.size()));

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "common/import/load_mesh.h"
+#include "common/import/mesh_options.h"
 #include "render/shot/gltf_shot.h"
 #include "tests/program_run.h"
 #include "tests/temporary_folder.h"

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/image/exr.h"
 #include "tests/cli_fixture.h"
 
 namespace shadowcache::test {

@@ -15,6 +15,7 @@
 #include "common/base/sequence.h"
 #include "common/cache/cache_items.h"
 #include "common/cache/shadow_cache.h"
+#include "common/mesh/mesh_fingerprint.h"
 #include "tests/foreign_vdb.h"
 #include "tests/temporary_folder.h"
 #include "tests/test_scenes.h"

@@ -8,6 +8,7 @@
 #include "bake/inspect/sky_light.h"
 #include "bake/inspect/sky_view.h"
 #include "common/cache/volume_grids.h"
+#include "common/image/exr.h"
 #include "tests/foreign_vdb.h"
 #include "tests/test_scenes.h"
 

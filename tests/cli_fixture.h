@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/image/exr.h"
 #include "common/image/image.h"
 #include "tests/program_run.h"
 #include "tests/temporary_folder.h"

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "common/image/exr.h"
 #include "tests/cli_fixture.h"
 #include "tests/mesh_files.h"
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/cache/cache_items.h"
+#include "common/image/exr.h"
 #include "tests/cli_fixture.h"
 
 namespace shadowcache::test {

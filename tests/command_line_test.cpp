@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "common/image/exr.h"
 #include "tests/cli_fixture.h"
 
 namespace shadowcache::test {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "common/image/radiance.h"
 #include "tests/test_scenes.h"
 
 namespace shadowcache::test {

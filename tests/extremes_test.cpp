@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "common/base/sequence.h"
+#include "common/import/load_mesh.h"
 #include "render/frame/integrator.h"
+#include "render/table/estimator_table.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 
@@ -71,12 +73,10 @@ struct World {
                static_cast<float>(kPi - test::hiddenByConvex(mesh, kFloorTriangles,
                                                              kFloorTriangles + kSlabTriangles, at));
     }
-    EstimatorContext context(const EstimatorOptions& options = fewTriangles()) const {
-        return {scene, environment, &cache.cache(), options};
-    }
+    EstimatorContext context() const { return {scene, environment, &cache.cache(), {}}; }
     static EstimatorOptions fewTriangles() {
         EstimatorOptions options;
-        options.triangles = 320;
+        options.paper.triangles = 320;
         return options;
     }
 };
@@ -108,7 +108,7 @@ void expectTruth(const std::vector<test::NamedEstimator>& estimators, const Shad
 std::vector<test::NamedEstimator> cached(const EstimatorContext& context) {
     std::vector<test::NamedEstimator> both;
     for (const char* name : {"paper", "cache"})
-        both.push_back({name, findEstimator(name).make(context)});
+        both.push_back({name, findEstimator(name).make(context, World::fewTriangles())});
     return both;
 }
 
@@ -144,7 +144,7 @@ TEST_P(Coordinates, ChangeNoEstimate) {
     const Vec3f from(Vec3d(0, 0.25, 0) * place.scale + place.shift - mesh.origin);
     const World world(std::move(mesh), options, from, {0, -1, 0});
     const Rgb truth = world.truthUnderTheSlab();
-    expectTruth(test::everyEstimator(world.context()), world.point, truth);
+    expectTruth(test::everyEstimator(world.context(), World::fewTriangles()), world.point, truth);
     const auto exact = static_cast<double>(truth.x);
     EXPECT_NEAR(predicted(world.context(), world.point) / exact, 1, 0.05);
 }
@@ -158,7 +158,8 @@ TEST(OneTriangle, IsLitOnBothSides) {
         const World world(mesh, options, {0.2f, static_cast<float>(y), 0.3f},
                           {0, static_cast<float>(-y), 0});
         EXPECT_GT(world.baked.items.size(), 0u);
-        for (const auto& [name, estimator] : test::everyEstimator(world.context())) {
+        for (const auto& [name, estimator] :
+             test::everyEstimator(world.context(), World::fewTriangles())) {
             const auto estimates = test::runEstimator(*estimator, world.point, 256, 100);
             EXPECT_NEAR(estimates.mean(2) / (2 * kPi), 1, 0.01) << name;
         }
@@ -206,9 +207,10 @@ TEST(Samples, SixtyFiveThousandOfAPixelComeToTheTruth) {
     options.width = options.height = 1;
     options.samples = 65536;
     const double truth = static_cast<double>(world.truthUnderTheSlab().y);
-    for (const auto& [name, estimator] : test::everyEstimator(world.context())) {
+    for (const auto& [name, estimator] :
+         test::everyEstimator(world.context(), World::fewTriangles())) {
         RenderStats stats;
-        const Film film = render(*estimator, world.context(), camera, 1, options, stats);
+        const Film film = render({*estimator, camera, 1, options}, stats);
         const Pixel& pixel = film.pixels[0];
         EXPECT_NEAR(static_cast<double>(pixel.irradiance.y) / truth, 1, 2e-3) << name;
         EXPECT_LE(pixel.rays, 65536.0f) << name;
@@ -217,7 +219,7 @@ TEST(Samples, SixtyFiveThousandOfAPixelComeToTheTruth) {
         options.samples = 1;
         double worst = 0;
         for (options.seed = 1; options.seed <= 50; ++options.seed) {
-            const Film rough = render(*estimator, world.context(), camera, 1, options, stats);
+            const Film rough = render({*estimator, camera, 1, options}, stats);
             worst = std::max(worst,
                              std::abs(static_cast<double>(rough.pixels[0].irradiance.y) - truth));
         }
@@ -232,10 +234,10 @@ TEST(Alpha, UpToAlmostOneChangesNoMean) {
     for (const double alpha : {0.0, 0.5, 1 - 1e-6}) {
         SCOPED_TRACE(alpha);
         EstimatorOptions options = World::fewTriangles();
-        options.alpha = alpha;
+        options.paper.alpha = alpha;
         EXPECT_NO_THROW(validate(options));
         std::vector<test::NamedEstimator> paper;
-        paper.push_back({"paper", findEstimator("paper").make(world.context(options))});
+        paper.push_back({"paper", findEstimator("paper").make(world.context(), options)});
         expectTruth(paper, world.point, truth);
     }
 }
@@ -243,7 +245,7 @@ TEST(Alpha, UpToAlmostOneChangesNoMean) {
 TEST(Alpha, OfOneIsRefused) {
     EstimatorOptions options;
     for (const double alpha : {1.0, 1.5, -1e-9, std::nan("")}) {
-        options.alpha = alpha;
+        options.paper.alpha = alpha;
         test::expectError([&] { validate(options); }, "--alpha", "below 1");
     }
 }

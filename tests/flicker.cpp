@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "render/table/estimator_table.h"
+
 namespace shadowcache::test {
 
 namespace {
@@ -33,19 +35,20 @@ std::vector<Pixel> firstHits(const EstimatorContext& context, const Camera& came
     RenderOptions quick = options;
     quick.samples = 1;
     RenderStats unused;
-    return render(*findEstimator("cosine").make(context), context, camera, 1, quick, unused).pixels;
+    return render({*findEstimator("cosine").make(context), camera, 1, quick}, unused).pixels;
 }
 
 }  // namespace
 
 ShotLight renderShot(const EstimatorContext& context, const std::string& estimator,
                      std::span<const Camera> cameras, std::span<const int> numbers,
-                     const RenderOptions& options, RenderStats& stats) {
-    const auto made = findEstimator(estimator).make(context);
+                     const RenderOptions& options, RenderStats& stats,
+                     const EstimatorOptions& estimatorOptions) {
+    const auto made = findEstimator(estimator).make(context, estimatorOptions);
     ShotLight shot;
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-        survey(*made, context, cameras[i], numbers[i], options, stats);
-        const Film film = render(*made, context, cameras[i], numbers[i], options, stats);
+        runPilot({*made, cameras[i], numbers[i], options}, stats);
+        const Film film = render({*made, cameras[i], numbers[i], options}, stats);
         shot.emplace_back();
         for (const Pixel& p : film.pixels)
             shot.back().push_back(static_cast<double>(context.environment.luminance(p.irradiance)));

@@ -7,6 +7,7 @@
 
 #include "render/frame/camera.h"
 #include "render/frame/integrator.h"
+#include "render/table/estimator_table.h"
 
 namespace shadowcache::test {
 
@@ -18,7 +19,8 @@ using ShotLight = std::vector<std::vector<double>>;
 /// Renders a frame for each camera, with `numbers` in the frames' seeds; `stats` adds up.
 ShotLight renderShot(const EstimatorContext& context, const std::string& estimator,
                      std::span<const Camera> cameras, std::span<const int> numbers,
-                     const RenderOptions& options, RenderStats& stats);
+                     const RenderOptions& options, RenderStats& stats,
+                     const EstimatorOptions& estimatorOptions = {});
 
 /// Places of the set that all frames see, by frame: the pixel that sees each.
 struct Places {

@@ -6,8 +6,11 @@
 #include <random>
 
 #include "common/image/image.h"
+#include "common/image/png.h"
 #include "common/import/gltf_mesh.h"
 #include "common/import/gltf_nodes.h"
+#include "common/import/load_mesh.h"
+#include "common/mesh/mesh_fingerprint.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/trace/scene.h"
 #include "tests/gltf_builder.h"

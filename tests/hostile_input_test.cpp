@@ -5,7 +5,11 @@
 #include <functional>
 #include <random>
 
+#include "common/image/exr.h"
 #include "common/image/image.h"
+#include "common/image/png.h"
+#include "common/image/radiance.h"
+#include "common/import/load_mesh.h"
 #include "common/mesh/mesh.h"
 #include "tests/gltf_builder.h"
 #include "tests/mesh_files.h"

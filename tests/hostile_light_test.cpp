@@ -9,6 +9,7 @@
 
 #include "common/math/direction_mesh.h"
 #include "render/estimators/estimator.h"
+#include "render/table/estimator_table.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 
@@ -69,8 +70,8 @@ TEST_P(HostileLight, IsEstimatedWithoutBias) {
     bakeOptions.spacing = 0.3;
     const test::TestCache cache(bake(scene, bakeOptions));
     EstimatorOptions options;
-    options.triangles = 1500;
-    const auto estimators = test::everyEstimator({scene, environment, &cache.cache(), options});
+    options.paper.triangles = 1500;
+    const auto estimators = test::everyEstimator({scene, environment, &cache.cache(), {}}, options);
     const ShadingPoint point = test::pointAlong(scene, spot.from, spot.along);
     const Rgb truth = test::tracedIrradiance(scene, point, map, 1500);
     const double whole = test::texelMoment(kWidth, kHeight, x, y).length() * 300;
@@ -96,10 +97,10 @@ TEST(BlackLight, IsBlackExactly) {
     bakeOptions.spacing = 0.5;
     const test::TestCache cache(bake(scene, bakeOptions));
     EstimatorOptions options;
-    options.triangles = 1500;
+    options.paper.triangles = 1500;
     const ShadingPoint point = test::pointAlong(scene, {-0.7f, 0.2f, 0.1f}, {0, -1, 0});
     for (const auto& [name, estimator] :
-         test::everyEstimator({scene, environment, &cache.cache(), options})) {
+         test::everyEstimator({scene, environment, &cache.cache(), {}}, options)) {
         const auto estimates = test::runEstimator(*estimator, point, 16, 5);
         for (int c = 0; c < 3; ++c) {
             EXPECT_EQ(estimates.mean(c), 0.0) << name;

@@ -21,6 +21,9 @@
 #define STBI_ONLY_PNG
 #include <stb/stb_image.h>
 
+#include "common/image/exr.h"
+#include "common/image/png.h"
+#include "common/image/radiance.h"
 #include "tests/temporary_folder.h"
 
 namespace shadowcache::test {

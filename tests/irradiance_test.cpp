@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/estimators/estimator.h"
+#include "render/table/estimator_table.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 
@@ -99,13 +100,14 @@ struct World {
         point = test::pointAlong(scene, chosen.from, chosen.along);
         truth = chosen.truth(scene, point);
         EstimatorOptions options;
-        options.triangles = 1500;
-        const EstimatorContext context{scene, environment, &cache->cache(), options};
-        estimators = test::everyEstimator(context);
+        options.paper.triangles = 1500;
+        const EstimatorContext context{scene, environment, &cache->cache(), {}};
+        estimators = test::everyEstimator(context, options);
         if (chosen.name != "Slab") return;
         EstimatorContext plain = context;
         plain.cache = nullptr;
-        estimators.push_back({"paper without a cache", findEstimator("paper").make(plain)});
+        estimators.push_back(
+            {"paper without a cache", findEstimator("paper").make(plain, options)});
     }
 };
 

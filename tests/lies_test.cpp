@@ -10,6 +10,7 @@
 
 #include "common/base/sequence.h"
 #include "render/estimators/estimator.h"
+#include "render/table/estimator_table.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 
@@ -108,7 +109,7 @@ std::vector<Lie> lies() {
 void surveyAround(Estimator& estimator, const ShadingPoint& point) {
     std::vector<ShadingPoint> points(200, point);
     for (std::size_t i = 0; i < points.size(); ++i) points[i].seed = hashWords(i, 1000);
-    estimator.survey(points, 64);
+    estimator.pilot()->run(points, 64);
 }
 
 class Lies : public testing::TestWithParam<std::size_t> {};
@@ -127,15 +128,15 @@ TEST_P(Lies, ChangeNoMean) {
     if (chosen.tell) told.items = lie(told.items, told.header.tiers(), chosen.tell);
     const test::TestCache cache(told);
     EstimatorOptions options;
-    options.triangles = 1500;
-    const EstimatorContext context{scene, environment, &cache.cache(), options};
+    options.paper.triangles = 1500;
+    const EstimatorContext context{scene, environment, &cache.cache(), {}};
     const Vec3f places[] = {{1.3f, 0.3f, 0.7f}, {0.1f, 0.3f, -1}, {-1.1f, 0.5f, 0.2f}};
     const double level = test::significance() / (2 * 2 * std::size(places));
     for (const std::string name : {"paper", "cache"}) {
         // `paper` takes seconds to set up; two caches will do.
         if (name == "paper" && chosen.name != "RandomAndSure" && chosen.name != "AnotherSets")
             continue;
-        const auto estimator = findEstimator(name).make(context);
+        const auto estimator = findEstimator(name).make(context, options);
         for (const Vec3f& place : places) {
             const ShadingPoint point = test::pointAlong(scene, place, {0, -1, 0});
             const Rgb truth = test::tracedIrradiance(scene, point, map, 64);
@@ -184,7 +185,7 @@ TEST(LyingCache, CostsAtMostTwiceTheNoiseOfMis) {
         const auto estimator =
             findEstimator("cache").make({scene, environment, &cache.cache(), {}});
         worstUnsurveyed = std::max(worstUnsurveyed, meanVariance(*estimator, points));
-        EXPECT_GT(estimator->survey(points, 64), 0u);
+        EXPECT_GT(estimator->pilot()->run(points, 64), 0u);
         const double variance = meanVariance(*estimator, points);
         EXPECT_LT(std::sqrt(variance / mis), 2) << chosen.name;
         worst = std::max(worst, variance);

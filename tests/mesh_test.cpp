@@ -7,7 +7,10 @@
 #include <random>
 
 #include "common/image/srgb.h"
+#include "common/import/load_mesh.h"
+#include "common/import/mesh_options.h"
 #include "common/import/triangulate.h"
+#include "common/mesh/mesh_fingerprint.h"
 #include "tests/mesh_files.h"
 #include "tests/temporary_folder.h"
 

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "common/import/mesh_options.h"
 #include "render/shot/moving_set.h"
+#include "render/table/estimator_table.h"
 #include "tests/gltf_builder.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"

@@ -3,6 +3,7 @@
 #include "bake/core/baker.h"
 #include "common/base/parallel.h"
 #include "render/frame/integrator.h"
+#include "render/table/estimator_table.h"
 #include "tests/test_scenes.h"
 
 namespace shadowcache::test {
@@ -38,10 +39,7 @@ inline Film renderPlain(const ShadowCache& cache, int threads, int samples = 4) 
     const TriangleMesh mesh = plainMesh();
     const Scene scene(mesh);
     const Environment environment = environmentOf(noiseMap(64, 32, 5), 30);
-    EstimatorOptions estimatorOptions;
-    estimatorOptions.adaptive = true;
-    const EstimatorContext context{scene, environment, &cache, estimatorOptions};
-    const auto estimator = findEstimator("cache").make(context);
+    const auto estimator = findEstimator("cache").make({scene, environment, &cache});
     const Camera camera = lookAt({0.9, 1.3, 1.6}, {0, 0, 0.1}, {0, 1, 0}, 0.9);
     RenderOptions options;
     options.width = 96;
@@ -49,8 +47,8 @@ inline Film renderPlain(const ShadowCache& cache, int threads, int samples = 4) 
     options.samples = samples;
     options.insight = true;
     RenderStats stats;
-    survey(*estimator, context, camera, 1, options, stats);
-    return render(*estimator, context, camera, 1, options, stats);
+    runPilot({*estimator, camera, 1, options}, stats);
+    return render({*estimator, camera, 1, options}, stats);
 }
 
 }  // namespace shadowcache::test

@@ -83,8 +83,7 @@ TEST(HorizonFit, IsTheProjectionOfTheClampedCosine) {
 TEST(SampleBudget, KeepsTheMeanAndFollowsTheNoise) {
     std::vector<PredictedNoise> places;
     for (int i = 0; i < 400; ++i) places.push_back({0.001 * i, 1});
-    SampleBudget budget;
-    budget.plan(places, 64);
+    const SampleBudget budget(places, 64);
     double sum = 0;
     for (std::uint64_t i = 0; i < places.size(); ++i) sum += budget.samplesOf(places[i], i);
     EXPECT_NEAR(sum / 400, 64, 0.5);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "common/image/exr.h"
 #include "tests/cli_fixture.h"
 #include "tests/gltf_builder.h"
 

@@ -9,6 +9,7 @@
 
 #include "common/base/sequence.h"
 #include "render/estimators/estimator.h"
+#include "render/table/estimator_table.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 

@@ -9,6 +9,7 @@
 
 #include "render/estimators/light_clusters.h"
 #include "render/paper/convolution.h"
+#include "render/table/estimator_table.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 
@@ -35,13 +36,13 @@ struct World {
         options.spacing = 0.5;
         return options;
     }
-    EstimatorContext context(const EstimatorOptions& options = {}) const {
-        return {scene, environment, &cache.cache(), options};
+    EstimatorContext context(Sequence sequence = Sequence::sobol) const {
+        return {scene, environment, &cache.cache(), sequence};
     }
     Rgb once(const std::string& name, const ShadingPoint& point, int samples,
              const EstimatorOptions& options = {}) const {
         const auto estimates =
-            test::runEstimator(*findEstimator(name).make(context(options)), point, samples, 1);
+            test::runEstimator(*findEstimator(name).make(context(), options), point, samples, 1);
         return Rgb(Vec3d(estimates.mean(0), estimates.mean(1), estimates.mean(2)));
     }
     ShadingPoint below() const { return test::pointAlong(scene, {0, 0.25f, 0}, {0, -1, 0}); }
@@ -151,8 +152,8 @@ TEST(Lights, BecomeTheMapAsTheyBecomeMany) {
     const double hidden = test::hiddenByConvex(world.mesh, 2, world.mesh.triangles.size(), point);
     const Rgb truth = kSky * static_cast<float>(kPi - hidden);
     EstimatorOptions many, few;
-    many.lights = 2000;
-    few.lights = 3;
+    many.lights.lights = 2000;
+    few.lights.lights = 3;
     EXPECT_LT(relativeDifference(world.once("lights", point, 0, many), truth), 0.02);
     EXPECT_GT(relativeDifference(world.once("lights", point, 0, few), truth), 0.05);
 }
@@ -171,13 +172,13 @@ TEST(Pixel, OnlyThePrintedFormMissesTheHorizon) {
     const World world(std::move(mesh), map);
     const ShadingPoint point = world.below();
     EstimatorOptions options;
-    options.pixelWidth = 24;
-    options.pixelHeight = 7;
+    options.pixel.width = 24;
+    options.pixel.height = 7;
     Rgb truth(0, 0, 0);
     for (int x = 0; x < static_cast<int>(kLit); ++x)
         truth +=
             kSky * static_cast<float>(test::texelMoment(64, 32, x, kRow).dot(Vec3d(point.normal)));
-    const auto exact = findEstimator("pixel").make(world.context(options));
+    const auto exact = findEstimator("pixel").make(world.context(), options);
     const auto estimates = test::runEstimator(*exact, point, 64, 400);
     EXPECT_GT(test::agreementPValue(estimates, truth), test::significance());
     EXPECT_LT(test::agreementPValue(estimates, truth * 1.1f), test::significance());
@@ -187,28 +188,35 @@ TEST(Pixel, OnlyThePrintedFormMissesTheHorizon) {
 struct Variant {
     std::string name, estimator;
     EstimatorOptions options;
+    Sequence sequence = Sequence::sobol;
 };
 
 std::vector<Variant> variants() {
     std::vector<Variant> all;
     const auto add = [&](const std::string& name, const std::string& estimator,
-                         const std::function<void(EstimatorOptions&)>& set) {
-        Variant variant{name, estimator, {}};
-        variant.options.triangles = 320;
+                         const std::function<void(EstimatorOptions&)>& set,
+                         Sequence sequence = Sequence::sobol) {
+        Variant variant{name, estimator, {}, sequence};
+        variant.options.paper.triangles = 320;
         set(variant.options);
         all.push_back(variant);
     };
-    add("TableFree", "paper", [](EstimatorOptions& o) { o.exactConvolution = true; });
-    add("Defensive", "paper", [](EstimatorOptions& o) { o.beta = 0.3; });
-    add("Linear", "paper", [](EstimatorOptions& o) { o.order = 1; });
-    add("LinearDefensive", "paper-image", [](EstimatorOptions& o) { o.order = 1, o.beta = 0.3; });
-    add("AllUniform", "paper", [](EstimatorOptions& o) { o.beta = 1; });
-    add("CoarseCache", "paper", [](EstimatorOptions& o) { o.cacheLevel = 1; });
-    add("CoarseImageCache", "paper-image", [](EstimatorOptions& o) { o.cacheLevel = 1; });
-    add("CoarsePixels", "pixel", [](EstimatorOptions& o) { o.pixelWidth = 8, o.pixelHeight = 4; });
-    add("LarcherXor", "cosine", [](EstimatorOptions& o) { o.sequence = Sequence::larcherXor; });
-    add("LarcherShift", "cosine", [](EstimatorOptions& o) { o.sequence = Sequence::larcherShift; });
-    add("LarcherMis", "mis", [](EstimatorOptions& o) { o.sequence = Sequence::larcherXor; });
+    add("TableFree", "paper", [](EstimatorOptions& o) { o.paper.exactConvolution = true; });
+    add("Defensive", "paper", [](EstimatorOptions& o) { o.paper.beta = 0.3; });
+    add("Linear", "paper", [](EstimatorOptions& o) { o.paper.order = 1; });
+    add("LinearDefensive", "paper-image",
+        [](EstimatorOptions& o) { o.paper.order = 1, o.paper.beta = 0.3; });
+    add("AllUniform", "paper", [](EstimatorOptions& o) { o.paper.beta = 1; });
+    add("CoarseCache", "paper", [](EstimatorOptions& o) { o.paper.cacheLevel = 1; });
+    add("CoarseImageCache", "paper-image", [](EstimatorOptions& o) { o.paper.cacheLevel = 1; });
+    add("CoarsePixels", "pixel",
+        [](EstimatorOptions& o) { o.pixel.width = 8, o.pixel.height = 4; });
+    add(
+        "LarcherXor", "cosine", [](EstimatorOptions&) {}, Sequence::larcherXor);
+    add(
+        "LarcherShift", "cosine", [](EstimatorOptions&) {}, Sequence::larcherShift);
+    add(
+        "LarcherMis", "mis", [](EstimatorOptions&) {}, Sequence::larcherXor);
     return all;
 }
 
@@ -224,7 +232,8 @@ TEST_P(Variants, AreUnbiased) {
     const ShadingPoint point = world.below();
     const double hidden = test::hiddenByConvex(world.mesh, 2, world.mesh.triangles.size(), point);
     const Rgb truth = kSky * static_cast<float>(kPi - hidden);
-    const auto estimator = findEstimator(variant.estimator).make(world.context(variant.options));
+    const auto estimator =
+        findEstimator(variant.estimator).make(world.context(variant.sequence), variant.options);
     const double level = test::significance() / static_cast<double>(3 * variants().size());
     for (const int samples : {1, 5, 64}) {
         const auto estimates = test::runEstimator(*estimator, point, samples, 1000);
@@ -238,11 +247,11 @@ TEST_P(Variants, AreUnbiased) {
 /// Variance of the estimates of `name` at a place, after a few hundred there.
 double varianceAt(const World& world, const std::string& name, int threshold) {
     EstimatorOptions options;
-    options.triangles = 320;
-    options.threshold = threshold;
-    EstimatorContext context = world.context(options);
+    options.paper.triangles = 320;
+    options.paper.threshold = threshold;
+    EstimatorContext context = world.context();
     context.cache = nullptr;
-    return test::runEstimator(*findEstimator(name).make(context), world.below(), 16, 600)
+    return test::runEstimator(*findEstimator(name).make(context, options), world.below(), 16, 600)
         .sampleVariance(1);
 }
 

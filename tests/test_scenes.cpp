@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/sequence.h"
+#include "render/table/estimator_table.h"
 #include "tests/statistics.h"
 
 namespace shadowcache::test {
@@ -238,11 +239,12 @@ double agreementPValue(const Estimates& estimates, const Rgb& truth) {
     return std::min(1.0, 3 * least);
 }
 
-std::vector<NamedEstimator> everyEstimator(const EstimatorContext& context) {
+std::vector<NamedEstimator> everyEstimator(const EstimatorContext& context,
+                                           const EstimatorOptions& options) {
     std::vector<NamedEstimator> all;
     for (const EstimatorEntry& entry : estimatorTable())
         if (!entry.bias && (context.cache || !entry.needsCache))
-            all.push_back({entry.name, entry.make(context)});
+            all.push_back({entry.name, entry.make(context, options)});
     return all;
 }
 

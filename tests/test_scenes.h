@@ -10,6 +10,7 @@
 #include "bake/core/baker.h"
 #include "common/image/image.h"
 #include "render/estimators/estimator.h"
+#include "render/table/estimator_table.h"
 #include "tests/temporary_folder.h"
 
 namespace shadowcache::test {
@@ -93,6 +94,7 @@ struct NamedEstimator {
     std::string name;
     std::unique_ptr<Estimator> estimator;
 };
-std::vector<NamedEstimator> everyEstimator(const EstimatorContext& context);
+std::vector<NamedEstimator> everyEstimator(const EstimatorContext& context,
+                                           const EstimatorOptions& options = {});
 
 }  // namespace shadowcache::test

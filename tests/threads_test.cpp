@@ -8,7 +8,9 @@
 
 #include "bake/core/baker.h"
 #include "common/base/parallel.h"
+#include "common/image/exr.h"
 #include "render/frame/integrator.h"
+#include "render/table/estimator_table.h"
 #include "tests/foreign_vdb.h"
 #include "tests/test_scenes.h"
 
@@ -68,15 +70,15 @@ TEST_F(Threads, ChangeNoBitOfAPicture) {
     options.height = 30;
     options.samples = 8;
     EstimatorOptions estimatorOptions;
-    estimatorOptions.triangles = 320;
+    estimatorOptions.paper.triangles = 320;
     const auto render = [&] {
         const Environment environment = test::environmentOf(test::noiseMap(64, 32, 5), 30);
-        const EstimatorContext context{scene, environment, &cache.cache(), estimatorOptions};
+        const EstimatorContext context{scene, environment, &cache.cache(), {}};
         std::vector<std::vector<Channel>> pictures;
-        for (const auto& [name, estimator] : test::everyEstimator(context)) {
+        for (const auto& [name, estimator] : test::everyEstimator(context, estimatorOptions)) {
             RenderStats stats;
-            pictures.push_back(channels(
-                shadowcache::render(*estimator, context, camera, 1, options, stats), aovNames()));
+            pictures.push_back(
+                channels(shadowcache::render({*estimator, camera, 1, options}, stats), aovNames()));
         }
         return pictures;
     };

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "render/frame/options.h"
+#include "render/table/estimator_table.h"
 #include "tests/statistics.h"
 #include "tests/test_scenes.h"
 
@@ -56,11 +57,11 @@ TEST_P(Triangulation, CoversTheSphereOnceWithAllTheLight) {
 TEST(TriangleCount, OutOfRangeIsRefused) {
     EstimatorOptions options;
     for (const int count : {20, 100000}) {
-        options.triangles = count;
+        options.paper.triangles = count;
         EXPECT_NO_THROW(validate(options));
     }
     for (const int count : {-1, 0, 19, 100001}) {
-        options.triangles = count;
+        options.paper.triangles = count;
         test::expectError([&] { validate(options); }, "--triangles", "20 to 100000");
     }
 }
@@ -81,10 +82,10 @@ TEST(TriangleCount, ChangesNoMean) {
     const double level = test::significance() / 6;
     for (const int triangles : {20, 100, 100000}) {
         EstimatorOptions options;
-        options.triangles = triangles;
-        options.maxLevel = 7;
+        options.paper.triangles = triangles;
+        options.paper.maxLevel = 7;
         const auto paper =
-            findEstimator("paper").make({scene, environment, &cache.cache(), options});
+            findEstimator("paper").make({scene, environment, &cache.cache(), {}}, options);
         for (const auto& [samples, count] : {std::pair(1, 1000), std::pair(64, 600)}) {
             const auto estimates = test::runEstimator(*paper, point, samples, count);
             EXPECT_GT(test::agreementPValue(estimates, truth), level)

@@ -12,6 +12,7 @@
 #include "common/base/progress.h"
 #include "common/base/sequence.h"
 #include "common/base/version.h"
+#include "common/mesh/mesh_fingerprint.h"
 
 namespace shadowcache {
 

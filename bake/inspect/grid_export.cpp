@@ -11,6 +11,7 @@
 #include "common/base/error.h"
 #include "common/base/parallel.h"
 #include "common/base/suggestion.h"
+#include "common/image/radiance.h"
 
 namespace shadowcache {
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/image/false_color.h"
+#include "common/image/png.h"
 #include "common/image/srgb.h"
 
 namespace shadowcache {

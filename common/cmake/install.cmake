@@ -6,23 +6,35 @@ set(SHADOWCACHE_CONFIG_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/shadowcache")
 
 install(TARGETS shadowcache-bake shadowcache-render shadowcache-info shadowcache-merge
     RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
-set_target_properties(shadowcache_common PROPERTIES EXPORT_NAME common)
-target_compile_features(shadowcache_common PUBLIC cxx_std_20)
-install(TARGETS shadowcache_common EXPORT shadowcache_targets
+# A list that somebody chose: what a renderer needs to open a cache, look places up and predict light.
+set(SHADOWCACHE_PUBLIC_HEADERS
+    base/error.h
+    cache/cache_items.h
+    cache/memory_use.h
+    cache/patch_code.h
+    cache/shadow_cache.h
+    image/image.h
+    image/radiance.h
+    light/environment.h
+    math/direction_mesh.h
+    math/spherical_triangle.h
+    math/vec.h
+    predict/cache_preview.h
+    predict/cell_light.h
+    predict/cell_splits.h
+    predict/item_irradiance.h
+    predict/pooled_visibility.h)
+set_target_properties(shadowcache_library PROPERTIES OUTPUT_NAME shadowcache EXPORT_NAME shadowcache)
+target_compile_features(shadowcache_library PUBLIC cxx_std_20)
+install(TARGETS shadowcache_library EXPORT shadowcache_targets
     ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
     LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
     INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache")
-install(DIRECTORY common/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common"
-    FILES_MATCHING PATTERN "*.h"
-    PATTERN "cmake" EXCLUDE
-    PATTERN "cache_grids.h" EXCLUDE  # the types of OpenVDB and Embree stay inside
-    PATTERN "cache_pages.h" EXCLUDE
-    PATTERN "embree_scene.h" EXCLUDE
-    PATTERN "leaf_view.h" EXCLUDE
-    PATTERN "paged_leaves.h" EXCLUDE
-    PATTERN "point_layout.h" EXCLUDE
-    PATTERN "vdb_archive.h" EXCLUDE
-    PATTERN "command_*.h" EXCLUDE)  # of the programs alone
+foreach(header IN LISTS SHADOWCACHE_PUBLIC_HEADERS)
+    cmake_path(GET header PARENT_PATH room)
+    install(FILES common/${header}
+        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common/${room}")
+endforeach()
 install(FILES "${PROJECT_BINARY_DIR}/generated/common/base/version.h"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache/common/base")
 install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")

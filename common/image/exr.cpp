@@ -18,7 +18,10 @@
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/image/exr_error.h"
+#include "common/image/exr_radiance.h"
 #include "common/image/image.h"
+#include "common/image/radiance.h"
 
 namespace shadowcache {
 

@@ -1,29 +1,40 @@
 #pragma once
 
-#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <string>
-
-#include "common/base/error.h"
-#include "common/image/image.h"
+#include <utility>
+#include <vector>
 
 namespace shadowcache {
 
-/// Runs `action`; a failure of OpenEXR becomes an Error of one line.
-template <class Action>
-auto translated(const std::filesystem::path& path, const Action& action) {
-    try {
-        return action();
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& e) {
-        std::string text = e.what();
-        std::replace(text.begin(), text.end(), '\n', ' ');
-        throwFileError(path, text);
-    }
-}
+/// A named set of planes of one picture, all width * height floats; the name is the EXR channel's
+/// ("R", "irradiance.G", "depth.Z").
+struct Channel {
+    std::string name;
+    std::vector<float> values;
+};
 
-/// The OpenEXR part of readRadiance; texels are as in the file, not mended.
-RadianceImage readExrRadiance(const std::filesystem::path& path);
+/// Value of one metadata attribute of an EXR file.
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+enum class PixelType { half, full };
+
+/// Writes a scan-line EXR (ZIP), beside the target first, then renamed: never half a file.
+///
+/// @throws Error if it cannot be written (directory missing, disk full)
+void writeExr(const std::filesystem::path& path, int width, int height,
+              const std::vector<Channel>& channels, const Metadata& metadata, PixelType type);
+
+/// Reads back every channel and every string attribute of an EXR file.
+///
+/// @throws Error
+struct ExrFile {
+    int width = 0;
+    int height = 0;
+    std::vector<Channel> channels;
+    std::map<std::string, std::string> metadata;
+};
+ExrFile readExr(const std::filesystem::path& path);
 
 }  // namespace shadowcache

@@ -10,6 +10,7 @@
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/image/exr.h"
+#include "common/image/exr_error.h"
 
 namespace shadowcache {
 

@@ -8,6 +8,7 @@
 #include "common/base/error.h"
 #include "common/image/image.h"
 #include "common/import/gltf_nodes.h"
+#include "common/import/texture_decoder.h"
 
 namespace shadowcache {
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/import/mesh_options.h"
 #include "common/import/mesh_reader.h"
 #include "common/mesh/mesh.h"
 

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/math/vec.h"
@@ -30,11 +28,6 @@ struct Material {
     float cutoff = 0.5f;
     bool doubleSided = true;  ///< else the camera does not see its back; shadows it casts anyway
 };
-
-/// Decodes a PNG or JPEG.
-///
-/// @return a texture without texels if the bytes are none, and the reason in `cause`
-Texture decodeTexture(std::string_view bytes, std::string& cause);
 
 /// Linear colour at texture coordinates (s, t).
 Rgb textureColor(const Texture& texture, float s, float t) noexcept;

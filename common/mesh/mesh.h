@@ -1,9 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -64,36 +61,8 @@ struct TriangleMesh {
     MeshReport report;
 };
 
-struct MeshOptions {
-    bool zUp = false;               ///< the files' up axis is +Z: rotated so that +Y is up
-    double scale = 1.0;             ///< files' unit in metres, > 0
-    std::optional<Vec3d> origin{};  ///< of the mesh; else its middle
-};
-
-/// Loads the files as one set: OBJ, PLY (text, binary), STL, OFF, OM, glTF 2.0 (what no animation
-/// moves).
-///
-/// @throws Error naming the file and the cause: missing, empty, truncated, foreign, no triangle
-/// left
-TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOptions& options);
-
-/// From the files' axes and unit to the world's.
-Affine worldOf(const MeshOptions& options);
-
-struct RawMesh;
-
-/// The set that one file's faces make; `path` is for messages.
-///
-/// @throws Error when no triangle is left
-TriangleMesh assembleMesh(const std::filesystem::path& path, RawMesh raw,
-                          const MeshOptions& options);
-
 /// The report in one line for people ("158236 triangles; 3 n-gons cut into 9 triangles; ..."); says
 /// nothing of what did not occur.
 std::string describe(const MeshReport& report);
-
-/// Hash of the triangles' world positions, independent of vertex order; two sets with the same
-/// fingerprint have the same visibility, holes of cut-out materials included.
-std::uint64_t fingerprint(const TriangleMesh& mesh);
 
 }  // namespace shadowcache

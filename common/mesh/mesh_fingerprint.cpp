@@ -1,9 +1,10 @@
+#include "common/mesh/mesh_fingerprint.h"
+
 #include <algorithm>
 #include <bit>
 
 #include "common/base/parallel.h"
 #include "common/base/sequence.h"
-#include "common/mesh/mesh.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {

@@ -55,8 +55,8 @@ const std::vector<std::string>& sequenceNames() {
 RenderJob jobOf(const Arguments& arguments) {
     RenderJob job = arguments.job;
     if (!arguments.eye.empty()) {
-        job.eye = parseVector("--eye", arguments.eye, "X,Y,Z");
-        job.lookAt = parseVector("--look-at", arguments.target, "X,Y,Z");
+        job.camera.eye = parseVector("--eye", arguments.eye, "X,Y,Z");
+        job.camera.lookAt = parseVector("--look-at", arguments.target, "X,Y,Z");
     }
     if (!arguments.memory.empty()) job.memory = parseSize("--memory", arguments.memory);
     for (const std::string& text : arguments.dynamic) job.dynamic.push_back(parseDynamic(text));
@@ -72,16 +72,16 @@ RenderJob jobOf(const Arguments& arguments) {
         job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
     job.mesh.zUp = arguments.up == "z";
     const auto& names = sequenceNames();
-    job.estimatorOptions.sequence = static_cast<Sequence>(
-        std::find(names.begin(), names.end(), arguments.sequence) - names.begin());
-    job.estimatorOptions.exactConvolution = arguments.convolution == "exact";
+    job.sequence = static_cast<Sequence>(std::find(names.begin(), names.end(), arguments.sequence) -
+                                         names.begin());
+    job.estimatorOptions.paper.exactConvolution = arguments.convolution == "exact";
     const auto [pixelWidth, pixelHeight] =
         parsePair("--pixel-map", arguments.pixelMap, "WxH, as in 200x100");
-    job.estimatorOptions.pixelWidth = pixelWidth;
-    job.estimatorOptions.pixelHeight = pixelHeight;
-    job.estimatorOptions.adaptive = arguments.budget == "adaptive";
-    job.estimatorOptions.minLevel =
-        std::min(job.estimatorOptions.minLevel, job.estimatorOptions.maxLevel);
+    job.estimatorOptions.pixel.width = pixelWidth;
+    job.estimatorOptions.pixel.height = pixelHeight;
+    job.estimatorOptions.cache.adaptive = arguments.budget == "adaptive";
+    job.estimatorOptions.paper.minLevel =
+        std::min(job.estimatorOptions.paper.minLevel, job.estimatorOptions.paper.maxLevel);
     return job;
 }
 

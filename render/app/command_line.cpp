@@ -52,7 +52,7 @@ void defineScene(CLI::App& app, Arguments& arguments) {
 void defineCamera(CLI::App& app, Arguments& arguments) {
     RenderJob& job = arguments.job;
     const std::string group = "Camera";
-    auto* camera = app.add_option("--camera", job.camera,
+    auto* camera = app.add_option("--camera", job.camera.name,
                                   "Camera move (JSON), or the name of a camera of a glTF set")
                        ->group(group);
     app.add_option("--frames", arguments.frames,
@@ -68,7 +68,7 @@ void defineCamera(CLI::App& app, Arguments& arguments) {
                        ->needs(eye)
                        ->group(group);
     eye->needs(target);
-    app.add_option("--fov-y", job.fovYDegrees,
+    app.add_option("--fov-y", job.camera.fovYDegrees,
                    "Vertical angle of view in degrees, 0.01 to 179, with --eye")
         ->needs(eye)
         ->capture_default_str()
@@ -81,22 +81,24 @@ void defineCamera(CLI::App& app, Arguments& arguments) {
 void definePaper(CLI::App& app, Arguments& arguments) {
     EstimatorOptions& options = arguments.job.estimatorOptions;
     const std::string paper = "Estimators `paper` and `paper-image`";
-    app.add_option("--triangles", options.triangles, "M, triangles of the map, 20 to 100000")
+    app.add_option("--triangles", options.paper.triangles, "M, triangles of the map, 20 to 100000")
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--alpha", options.alpha, "Trust in the cache, 0 to below 1")
+    app.add_option("--alpha", options.paper.alpha, "Trust in the cache, 0 to below 1")
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--threshold", options.threshold, "Fewest pooled rays of a region that count")
+    app.add_option("--threshold", options.paper.threshold,
+                   "Fewest pooled rays of a region that count")
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--max-level", options.maxLevel, "Finest level of the triangles, to 7")
+    app.add_option("--max-level", options.paper.maxLevel, "Finest level of the triangles, to 7")
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--order", options.order, "Importance in a triangle: 0 constant, 1 linear")
+    app.add_option("--order", options.paper.order, "Importance in a triangle: 0 constant, 1 linear")
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--beta", options.beta, "Share of samples uniform over the hemisphere, 0 to 1")
+    app.add_option("--beta", options.paper.beta,
+                   "Share of samples uniform over the hemisphere, 0 to 1")
         ->capture_default_str()
         ->group(paper);
     app.add_option("--convolution", arguments.convolution,
@@ -104,12 +106,12 @@ void definePaper(CLI::App& app, Arguments& arguments) {
         ->check(CLI::IsMember({"table", "exact"}))
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--cache-level", options.cacheLevel,
+    app.add_option("--cache-level", options.paper.cacheLevel,
                    "Finest level of the counts it uses, 0 to 7")
         ->capture_default_str()
         ->group(paper);
     const std::string others = "Estimators `lights` and `pixel`";
-    app.add_option("--lights", options.lights, "K, directional lights, 1 to 10000")
+    app.add_option("--lights", options.lights.lights, "K, directional lights, 1 to 10000")
         ->capture_default_str()
         ->group(others);
     app.add_option("--pixel-map", arguments.pixelMap, "Low-resolution map: WxH, 8x4 to 4096x2048")
@@ -219,7 +221,7 @@ void requireWhatRendersNeed(const Arguments& arguments) {
     const RenderJob& job = arguments.job;
     if (job.environment.empty()) throw CLI::RequiredError("--env");
     if (job.output.empty()) throw CLI::RequiredError("--output");
-    if (job.camera.empty() && arguments.eye.empty())
+    if (job.camera.name.empty() && arguments.eye.empty())
         throw CLI::RequiredError("--camera, or --eye with --look-at,");
 }
 

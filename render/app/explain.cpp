@@ -82,25 +82,26 @@ std::string noiseLine(const Means& means, bool predicted, int samples) {
 
 }  // namespace
 
-std::string explain(Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-                    int frame, const RenderOptions& options, const Forecast& forecast) {
-    RenderStats survey, picture;
-    shadowcache::survey(estimator, context, camera, frame, options, survey);
-    RenderOptions small = options;
+std::string explain(const FrameRequest& frame, const Forecast& forecast) {
+    const EstimatorContext& context = frame.estimator.context();
+    const RenderOptions& options = frame.options;
+    RenderStats pilot, picture;
+    runPilot(frame, pilot);
+    FrameRequest smaller = frame;
+    RenderOptions& small = smaller.options;
     const double pixels = static_cast<double>(options.width) * options.height;
     const double shrink = std::min(1.0, std::sqrt(kPixels / pixels));
     small.width = std::max(1, static_cast<int>(std::lround(options.width * shrink)));
     small.height = std::max(1, static_cast<int>(std::lround(options.height * shrink)));
-    const Film plain = render(estimator, context, camera, frame, small, picture);
+    const Film plain = render(smaller, picture);
     // A second time for what the cache says, which is not part of the work to be timed.
     small.insight = forecast.estimator.needsCache;
     RenderStats unused;
     const Means means =
-        meansOf(small.insight ? render(estimator, context, camera, frame, small, unused) : plain,
-                context.environment);
+        meansOf(small.insight ? render(smaller, unused) : plain, context.environment);
 
     const double scale = pixels / (static_cast<double>(small.width) * small.height);
-    const double seconds = survey.seconds + picture.seconds * scale;
+    const double seconds = pilot.seconds + picture.seconds * scale;
     std::string text = line("estimator   %s%s: %s\n", forecast.estimator.name,
                             forecast.chosen ? "" : " by default", forecast.estimator.summary);
     text += line("picture     %dx%d, %.0f %% of it the set, %d frame%s\n", options.width,

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "render/frame/integrator.h"
+#include "render/table/estimator_table.h"
 
 namespace shadowcache {
 
@@ -16,7 +17,6 @@ struct Forecast {
 
 /// Text that says which estimator works, on what, what noise and what time to expect. Renders a
 /// thumbnail to know.
-std::string explain(Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-                    int frame, const RenderOptions& options, const Forecast& forecast);
+std::string explain(const FrameRequest& frame, const Forecast& forecast);
 
 }  // namespace shadowcache

@@ -7,9 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "common/import/mesh_options.h"
 #include "common/mesh/mesh.h"
 #include "render/frame/options.h"
+#include "render/shot/camera_source.h"
 #include "render/shot/moving_set.h"
+#include "render/table/estimator_table.h"
 
 namespace shadowcache {
 
@@ -29,13 +32,12 @@ struct RenderJob {
 
     std::string estimator;  ///< empty: `cache` with a cache, `mis` without
     EstimatorOptions estimatorOptions;
+    Sequence sequence = Sequence::sobol;
     RenderOptions render;
 
-    std::string camera;  ///< a file, or the name of one of the set's cameras
-    double fps = 24;     ///< of glTF's cameras and moving nodes
+    CameraOptions camera;
+    double fps = 24;  ///< of glTF's cameras and moving nodes
     std::vector<int> frames{1};
-    std::optional<Vec3d> eye, lookAt;
-    double fovYDegrees = 45;
 
     std::filesystem::path output;
     bool resume = false;  ///< keep frames that are done
@@ -52,11 +54,5 @@ struct RenderJob {
     std::vector<std::pair<std::string, std::string>>
         settings;  ///< every option as given or defaulted
 };
-
-/// Does it. @throws Error
-void run(const RenderJob& job);
-
-/// Prints the cameras, animations and sizes of the set's glTF files. @throws Error
-void listSet(const RenderJob& job);
 
 }  // namespace shadowcache

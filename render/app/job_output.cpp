@@ -9,6 +9,8 @@
 #include "common/base/option_checks.h"
 #include "common/base/process.h"
 #include "common/base/version.h"
+#include "common/image/exr.h"
+#include "common/image/png.h"
 #include "render/app/memory_report.h"
 #include "render/app/resume.h"
 #include "render/frame/aov_pictures.h"
@@ -25,7 +27,7 @@ std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPla
         inputs.push_back(file.mesh);
         inputs.push_back(file.track);
     }
-    for (const std::string& text : {job.cache.string(), job.camera, light.environment})
+    for (const std::string& text : {job.cache.string(), job.camera.name, light.environment})
         inputs.emplace_back(text);
     return inputs;
 }

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/cache/shadow_cache.h"
+#include "common/image/exr.h"
 #include "common/image/image.h"
 #include "render/app/job.h"
 #include "render/frame/compare.h"

@@ -51,10 +51,10 @@ void printSample(const EstimatorContext& context, const ShadingPoint& point, std
 
 }  // namespace
 
-void reportPixel(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-                 int frame, const RenderOptions& options, int x, int y) {
-    std::printf("frame %d, pixel %d,%d, seed %llu:\n", frame, x, y,
-                static_cast<unsigned long long>(options.seed));
+void reportPixel(const FrameRequest& frame, int x, int y) {
+    const EstimatorContext& context = frame.estimator.context();
+    std::printf("frame %d, pixel %d,%d, seed %llu:\n", frame.number, x, y,
+                static_cast<unsigned long long>(frame.options.seed));
     const auto report = [&](const CameraSample& sample) {
         const ShadingPoint& point = sample.point;
         std::printf("  position: %s\n  normal: %s\n  ray origin (from the set's): %s\n",
@@ -68,7 +68,7 @@ void reportPixel(const Estimator& estimator, const EstimatorContext& context, co
                     static_cast<double>(sample.estimate.variance), sample.estimate.rays,
                     text(sample.albedo).c_str());
     };
-    const Pixel pixel = renderPixel(estimator, context, camera, frame, options, x, y, report);
+    const Pixel pixel = renderPixel(frame, x, y, report);
     if (pixel.depth == 0) std::printf("  the sky\n");
     std::printf("  colour: %s\n", text(pixel.color).c_str());
     if (!isFinite(pixel))

@@ -8,7 +8,6 @@ namespace shadowcache {
 /// items, estimate, and each sample with what its ray met.
 ///
 /// @throws Error if the estimate is not finite
-void reportPixel(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-                 int frame, const RenderOptions& options, int x, int y);
+void reportPixel(const FrameRequest& frame, int x, int y);
 
 }  // namespace shadowcache

@@ -5,6 +5,7 @@
 
 #include "common/base/error.h"
 #include "common/base/sequence.h"
+#include "common/image/exr.h"
 
 namespace shadowcache {
 

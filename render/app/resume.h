@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "common/image/exr.h"
 #include "common/image/image.h"
 
 namespace shadowcache {

@@ -2,20 +2,23 @@
 // and rays are spent on the difference, where the counts are least sure. The mathematics:
 // docs/estimator.md.
 
+#include "render/cached/cache_estimator.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "common/base/parallel.h"
 #include "common/predict/cache_preview.h"
 #include "common/predict/horizon.h"
 #include "common/predict/item_irradiance.h"
+#include "render/cached/cache_insight.h"
 #include "render/cached/cache_survey.h"
 #include "render/cached/region_sampler.h"
 #include "render/cached/region_weights.h"
 #include "render/cached/sample_budget.h"
 #include "render/cached/surprise_exchange.h"
-#include "render/estimators/estimators.h"
 
 namespace shadowcache {
 
@@ -65,15 +68,41 @@ struct CacheWorkspace final : Workspace {
     std::vector<SharedSample> shared;
 };
 
-class CacheEstimator final : public Estimator {
-    using Estimator::Estimator;
-
+class CacheEstimator final : public Estimator, private FramePilot, private InsightSource {
 public:
+    CacheEstimator(const EstimatorContext& context, const CacheOptions& options)
+        : Estimator(context), options_(options) {}
+
+    FramePilot* pilot() override { return this; }
+    const InsightSource* insights() const override { return this; }
+
     std::unique_ptr<Workspace> makeWorkspace() const override {
         return std::make_unique<CacheWorkspace>(*context_.cache, context_.environment);
     }
 
-    std::uint64_t survey(std::span<const ShadingPoint> points, int samples) override {
+    using Estimator::estimate;
+    void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+                  std::span<Estimate> estimates) const override {
+        auto& w = static_cast<CacheWorkspace&>(workspace);
+        Stopwatch watch;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            w.samples.clear();
+            estimates[i] = {};
+            estimates[i].irradiance = prepare(points[i], samples, w);
+            w.setupNanoseconds += watch.sinceLast();
+            if (w.samples.size() == 0) continue;
+            w.samples.trace(context_.scene, points[i], context_.environment, estimates[i]);
+            for (const SharedSample& s : w.shared)
+                if (w.samples.open(s.index) == s.surprise.open) w.exchange.add(s.surprise);
+            w.traceNanoseconds += watch.sinceLast();
+        }
+        w.exchange.exchange(context_.scene, context_.environment, points, estimates);
+        w.exchange.clear();
+        w.traceNanoseconds += watch.sinceLast();
+    }
+
+private:
+    std::uint64_t run(std::span<const ShadingPoint> points, int samples) override {
         reliability_ = Reliability();
         std::vector<Reliability> found((points.size() + kSurveyChunk - 1) / kSurveyChunk);
         std::vector<std::uint64_t> rays(found.size());
@@ -92,7 +121,7 @@ public:
         double brightness = 0;
         for (const PredictedNoise& n : noise) brightness += n.value;
         darkest_ = noise.empty() ? 0 : kDarkest * brightness / static_cast<double>(noise.size());
-        if (context_.options.adaptive) budget_.plan(noise, samples);
+        if (options_.adaptive) budget_.emplace(noise, samples);
         return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
     }
 
@@ -106,17 +135,16 @@ public:
             insight.regions += static_cast<int>(
                 std::count_if(w.weights.spread(g), w.weights.spread(g) + kBlockCells,
                               [](float spread) { return spread > 0; }));
-        if (samples > 0 && context_.options.adaptive)
-            samples = budget_.samplesOf(predictedNoise(w), point.seed);
+        if (samples > 0 && budget_) samples = budget_->samplesOf(predictedNoise(w), point.seed);
         if (samples > 0)
             insight.expectedNoise = static_cast<float>(w.weights.spreadSum() / std::sqrt(samples));
         return insight;
     }
 
-private:
+    const CacheOptions options_;
     const OpennessMeter openness_{context_.cache->header().tiers()};
     Reliability reliability_;
-    SampleBudget budget_;
+    std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
     double darkest_ = 0;  ///< irradiance below which errors count no more [luminance]
 
     std::vector<PredictedNoise> predictNoise(std::span<const ShadingPoint> points) const {
@@ -175,21 +203,20 @@ private:
             pooled.doubt(point.normal, static_cast<float>(kPi));
     }
 
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override {
-        auto& w = static_cast<CacheWorkspace&>(workspace);
+    /// Fills w.samples, decided before any ray is traced.
+    ///
+    /// @return the part of the irradiance that needs no ray
+    Rgb prepare(const ShadingPoint& point, int samples, CacheWorkspace& w) const {
         if (samples == 0) return preview(point, w);
         w.exchange.addPoint();
         w.shared.clear();
         weigh(point, w);
         if (w.weights.spreadSum() > 0) {
             const double judged = std::min(1.0, kJudgedSamples / samples);
-            if (context_.options.adaptive)
-                samples = budget_.samplesOf(predictedNoise(w), point.seed);
-            w.weights.shareSurprises(
-                judged * samples, darkest_,
-                context_.options.adaptive ? kUnsureShare : kUnsureShareUniform);
-            w.sampler.draw(w.weights, samples,
-                           w.numbers(context_.options.sequence, point.seed, 0, samples),
+            if (budget_) samples = budget_->samplesOf(predictedNoise(w), point.seed);
+            w.weights.shareSurprises(judged * samples, darkest_,
+                                     budget_ ? kUnsureShare : kUnsureShareUniform);
+            w.sampler.draw(w.weights, samples, w.numbers(context_.sequence, point.seed, 0, samples),
                            point.seed);
             w.exchange.offer(w.weights);
             for (std::size_t i = 0; i < w.sampler.size(); ++i)
@@ -198,19 +225,6 @@ private:
         const double* predicted = w.weights.predicted();
         return Rgb(static_cast<float>(predicted[0]), static_cast<float>(predicted[1]),
                    static_cast<float>(predicted[2]));
-    }
-
-    void takeNote(Workspace& workspace) const override {
-        auto& w = static_cast<CacheWorkspace&>(workspace);
-        for (const SharedSample& s : w.shared)
-            if (w.samples.open(s.index) == s.surprise.open) w.exchange.add(s.surprise);
-    }
-
-    void exchange(std::span<const ShadingPoint> points, Workspace& workspace,
-                  std::span<Estimate> estimates) const override {
-        auto& w = static_cast<CacheWorkspace&>(workspace);
-        w.exchange.exchange(context_.scene, context_.environment, points, estimates);
-        w.exchange.clear();
     }
 
     /// The cosine that the control variate takes for a direction of region `r`.
@@ -251,8 +265,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Estimator> makeCache(const EstimatorContext& context) {
-    return std::make_unique<CacheEstimator>(context);
+std::unique_ptr<Estimator> makeCache(const EstimatorContext& context, const CacheOptions& options) {
+    return std::make_unique<CacheEstimator>(context, options);
 }
 
 }  // namespace shadowcache

@@ -6,14 +6,6 @@
 
 namespace shadowcache {
 
-/// What the cache says of a place before any ray is traced there.
-struct CacheInsight {
-    float openness = 0;       ///< open share of the sky, weighted by the cosine
-    float expectedNoise = 0;  ///< standard deviation expected of the irradiance's luminance
-    int items = 0;            ///< cache items found
-    int regions = 0;          ///< regions that samples are drawn from
-};
-
 /// Openness of pooled items.
 class OpennessMeter {
 public:

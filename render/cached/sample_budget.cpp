@@ -24,7 +24,7 @@ double SampleBudget::share(double need) const {
     return std::clamp(need * perNeed_, least_, most_);
 }
 
-void SampleBudget::plan(std::span<const PredictedNoise> places, int samples) {
+SampleBudget::SampleBudget(std::span<const PredictedNoise> places, int samples) {
     const double wanted = samples;
     least_ = std::max(1.0, wanted / kRange);
     most_ = wanted * kRange;

@@ -17,7 +17,7 @@ class SampleBudget {
 public:
     /// Plans for `samples` a place, on average over places like these. No place gets less than a
     /// quarter or more than four times that.
-    void plan(std::span<const PredictedNoise> places, int samples);
+    SampleBudget(std::span<const PredictedNoise> places, int samples);
 
     /// Samples of a place: a whole number, by chance above or below the share of `noise`.
     int samplesOf(const PredictedNoise& noise, std::uint64_t seed) const;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/base/sequence.h"
-#include "render/estimators/estimators.h"
+#include "render/estimators/basic_estimators.h"
 #include "render/estimators/hemisphere.h"
 
 namespace shadowcache {
@@ -17,12 +17,12 @@ double refine(std::uint32_t word, std::uint64_t seed, int i) {
     return (static_cast<double>(word) + static_cast<double>(low) * 0x1p-21) * 0x1p-32;
 }
 
-class Uniform final : public Estimator {
-    using Estimator::Estimator;
+class Uniform final : public PointEstimator {
+    using PointEstimator::PointEstimator;
 
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
-        const auto u = w.numbers(context_.options.sequence, point.seed, 0, samples);
-        const auto v = w.numbers(context_.options.sequence, point.seed, 1, samples);
+        const auto u = w.numbers(context_.sequence, point.seed, 0, samples);
+        const auto v = w.numbers(context_.sequence, point.seed, 1, samples);
         for (std::size_t i = 0; i < u.size(); ++i) {
             const Vec3f direction =
                 aroundNormal(point.normal, toUnitFloat(u[i]), toUnitFloat(v[i]));
@@ -43,8 +43,8 @@ Rgb prepareMixture(const EstimatorContext& context, const ShadingPoint& point,
     const Vec3f n = point.normal;
     const auto ne = static_cast<float>(environmentSamples), nc = static_cast<float>(cosineSamples);
     if (environment.totalPower() <= 0) return {0, 0, 0};
-    const auto u = w.numbers(context.options.sequence, point.seed, 0, environmentSamples);
-    const auto v = w.numbers(context.options.sequence, point.seed, 1, environmentSamples);
+    const auto u = w.numbers(context.sequence, point.seed, 0, environmentSamples);
+    const auto v = w.numbers(context.sequence, point.seed, 1, environmentSamples);
     for (int i = 0; i < environmentSamples; ++i) {
         const auto k = static_cast<std::size_t>(i);
         const auto jitter = static_cast<std::uint32_t>(hashWords(point.seed, 78, k) >> 32);
@@ -59,8 +59,8 @@ Rgb prepareMixture(const EstimatorContext& context, const ShadingPoint& point,
         w.samples.add(s.direction, s.radiance * (cosine / density));
     }
     w.samples.endGroup();
-    const auto a = w.numbers(context.options.sequence, point.seed, 2, cosineSamples);
-    const auto b = w.numbers(context.options.sequence, point.seed, 3, cosineSamples);
+    const auto a = w.numbers(context.sequence, point.seed, 2, cosineSamples);
+    const auto b = w.numbers(context.sequence, point.seed, 3, cosineSamples);
     for (std::size_t i = 0; i < a.size(); ++i) {
         const float cosine = std::sqrt(1 - toUnitFloat(a[i]));
         const Vec3f direction = aroundNormal(n, cosine, toUnitFloat(b[i]));
@@ -72,22 +72,22 @@ Rgb prepareMixture(const EstimatorContext& context, const ShadingPoint& point,
     return {0, 0, 0};
 }
 
-class Cosine final : public Estimator {
-    using Estimator::Estimator;
+class Cosine final : public PointEstimator {
+    using PointEstimator::PointEstimator;
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
         return prepareMixture(context_, point, 0, samples, w);
     }
 };
 
-class MapOnly final : public Estimator {
-    using Estimator::Estimator;
+class MapOnly final : public PointEstimator {
+    using PointEstimator::PointEstimator;
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
         return prepareMixture(context_, point, samples, 0, w);
     }
 };
 
-class Mis final : public Estimator {
-    using Estimator::Estimator;
+class Mis final : public PointEstimator {
+    using PointEstimator::PointEstimator;
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
         return prepareMixture(context_, point, (samples + 1) / 2, samples / 2, w);
     }

@@ -1,42 +1,24 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "common/base/sequence.h"
 #include "common/cache/shadow_cache.h"
 #include "common/light/environment.h"
 #include "common/trace/scene.h"
-#include "render/cached/cache_insight.h"
 
 namespace shadowcache {
-
-struct EstimatorOptions {
-    Sequence sequence = Sequence::sobol;
-    bool adaptive = false;  ///< `cache`: share the frame's samples out by predicted noise
-    int triangles = 5000;   ///< `paper`: M, 20 .. 100000
-    int minLevel = 3;       ///< `paper`: least level of the triangulation
-    int maxLevel = 6;       ///< `paper`: highest level, 0 .. 7
-    double alpha = 0.7;     ///< `paper`: trust in the cache, [0, 1)
-    int threshold = 3;      ///< `paper`: fewest pooled rays of a region that count
-    double beta = 0;        ///< `paper`: share of samples uniform over the hemisphere, [0, 1]
-    int order = 0;          ///< `paper`: importance in a triangle constant (0) or linear (1)
-    bool exactConvolution = false;  ///< `paper`: convolutions at the normal itself, no tables
-    int cacheLevel = 7;             ///< `paper`: finest level of the counts it uses, 0 .. 7
-    int lights = 40;                ///< `lights`: K, 1 .. 10000
-    int pixelWidth = 200;           ///< `pixel`: low-resolution map, 8x4 .. 4096x2048
-    int pixelHeight = 100;
-};
 
 /// What every estimator works with; all outlive it.
 struct EstimatorContext {
     const Scene& scene;
     const Environment& environment;
     const ShadowCache* cache;  ///< may be null
-    EstimatorOptions options;
+    Sequence sequence = Sequence::sobol;
 };
 
 /// A place to light.
@@ -100,8 +82,36 @@ private:
     std::vector<std::uint32_t> numbers_[4];
 };
 
-/// An estimator of the irradiance at a point. Immutable while rendering; thread-safe through one
-/// workspace a thread.
+/// Looks at a frame through a few of its places before any pixel's samples are chosen.
+class FramePilot {
+public:
+    virtual ~FramePilot() = default;
+
+    /// Replaces whatever was learned from earlier frames.
+    ///
+    /// @param samples  what each pixel will be given, or their mean where the estimator shares out
+    /// @return number of shadow rays it took
+    virtual std::uint64_t run(std::span<const ShadingPoint> points, int samples) = 0;
+};
+
+/// What the cache says of a place before any ray is traced there.
+struct CacheInsight {
+    float openness = 0;       ///< open share of the sky, weighted by the cosine
+    float expectedNoise = 0;  ///< standard deviation expected of the irradiance's luminance
+    int items = 0;            ///< cache items found
+    int regions = 0;          ///< regions that samples are drawn from
+};
+
+/// Tells what the cache says of a place.
+class InsightSource {
+public:
+    virtual ~InsightSource() = default;
+    virtual CacheInsight insight(const ShadingPoint& point, int samples,
+                                 Workspace& workspace) const = 0;
+};
+
+/// An estimator of irradiance. Immutable while rendering; thread-safe through one workspace a
+/// thread. Most derive from PointEstimator.
 class Estimator {
 public:
     explicit Estimator(const EstimatorContext& context) : context_(context) {}
@@ -109,62 +119,52 @@ public:
     Estimator(const Estimator&) = delete;
     Estimator& operator=(const Estimator&) = delete;
 
+    const EstimatorContext& context() const { return context_; }
+
     virtual std::unique_ptr<Workspace> makeWorkspace() const;
 
-    /// Looks at a frame through a few of its places before any pixel's samples are chosen: whatever
-    /// estimators learned from earlier frames is replaced.
-    ///
-    /// @param samples  what each pixel will be given, or their mean where the estimator shares out
-    /// @return number of shadow rays it took
-    virtual std::uint64_t survey(std::span<const ShadingPoint> points, int samples);
+    /// Lights points that are near each other, from `samples` samples at each, and keeps the time;
+    /// estimates[i] is that of points[i]. Points may gain from what the others' rays find.
+    virtual void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+                          std::span<Estimate> estimates) const = 0;
+    /// The same at one point; workspace.samples are its samples afterwards.
+    Estimate estimate(const ShadingPoint& point, int samples, Workspace& workspace) const;
 
-    /// What the cache says of the place, before any ray; nothing where the estimator needs none.
-    virtual CacheInsight insight(const ShadingPoint& point, int samples,
-                                 Workspace& workspace) const;
-
+    /// Null where frames need no pilot.
+    virtual FramePilot* pilot() { return nullptr; }
+    /// Null where no cache is read.
+    virtual const InsightSource* insights() const { return nullptr; }
     /// Whether estimates depend on earlier ones of the same workspace, so that a frame must be
     /// rendered in one fixed order.
     virtual bool inOrder() const { return false; }
 
-    /// Estimates from `samples` samples at each point: queues them, traces them, keeps the
-    /// time. Points that are near each other may gain from what the others' rays find.
+protected:
+    const EstimatorContext context_;
+};
+
+/// An estimator that lights each point by itself.
+class PointEstimator : public Estimator {
+public:
+    using Estimator::estimate;
+    using Estimator::Estimator;
+
     void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
-                  std::span<Estimate> estimates) const;
-    /// The same at one point; workspace.samples are its samples afterwards.
-    Estimate estimate(const ShadingPoint& point, int samples, Workspace& workspace) const;
+                  std::span<Estimate> estimates) const override;
 
 protected:
     /// Fills workspace.samples with the directions to test, decided before any ray is traced.
     ///
     /// @return the part of the irradiance that needs no ray
     virtual Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const = 0;
-
-    /// Looks at workspace.samples of one point after its rays are traced, if there are any.
-    virtual void takeNote(Workspace& workspace) const;
-    /// Called once the rays of all points are traced, to exchange what was found.
-    virtual void exchange(std::span<const ShadingPoint> points, Workspace& workspace,
-                          std::span<Estimate> estimates) const;
-
-    const EstimatorContext context_;
 };
 
-/// One line of the table of estimators.
-struct EstimatorEntry {
-    const char* name;
-    const char* summary;
-    int minSamples;
-    bool needsCache;
-    std::unique_ptr<Estimator> (*make)(const EstimatorContext&);
-    const char* bias = nullptr;  ///< what its expectation leaves out or gets wrong; null: nothing
+/// Nanoseconds since this was made, or since the last call.
+class Stopwatch {
+public:
+    std::uint64_t sinceLast();
+
+private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-/// How the estimates of `samples` samples are biased: "none", or the cause.
-std::string biasOf(const EstimatorEntry& entry, int samples);
-
-/// Every estimator that `--estimator` offers.
-std::span<const EstimatorEntry> estimatorTable();
-
-/// @throws Error naming the estimators there are
-const EstimatorEntry& findEstimator(const std::string& name);
 
 }  // namespace shadowcache

@@ -1,17 +1,18 @@
 // A finite set of directional lights in place of the map: no noise, but bands at the borders of
 // shadows. Biased. [paper 3.1]
 
-#include "render/estimators/estimators.h"
+#include "common/base/option_checks.h"
+#include "render/estimators/basic_estimators.h"
 #include "render/estimators/light_clusters.h"
 
 namespace shadowcache {
 
 namespace {
 
-class Lights final : public Estimator {
+class Lights final : public PointEstimator {
 public:
-    explicit Lights(const EstimatorContext& context)
-        : Estimator(context), lights_(clusterLights(context.environment, context.options.lights)) {}
+    Lights(const EstimatorContext& context, const LightsOptions& options)
+        : PointEstimator(context), lights_(clusterLights(context.environment, options.lights)) {}
 
 private:
     std::vector<DirectionalLight> lights_;
@@ -29,8 +30,13 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Estimator> makeLights(const EstimatorContext& context) {
-    return std::make_unique<Lights>(context);
+void validate(const LightsOptions& options) {
+    requireRange("lights", options.lights, 1, 10000);
+}
+
+std::unique_ptr<Estimator> makeLights(const EstimatorContext& context,
+                                      const LightsOptions& options) {
+    return std::make_unique<Lights>(context, options);
 }
 
 }  // namespace shadowcache

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/estimators/estimators.h"
+#include "common/base/option_checks.h"
+#include "render/estimators/basic_estimators.h"
 
 namespace shadowcache {
 
@@ -23,13 +24,13 @@ struct PixelWorkspace final : Workspace {
     std::vector<double> cdf;
 };
 
-class PixelImportance final : public Estimator {
+class PixelImportance final : public PointEstimator {
 public:
-    PixelImportance(const EstimatorContext& context, bool printed)
-        : Estimator(context),
+    PixelImportance(const EstimatorContext& context, const PixelOptions& options, bool printed)
+        : PointEstimator(context),
           printed_(printed),
-          width_(static_cast<std::size_t>(context.options.pixelWidth)),
-          height_(static_cast<std::size_t>(context.options.pixelHeight)),
+          width_(static_cast<std::size_t>(options.width)),
+          height_(static_cast<std::size_t>(options.height)),
           pixels_(width_ * height_) {
         std::vector<double> power(pixels_.size()), area(pixels_.size());
         for (std::size_t i = 0; i < context.environment.texelCount(); ++i)
@@ -138,8 +139,8 @@ private:
             w.cdf[k] = total += cosineOf(pixel, point.normal) * pixel.luminance * pixel.area;
         }
         if (!(total > 0)) return {0, 0, 0};
-        const auto u = w.numbers(context_.options.sequence, point.seed, 0, samples);
-        const auto v = w.numbers(context_.options.sequence, point.seed, 1, samples);
+        const auto u = w.numbers(context_.sequence, point.seed, 0, samples);
+        const auto v = w.numbers(context_.sequence, point.seed, 1, samples);
         for (std::size_t j = 0; j < u.size(); ++j) {
             const double x = (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, j))) *
                              0x1p-32 * total;
@@ -172,11 +173,17 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Estimator> makePixel(const EstimatorContext& context) {
-    return std::make_unique<PixelImportance>(context, false);
+void validate(const PixelOptions& options) {
+    requireRange("pixel-map (width)", options.width, 8, 4096);
+    requireRange("pixel-map (height)", options.height, 4, 2048);
 }
-std::unique_ptr<Estimator> makePixelPrinted(const EstimatorContext& context) {
-    return std::make_unique<PixelImportance>(context, true);
+
+std::unique_ptr<Estimator> makePixel(const EstimatorContext& context, const PixelOptions& options) {
+    return std::make_unique<PixelImportance>(context, options, false);
+}
+std::unique_ptr<Estimator> makePixelPrinted(const EstimatorContext& context,
+                                            const PixelOptions& options) {
+    return std::make_unique<PixelImportance>(context, options, true);
 }
 
 }  // namespace shadowcache

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "common/image/exr.h"
 
 namespace shadowcache {
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "common/image/exr.h"
 
 namespace shadowcache {
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/image/exr.h"
 #include "common/image/image.h"
 
 namespace shadowcache {

@@ -66,6 +66,13 @@ struct TileScratch {
 };
 
 struct Frame {
+    explicit Frame(const FrameRequest& request)
+        : estimator(request.estimator),
+          context(estimator.context()),
+          camera(request.camera),
+          number(request.number),
+          options(request.options) {}
+
     const Estimator& estimator;
     const EstimatorContext& context;
     const Camera& camera;
@@ -170,8 +177,8 @@ struct Frame {
         pixel.depth += hit.distance;
         pixel.variance += e.variance;
         pixel.rays += static_cast<float>(e.rays);
-        if (options.insight)
-            addInsight(estimator.insight(point, options.samples, workspace), pixel);
+        if (options.insight && estimator.insights())
+            addInsight(estimator.insights()->insight(point, options.samples, workspace), pixel);
     }
 
     static void addInsight(const CacheInsight& insight, Pixel& pixel) {
@@ -302,22 +309,23 @@ std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraR
     return hashWords(seed, word(frame, cameraRay), word(y, x));
 }
 
-void survey(Estimator& estimator, const EstimatorContext& context, const Camera& camera, int frame,
-            const RenderOptions& options, RenderStats& stats) {
-    if (options.samples == 0) return;
+void runPilot(const FrameRequest& frame, RenderStats& stats) {
+    const RenderOptions& options = frame.options;
+    FramePilot* pilot = frame.estimator.pilot();
+    if (options.samples == 0 || !pilot) return;
     const auto start = std::chrono::steady_clock::now();
-    const Frame task{estimator, context, camera, frame, options};
+    const Frame task(frame);
     std::vector<ShadingPoint> points;
     for (int k = 0; k < kSurveyPlaces; ++k) {
         // The numbers of a survey belong to no pixel.
-        const std::uint64_t seed = pixelSeed(options.seed, frame, -1, -1, k);
+        const std::uint64_t seed = pixelSeed(options.seed, frame.number, -1, -1, k);
         const double u = toUnit(hashWords(seed, 1)), v = toUnit(hashWords(seed, 2));
         const View view = task.look(u, v);
         if (view.hit.found)
             points.push_back(task.shadingPoint(view, seed, static_cast<int>(u * options.width),
                                                static_cast<int>(v * options.height)));
     }
-    stats.shadowRays += estimator.survey(points, options.samples);
+    stats.shadowRays += pilot->run(points, options.samples);
     stats.cameraRays += kSurveyPlaces;
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -325,16 +333,16 @@ void survey(Estimator& estimator, const EstimatorContext& context, const Camera&
     stats.setupSeconds += seconds;
 }
 
-Film render(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-            int frame, const RenderOptions& options, RenderStats& stats) {
+Film render(const FrameRequest& frame, RenderStats& stats) {
+    const RenderOptions& options = frame.options;
     Film film{options.width, options.height, {}};
     film.pixels.resize(static_cast<std::size_t>(options.width) *
                        static_cast<std::size_t>(options.height));
     const Tiles tiles(options);
     std::vector<std::size_t> all(tiles.count());
     std::iota(all.begin(), all.end(), std::size_t{0});
-    Progress progress("frame " + std::to_string(frame), all.size());
-    renderTiles({estimator, context, camera, frame, options}, all, stats,
+    Progress progress("frame " + std::to_string(frame.number), all.size());
+    renderTiles(Frame(frame), all, stats,
                 [&](std::size_t, std::span<const FilmPlace> places, std::span<const Pixel> pixels) {
                     for (std::size_t i = 0; i < places.size(); ++i)
                         film.pixels[static_cast<std::size_t>(places[i].y) *
@@ -342,20 +350,19 @@ Film render(const Estimator& estimator, const EstimatorContext& context, const C
                                     static_cast<std::size_t>(places[i].x)] = pixels[i];
                     progress.add(1);
                 });
-    requireFinite(film, frame, options.seed);
+    requireFinite(film, frame.number, options.seed);
     return film;
 }
 
-std::vector<Pixel> renderSomeTiles(const Estimator& estimator, const EstimatorContext& context,
-                                   const Camera& camera, int frame, const RenderOptions& options,
-                                   int apart, RenderStats& stats) {
-    const Tiles tiles(options);
+std::vector<Pixel> renderSomeTiles(const FrameRequest& frame, int apart, RenderStats& stats) {
+    const Tiles tiles(frame.options);
     std::vector<std::size_t> some;
     const auto step = static_cast<std::size_t>(apart);
     for (std::size_t t = 0; t < tiles.count(); t += step)
-        some.push_back(std::min(t + hashWords(options.seed, 82, t) % step, tiles.count() - 1));
+        some.push_back(
+            std::min(t + hashWords(frame.options.seed, 82, t) % step, tiles.count() - 1));
     std::vector<std::vector<Pixel>> parts(some.size());
-    renderTiles({estimator, context, camera, frame, options}, some, stats,
+    renderTiles(Frame(frame), some, stats,
                 [&](std::size_t t, std::span<const FilmPlace>, std::span<const Pixel> pixels) {
                     parts[t / step].assign(pixels.begin(), pixels.end());
                 });
@@ -364,19 +371,19 @@ std::vector<Pixel> renderSomeTiles(const Estimator& estimator, const EstimatorCo
     return found;
 }
 
-Pixel renderPixel(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-                  int frame, const RenderOptions& options, int x, int y,
-                  const CameraSampleObserver& observer) {
-    const auto workspace = estimator.makeWorkspace();
+Pixel renderPixel(const FrameRequest& frame, int x, int y, const CameraSampleObserver& observer) {
+    const auto workspace = frame.estimator.makeWorkspace();
     TileScratch scratch;
     std::vector<FilmPlace> places;
-    const Tiles tiles(options);
+    const Tiles tiles(frame.options);
     tiles.findPlaces(tiles.tileOf(x, y), places);
     std::vector<Pixel> pixels(places.size());
     const auto place = std::find_if(places.begin(), places.end(),
                                     [&](const FilmPlace& p) { return p.x == x && p.y == y; });
     const Pixel& pixel = pixels[static_cast<std::size_t>(place - places.begin())];
-    const Frame task{estimator, context, camera, frame, options, &observer, &pixel};
+    Frame task(frame);
+    task.observer = &observer;
+    task.observed = &pixel;
     task.renderTile(places, scratch, *workspace, pixels);
     return pixel;
 }

@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "render/estimators/estimator.h"
 #include "render/frame/camera.h"
 #include "render/frame/film.h"
 #include "render/frame/options.h"
@@ -20,25 +21,29 @@ struct RenderStats {
     double ownError = 0;  ///< relMSE of the last frame as its own samples tell it
 };
 
+/// A frame to render.
+struct FrameRequest {
+    Estimator& estimator;
+    Camera camera;
+    int number;
+    RenderOptions options;
+};
+
 /// Everything random about a sample is a pure function of (seed, frame, pixel, camera ray, index,
 /// dimension).
 std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraRay);
 
-/// Lets the estimator look at the frame before it is rendered, through a few of its pixels.
-void survey(Estimator& estimator, const EstimatorContext& context, const Camera& camera, int frame,
-            const RenderOptions& options, RenderStats& stats);
+/// Lets the estimator's pilot look at the frame before it is rendered, through a few of its pixels.
+void runPilot(const FrameRequest& frame, RenderStats& stats);
 
 /// Renders one frame: direct light of the environment on Lambertian surfaces, the sky where nothing
 /// is hit. The same bits for any number of threads. Shows progress; Ctrl-C ends it with Error.
 ///
 /// @throws Error on non-finite estimates, with their number and the options that replay the first
-Film render(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-            int frame, const RenderOptions& options, RenderStats& stats);
+Film render(const FrameRequest& frame, RenderStats& stats);
 
 /// The pixels of one tile in `apart` of the frame, chosen by the seed.
-std::vector<Pixel> renderSomeTiles(const Estimator& estimator, const EstimatorContext& context,
-                                   const Camera& camera, int frame, const RenderOptions& options,
-                                   int apart, RenderStats& stats);
+std::vector<Pixel> renderSomeTiles(const FrameRequest& frame, int apart, RenderStats& stats);
 
 /// One camera ray's place on the set and the estimate there; `samples` are those it was made of.
 struct CameraSample {
@@ -51,8 +56,6 @@ using CameraSampleObserver = std::function<void(const CameraSample&)>;
 
 /// The pixel (x, y) of the frame, bit for bit as render() makes it; `observer` sees each camera ray
 /// that meets the set.
-Pixel renderPixel(const Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-                  int frame, const RenderOptions& options, int x, int y,
-                  const CameraSampleObserver& observer);
+Pixel renderPixel(const FrameRequest& frame, int x, int y, const CameraSampleObserver& observer);
 
 }  // namespace shadowcache

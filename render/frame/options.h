@@ -1,11 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <string>
-#include <vector>
 
-#include "render/estimators/estimator.h"
+#include "common/math/vec.h"
 
 namespace shadowcache {
 
@@ -23,6 +20,5 @@ struct RenderOptions {
 
 /// @throws Error naming the option, the value and the range allowed
 void validate(const RenderOptions& options);
-void validate(const EstimatorOptions& options);
 
 }  // namespace shadowcache

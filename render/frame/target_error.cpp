@@ -36,23 +36,22 @@ double measuredError(std::span<const Pixel> pixels, const Rgb& luminanceWeights)
     return error;
 }
 
-int samplesForError(Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-                    int frame, RenderOptions options, double target, RenderStats& stats) {
+int samplesForError(FrameRequest frame, double target, RenderStats& stats) {
     const auto needed = [&](int samples) {
-        options.samples = samples;
-        survey(estimator, context, camera, frame, options, stats);
-        const double error = measuredError(
-            renderSomeTiles(estimator, context, camera, frame, options, kTilesApart, stats),
-            context.environment.luminanceWeights());
+        frame.options.samples = samples;
+        runPilot(frame, stats);
+        const double error =
+            measuredError(renderSomeTiles(frame, kTilesApart, stats),
+                          frame.estimator.context().environment.luminanceWeights());
         return static_cast<int>(std::clamp(std::ceil(samples * error / target), 1.0,
                                            static_cast<double>(kMostSamples)));
     };
-    options.seed ^= kPilotSeed;
+    frame.options.seed ^= kPilotSeed;
     const int first = needed(kPilotSamples);
     const int wanted = first > kPilotSamples ? needed(std::max(kPilotSamples, first / 4)) : first;
-    options.seed ^= kPilotSeed;
-    options.samples = wanted;
-    survey(estimator, context, camera, frame, options, stats);
+    frame.options.seed ^= kPilotSeed;
+    frame.options.samples = wanted;
+    runPilot(frame, stats);
     return wanted;
 }
 

@@ -14,7 +14,6 @@ double measuredError(std::span<const Pixel> pixels, const Rgb& luminanceWeights)
 /// the pilot found. Leaves the estimator surveyed for that number.
 ///
 /// @return 1 .. kMostSamples
-int samplesForError(Estimator& estimator, const EstimatorContext& context, const Camera& camera,
-                    int frame, RenderOptions options, double target, RenderStats& stats);
+int samplesForError(FrameRequest frame, double target, RenderStats& stats);
 
 }  // namespace shadowcache

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "render/estimators/estimators.h"
 #include "render/paper/paper_estimator.h"
 
 namespace shadowcache {
@@ -32,11 +31,12 @@ std::uint64_t itemKey(int column, int row) {
 
 class PaperImage final : public Paper {
 public:
-    explicit PaperImage(const EstimatorContext& context) : Paper(context) {
+    PaperImage(const EstimatorContext& context, const PaperOptions& options)
+        : Paper(context, options) {
         // Triangles stand in the order of the hierarchy: those of a common ancestor in a run.
         std::uint64_t last = 0;
         for (const MapTriangle& t : triangles()) {
-            const int level = std::min(t.level, context.options.cacheLevel);
+            const int level = std::min(t.level, options.cacheLevel);
             const std::uint64_t cell = std::uint64_t{ancestorCell(t.cell, t.level, level)} * 16 +
                                        static_cast<std::uint64_t>(level);
             if (group_.empty() || cell != last) ++groups_;
@@ -46,6 +46,15 @@ public:
     }
 
     bool inOrder() const override { return true; }
+
+    using Estimator::estimate;
+    void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+                  std::span<Estimate> estimates) const override {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            Paper::estimate(points.subspan(i, 1), samples, workspace, estimates.subspan(i, 1));
+            if (workspace.samples.size() > 0) record(workspace);
+        }
+    }
 
     std::unique_ptr<Workspace> makeWorkspace() const override {
         return std::make_unique<ImageWorkspace>();
@@ -80,7 +89,8 @@ private:
         return {w.open[g] / w.counted[g], w.counted[g]};
     }
 
-    void takeNote(Workspace& workspace) const override {
+    /// Counts what the point's rays found.
+    void record(Workspace& workspace) const {
         auto& w = static_cast<ImageWorkspace&>(workspace);
         ImageItem& item = w.cache[w.item];
         item.n.resize(groups_);
@@ -95,8 +105,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Estimator> makePaperImage(const EstimatorContext& context) {
-    return std::make_unique<PaperImage>(context);
+std::unique_ptr<Estimator> makePaperImage(const EstimatorContext& context,
+                                          const PaperOptions& options) {
+    return std::make_unique<PaperImage>(context, options);
 }
 
 }  // namespace shadowcache

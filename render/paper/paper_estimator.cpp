@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
-#include "render/estimators/estimators.h"
+#include "common/base/error.h"
+#include "common/base/option_checks.h"
 #include "render/estimators/hemisphere.h"
 #include "render/paper/spherical_polygon.h"
 
@@ -26,11 +28,12 @@ std::uint64_t firstCell(const MapTriangle& t) {
 
 }  // namespace
 
-Paper::Paper(const EstimatorContext& context)
-    : Estimator(context),
-      triangles_(triangulate(context.environment, context.options.triangles,
-                             context.options.minLevel, context.options.maxLevel)) {
-    if (!context.options.exactConvolution) table_.emplace(context.environment, triangles_);
+Paper::Paper(const EstimatorContext& context, const PaperOptions& options)
+    : PointEstimator(context),
+      options_(options),
+      triangles_(
+          triangulate(context.environment, options.triangles, options.minLevel, options.maxLevel)) {
+    if (!options.exactConvolution) table_.emplace(context.environment, triangles_);
 }
 
 std::unique_ptr<Workspace> Paper::makeWorkspace() const {
@@ -52,7 +55,7 @@ void Paper::gather(const ShadingPoint& point, PaperWorkspace& w) const {
 CachedVisibility Paper::cached(const PaperWorkspace& w, std::uint32_t triangle) const {
     if (!w.pooled) return {};
     const MapTriangle& t = triangles_[triangle];
-    const int level = std::min(t.level, context_.options.cacheLevel);
+    const int level = std::min(t.level, options_.cacheLevel);
     return visibilityOf(*w.pooled, level, ancestorCell(t.cell, t.level, level));
 }
 
@@ -62,10 +65,10 @@ Rgb Paper::prepare(const ShadingPoint& point, int samples, Workspace& workspace)
     w.triangleOf.clear();
     const double total = w.cdf.empty() ? 0.0 : w.cdf.back();
     if (!(total > 0)) return {0, 0, 0};
-    const double beta = context_.options.beta;
+    const double beta = options_.beta;
     const Vec3d n(point.normal);
-    const auto u = w.numbers(context_.options.sequence, point.seed, 0, samples);
-    const auto v = w.numbers(context_.options.sequence, point.seed, 1, samples);
+    const auto u = w.numbers(context_.sequence, point.seed, 0, samples);
+    const auto v = w.numbers(context_.sequence, point.seed, 1, samples);
     for (std::size_t j = 0; j < u.size(); ++j) {
         // The lower bits come from a hash: 32 bits would be few for a large table.
         const double x =
@@ -140,16 +143,15 @@ void Paper::addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& 
 /// alpha A + (1 - alpha) / 2. [paper 4.3]
 double Paper::visibility(const PaperWorkspace& w, std::uint32_t triangle) const {
     const CachedVisibility v = cached(w, triangle);
-    const double a = v.rays < static_cast<float>(context_.options.threshold)
-                         ? 1.0
-                         : static_cast<double>(v.ratio);
-    return context_.options.alpha * a + (1 - context_.options.alpha) * 0.5;
+    const double a =
+        v.rays < static_cast<float>(options_.threshold) ? 1.0 : static_cast<double>(v.ratio);
+    return options_.alpha * a + (1 - options_.alpha) * 0.5;
 }
 
 /// Whether the importance in a triangle is linear: in one that the horizon may cut it never is.
 bool Paper::isLinear(std::uint32_t triangle, const Vec3d& n) const {
     const MapTriangle& t = triangles_[triangle];
-    return context_.options.order == 1 && n.dot(t.axis) >= t.sinRadius;
+    return options_.order == 1 && n.dot(t.axis) >= t.sinRadius;
 }
 
 LinearTriangle Paper::linear(std::uint32_t triangle, const Vec3d& n) const {
@@ -194,8 +196,24 @@ std::uint32_t Paper::triangleAlong(const Vec3f& direction) const {
     return static_cast<std::uint32_t>(after - triangles_.begin() - 1);
 }
 
-std::unique_ptr<Estimator> makePaper(const EstimatorContext& context) {
-    return std::make_unique<Paper>(context);
+void validate(const PaperOptions& options) {
+    requireRange("triangles", options.triangles, 20, 100000);
+    requireRange("max-level", options.maxLevel, 0, 7);
+    requireRange("min-level", options.minLevel, 0, options.maxLevel);
+    requireRange("threshold", options.threshold, 0, 1000);
+    requireRange("order", options.order, 0, 1);
+    requireRange("beta", options.beta, 0.0, 1.0);
+    requireRange("cache-level", options.cacheLevel, 0, 7);
+    if (!(options.alpha >= 0 && options.alpha < 1)) {
+        std::ostringstream text;
+        text << "--alpha " << options.alpha
+             << ": wanted 0 or more and below 1 (at 1 a cached 0 would never be sampled: biased)";
+        throw Error(text.str());
+    }
+}
+
+std::unique_ptr<Estimator> makePaper(const EstimatorContext& context, const PaperOptions& options) {
+    return std::make_unique<Paper>(context, options);
 }
 
 }  // namespace shadowcache

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "common/base/sequence.h"
-#include "render/estimators/estimator.h"
 #include "render/paper/cached_visibility.h"
 #include "render/paper/convolution.h"
 #include "render/paper/linear_triangle.h"
+#include "render/paper/paper_estimators.h"
 
 namespace shadowcache {
 
@@ -33,13 +33,15 @@ struct PaperWorkspace : Workspace {
 /// The estimator of the paper: importance constant over the triangles of an adaptive triangulation
 /// of the map, tabulated diffuse convolutions, clipping to the hemisphere, cached visibility, and
 /// perhaps a share of uniform samples. [paper 4, 6.1]
-class Paper : public Estimator {
+class Paper : public PointEstimator {
 public:
-    explicit Paper(const EstimatorContext& context);
+    Paper(const EstimatorContext& context, const PaperOptions& options);
 
     std::unique_ptr<Workspace> makeWorkspace() const override;
 
 protected:
+    Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override;
+
     const std::vector<MapTriangle>& triangles() const { return triangles_; }
 
     /// Brings what the cache knows around `point` to the workspace.
@@ -48,10 +50,10 @@ protected:
     virtual CachedVisibility cached(const PaperWorkspace& w, std::uint32_t triangle) const;
 
 private:
+    const PaperOptions options_;
     std::vector<MapTriangle> triangles_;
     std::optional<ConvolutionTable> table_;
 
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override;
     void buildImportance(const ShadingPoint& point, PaperWorkspace& w) const;
     void convolveAll(const Vec3f& n, std::vector<float>& out) const;
     void addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& w) const;

@@ -1,20 +1,20 @@
 // Estimators that leave visibility out, or make one number of it: the preconvolved map and ambient
 // occlusion. Biased. [paper 3.1]
 
-#include "render/estimators/estimators.h"
 #include "render/estimators/hemisphere.h"
 #include "render/paper/cached_visibility.h"
 #include "render/paper/convolution.h"
+#include "render/paper/paper_estimators.h"
 #include "render/paper/spherical_polygon.h"
 
 namespace shadowcache {
 
 namespace {
 
-class Preconvolved final : public Estimator {
+class Preconvolved final : public PointEstimator {
 public:
     explicit Preconvolved(const EstimatorContext& context)
-        : Estimator(context), map_(context.environment) {}
+        : PointEstimator(context), map_(context.environment) {}
 
 private:
     IrradianceTable map_;
@@ -24,18 +24,18 @@ private:
     }
 };
 
-class AmbientOcclusion final : public Estimator {
+class AmbientOcclusion final : public PointEstimator {
 public:
     explicit AmbientOcclusion(const EstimatorContext& context)
-        : Estimator(context), map_(context.environment) {}
+        : PointEstimator(context), map_(context.environment) {}
 
 private:
     IrradianceTable map_;
 
     Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
         const Rgb share = map_.evaluate(point.normal) / static_cast<float>(samples);
-        const auto u = w.numbers(context_.options.sequence, point.seed, 0, samples);
-        const auto v = w.numbers(context_.options.sequence, point.seed, 1, samples);
+        const auto u = w.numbers(context_.sequence, point.seed, 0, samples);
+        const auto v = w.numbers(context_.sequence, point.seed, 1, samples);
         for (std::size_t i = 0; i < u.size(); ++i)
             w.samples.add(aroundNormal(point.normal, toUnitFloat(u[i]), toUnitFloat(v[i])), share);
         w.samples.endGroup();
@@ -52,10 +52,10 @@ struct OcclusionWorkspace final : Workspace {
     std::vector<ItemView> items;
 };
 
-class AmbientOcclusionCached final : public Estimator {
+class AmbientOcclusionCached final : public PointEstimator {
 public:
     explicit AmbientOcclusionCached(const EstimatorContext& context)
-        : Estimator(context), map_(context.environment) {
+        : PointEstimator(context), map_(context.environment) {
         for (std::uint32_t c = 0; c < cellCount(kLevel); ++c) {
             cells_.push_back(cellTriangle(kLevel, c));
             areas_.push_back(solidAngle(cells_.back()));

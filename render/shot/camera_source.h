@@ -2,25 +2,32 @@
 
 #include <optional>
 #include <span>
+#include <string>
 
-#include "render/app/job.h"
 #include "render/frame/camera.h"
 #include "render/shot/gltf_shot.h"
 
 namespace shadowcache {
 
-/// Cameras of a job, by frame: of a camera file, of a glTF set, or the one that stands still.
+/// Which camera a shot is seen by.
+struct CameraOptions {
+    std::string name;  ///< a file, or one of the set's cameras; empty: the one that stands still
+    std::optional<Vec3d> eye, lookAt;  ///< of that one
+    double fovYDegrees = 45;
+};
+
+/// Cameras of a shot, by frame: of a camera file, of a glTF set, or the one that stands still.
 class CameraSource {
 public:
-    /// @param job, shots  must live as long as this
+    /// @param shots  must live as long as this
     /// @throws Error if the camera cannot be read, or has no such name
-    CameraSource(const RenderJob& job, std::span<const GltfShot> shots);
+    CameraSource(const CameraOptions& options, std::span<const GltfShot> shots);
 
     /// @throws Error if the camera has no such frame
     Camera at(int frame) const;
 
 private:
-    const RenderJob& job_;
+    CameraOptions options_;
     std::optional<CameraTrack> track_;
     NamedCamera named_;
 };

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/base/error.h"
+#include "common/import/mesh_options.h"
 
 namespace shadowcache {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/import/gltf_nodes.h"
+#include "common/import/mesh_options.h"
 #include "common/mesh/mesh.h"
 #include "render/frame/camera.h"
 

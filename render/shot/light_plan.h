@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/image/image.h"
+#include "common/image/radiance.h"
 #include "common/light/environment.h"
 
 namespace shadowcache {

@@ -7,6 +7,8 @@
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
 #include "common/import/gltf_mesh.h"
+#include "common/import/load_mesh.h"
+#include "common/import/mesh_options.h"
 
 namespace shadowcache {
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/import/mesh_options.h"
 #include "common/trace/scene.h"
 #include "render/shot/gltf_shot.h"
 

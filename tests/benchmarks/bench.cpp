@@ -5,6 +5,10 @@
 
 #include "common/base/error.h"
 #include "common/base/process.h"
+#include "common/image/exr.h"
+#include "common/image/radiance.h"
+#include "common/import/load_mesh.h"
+#include "render/table/estimator_table.h"
 
 namespace shadowcache::bench {
 
@@ -86,8 +90,9 @@ BakedCache bakeCache(const Settings& settings, const Set& set, const BakeOptions
 }
 
 Rendered renderFrame(const EstimatorContext& context, const Set& set, const std::string& estimator,
-                     int frame, int samples, std::uint64_t seed, const Settings& settings) {
-    const auto made = findEstimator(estimator).make(context);
+                     int frame, int samples, std::uint64_t seed, const Settings& settings,
+                     const EstimatorOptions& estimatorOptions) {
+    const auto made = findEstimator(estimator).make(context, estimatorOptions);
     RenderOptions options;
     options.width = settings.width;
     options.height = settings.height;
@@ -95,8 +100,8 @@ Rendered renderFrame(const EstimatorContext& context, const Set& set, const std:
     options.seed = seed;
     Rendered rendered;
     const Camera camera = cameraAtFrame(set.cameras, frame);
-    survey(*made, context, camera, frame, options, rendered.stats);
-    rendered.image = colorImage(render(*made, context, camera, frame, options, rendered.stats));
+    runPilot({*made, camera, frame, options}, rendered.stats);
+    rendered.image = colorImage(render({*made, camera, frame, options}, rendered.stats));
     return rendered;
 }
 

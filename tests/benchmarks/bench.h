@@ -13,6 +13,7 @@
 #include "render/frame/camera.h"
 #include "render/frame/compare.h"
 #include "render/frame/integrator.h"
+#include "render/table/estimator_table.h"
 
 namespace shadowcache::bench {
 
@@ -59,7 +60,8 @@ struct Rendered {
     RenderStats stats;
 };
 Rendered renderFrame(const EstimatorContext& context, const Set& set, const std::string& estimator,
-                     int frame, int samples, std::uint64_t seed, const Settings& settings);
+                     int frame, int samples, std::uint64_t seed, const Settings& settings,
+                     const EstimatorOptions& options = {});
 
 /// Image good enough to judge others by, and the relative mean squared error it has itself.
 struct Reference {

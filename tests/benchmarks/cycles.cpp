@@ -8,7 +8,9 @@
 #include <map>
 
 #include "common/base/error.h"
+#include "common/image/radiance.h"
 #include "render/frame/film.h"
+#include "render/table/estimator_table.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/statistics.h"
 
@@ -44,8 +46,8 @@ Film renderFilm(const EstimatorContext& context, const Set& set, const std::stri
     options.cameraRays = kCameraRays;
     RenderStats stats;
     const Camera& camera = cameraAtFrame(set.cameras, frame);
-    survey(*made, context, camera, frame, options, stats);
-    return render(*made, context, camera, frame, options, stats);
+    runPilot({*made, camera, frame, options}, stats);
+    return render({*made, camera, frame, options}, stats);
 }
 
 /// Triangles that others coincide with: from one of them Cycles' rays meet the other at once.

@@ -68,15 +68,16 @@ constexpr Column kColumns[] = {{"mis", "mis", false, false},
 constexpr std::size_t kMis = 0, kPaper = 1, kUniform = 2, kAdaptive = 3, kColumnCount = 5;
 
 /// Error averaged over seeds, and the median time.
-Measured measure(EstimatorContext context, const Set& set, const Column& column, int frame,
+Measured measure(const EstimatorContext& context, const Set& set, const Column& column, int frame,
                  const Image& reference, const Settings& settings) {
     Measured m;
-    context.options.adaptive = column.adaptive;
+    EstimatorOptions options;
+    options.cache.adaptive = column.adaptive;
     std::vector<double> seconds;
     for (int i = 0; i < settings.repeats; ++i) {
         const Rendered r = renderFrame(context, set, column.estimator, frame,
                                        column.preview ? 0 : settings.samples,
-                                       static_cast<std::uint64_t>(i) + 1, settings);
+                                       static_cast<std::uint64_t>(i) + 1, settings, options);
         const RelativeError e = relativeError(r.image, reference);
         m.fromReference.add(r.image, reference, 1);
         m.fromBrighter.add(r.image, reference, kControl);

@@ -40,8 +40,7 @@ void measure(const Set& set, const std::string& mapName, const Environment& envi
     std::vector<Camera> cameras;
     for (const int frame : numbers) cameras.push_back(cameraAtFrame(set.cameras, frame));
 
-    EstimatorContext context{*set.scene, environment, cache, {}};
-    context.options.adaptive = true;
+    const EstimatorContext context{*set.scene, environment, cache, {}};
     const test::Places places = test::trackPlaces(context, cameras, options);
     const test::Places pixels = test::samePixels(places);
     RenderOptions best = options;
@@ -54,10 +53,12 @@ void measure(const Set& set, const std::string& mapName, const Environment& envi
 
     double ofMis = 0;
     const auto measureOne = [&](const char* name, const char* estimator,
-                                const std::vector<int>& frames) {
+                                const std::vector<int>& frames, bool adaptive) {
         RenderStats stats;
+        EstimatorOptions estimatorOptions;
+        estimatorOptions.cache.adaptive = adaptive;
         const test::ShotLight shot =
-            test::renderShot(context, estimator, cameras, frames, options, stats);
+            test::renderShot(context, estimator, cameras, frames, options, stats, estimatorOptions);
         const test::ShotLight errors = test::errorsOf(shot, reference);
         const double variance = test::temporalVariance(shot, places, brightness);
         const double noise = test::temporalVariance(errors, places, brightness);
@@ -77,12 +78,11 @@ void measure(const Set& set, const std::string& mapName, const Environment& envi
         json.set(key + ".correlation_at_pixel", pixel);
     };
     for (const Row& row : kRows) {
-        context.options.adaptive = row.adaptive;
-        measureOne(row.name, row.estimator, numbers);
+        measureOne(row.name, row.estimator, numbers, row.adaptive);
     }
     // Control: numbers that are the same in every frame stick to the screen.
     const std::vector<int> stuck(kFrames, numbers.front());
-    measureOne("stuck numbers", "cache", stuck);
+    measureOne("stuck numbers", "cache", stuck, true);
     const double move = test::temporalVariance(reference, places, brightness);
     std::printf("%-9s %-13s %-15s %8s %10.4g          (%zu places)\n", set.name.c_str(),
                 mapName.c_str(), "reference", "", move, places.count());

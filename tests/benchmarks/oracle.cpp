@@ -6,6 +6,7 @@
 
 #include "bake/core/item_baker.h"
 #include "common/base/sequence.h"
+#include "render/table/estimator_table.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/test_scenes.h"
 
@@ -84,14 +85,14 @@ void oracle(const Settings& settings) {
             double bright = 0;
             for (const ShadingPoint& p : points)
                 bright += test::runEstimator(*made, p, 256, 1).mean(1) / kPlaces;
-            made->survey(points, settings.samples);
+            made->pilot()->run(points, settings.samples);
             double ours = 0, best = 0;
             for (const ShadingPoint& p : points) {
                 ours += relativeVariance(*made, p, settings.samples, 0.1 * bright) / kPlaces;
                 const test::TestCache traced = cacheAt(*set->scene, p, bake, directions);
                 const auto there =
                     findEstimator("cache").make({*set->scene, *environment, &traced.cache(), {}});
-                there->survey({&p, 1}, settings.samples);
+                there->pilot()->run({&p, 1}, settings.samples);
                 best += relativeVariance(*there, p, settings.samples, 0.1 * bright) / kPlaces;
             }
             std::printf("%-9s %-13s %12.4g %12.4g %7.2f\n", name.c_str(), map.c_str(), ours, best,

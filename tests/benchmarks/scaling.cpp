@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/import/load_mesh.h"
 #include "scenes/sets.h"
 #include "tests/benchmarks/bench.h"
 

@@ -22,7 +22,7 @@ void sequences(const Settings& settings) {
             for (const char* estimator : {"cosine", "environment", "mis", "paper", "cache"}) {
                 double error[2] = {0, 0};
                 for (const Sequence sequence : {Sequence::random, Sequence::sobol}) {
-                    context.options.sequence = sequence;
+                    context.sequence = sequence;
                     for (int i = 1; i <= settings.repeats; ++i)
                         error[sequence == Sequence::sobol] +=
                             relativeError(renderFrame(context, *set, estimator, 1, settings.samples,

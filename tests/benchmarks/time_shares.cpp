@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "common/base/parallel.h"
+#include "render/table/estimator_table.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/benchmarks/embree_spy.h"
 

@@ -14,6 +14,7 @@
 #include "common/base/json_file.h"
 #include "common/base/sequence.h"
 #include "common/image/image.h"
+#include "common/image/radiance.h"
 #include "render/paper/convolution.h"
 
 namespace shadowcache {

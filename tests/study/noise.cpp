@@ -14,6 +14,7 @@
 #include "common/base/error.h"
 #include "common/base/json_file.h"
 #include "common/image/image.h"
+#include "common/image/radiance.h"
 #include "render/paper/triangulation.h"
 
 namespace shadowcache {

@@ -1,4 +1,4 @@
-#include "render/app/job.h"
+#include "render/app/run_job.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -9,7 +9,10 @@
 #include "common/base/parallel.h"
 #include "common/base/process.h"
 #include "common/base/progress.h"
+#include "common/image/exr.h"
+#include "common/import/load_mesh.h"
 #include "common/import/mesh_reader.h"
+#include "common/mesh/mesh_fingerprint.h"
 #include "render/app/explain.h"
 #include "render/app/job_output.h"
 #include "render/app/memory_report.h"
@@ -57,7 +60,7 @@ const EstimatorEntry& validate(const RenderJob& job) {
     requireRange("fps", job.fps, 1e-3, 1e6);
     requireRange("target-error", job.targetError, 0.0, 1e6);
     requireRange("exposure", job.exposure, -64.0f, 64.0f);
-    requireRange("fov-y", job.fovYDegrees, 0.01, 179.0);
+    requireRange("fov-y", job.camera.fovYDegrees, 0.01, 179.0);
     if (job.debugPixel) {
         requireRange("debug (x)", (*job.debugPixel)[0], 0, job.render.width - 1);
         requireRange("debug (y)", (*job.debugPixel)[1], 0, job.render.height - 1);
@@ -92,7 +95,7 @@ public:
         plan_.requireFiles();
         refuseToOverwriteInputs(job_, plan_);
         std::vector<GltfShot> shots = openShots(job_);
-        const CameraSource camera(job_, shots);
+        const CameraSource camera(job_.camera, shots);
         for (const int frame : job_.frames) camera.at(frame);
         if (!job_.reference.empty())
             reference_ = readReference(job_.reference, job_.render.width, job_.render.height);
@@ -128,9 +131,8 @@ private:
         if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
         if (light_.turnTo(i)) {
-            context_.reset(new EstimatorContext{*scene_, light_.environment(), cache_.get(),
-                                                job_.estimatorOptions});
-            estimator_ = entry_.make(*context_);
+            estimator_ = entry_.make({*scene_, light_.environment(), cache_.get(), job_.sequence},
+                                     job_.estimatorOptions);
         }
         if (job_.debugPixel && estimator_->inOrder())
             throw Error(std::string("--debug: a pixel of --estimator ") + entry_.name +
@@ -138,29 +140,27 @@ private:
         timing_.build += secondsNow() - start;
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;
-        const Camera view = camera.at(frame);
+        FrameRequest request{*estimator_, camera.at(frame), frame, options_};
         if (job_.explain) {
             const Forecast forecast{entry_, !job_.estimator.empty(),
                                     static_cast<int>(job_.frames.size()),
                                     timing_.load + timing_.build};
-            std::fputs(explain(*estimator_, *context_, view, frame, options_, forecast).c_str(),
-                       stdout);
+            std::fputs(explain(request, forecast).c_str(), stdout);
             return;
         }
-        RenderOptions options = options_;
         if (job_.targetError > 0)
-            options.samples = samplesForError(*estimator_, *context_, view, frame, options_,
-                                              job_.targetError, stats_);
+            request.options.samples = samplesForError(request, job_.targetError, stats_);
         else
-            survey(*estimator_, *context_, view, frame, options, stats_);
+            runPilot(request, stats_);
         if (job_.debugPixel) {
             const auto [x, y] = *job_.debugPixel;
-            reportPixel(*estimator_, *context_, view, frame, options, x, y);
+            reportPixel(request, x, y);
             return;
         }
-        const Film film = render(*estimator_, *context_, view, frame, options, stats_);
-        stats_.samples = options.samples;
-        stats_.ownError = measuredError(film.pixels, context_->environment.luminanceWeights());
+        const Film film = render(request, stats_);
+        stats_.samples = request.options.samples;
+        stats_.ownError =
+            measuredError(film.pixels, estimator_->context().environment.luminanceWeights());
         if (job_.targetError > 0) reportError(frame);
         writeFrame(job_, film, std::move(metadata), stats_.seconds - before, frame);
         ++rendered_;
@@ -209,7 +209,6 @@ private:
     std::optional<MovingSet> moving_;
     std::unique_ptr<ShadowCache> cache_;
     std::optional<Scene> scene_;
-    std::unique_ptr<EstimatorContext> context_;
     std::unique_ptr<Estimator> estimator_;
     std::optional<Image> reference_;
     std::optional<RelativeError> error_;

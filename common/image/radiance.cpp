@@ -1,4 +1,4 @@
-#include "common/image/image.h"
+#include "common/image/radiance.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,24 +12,15 @@
 
 #ifndef __clang_analyzer__  // which finds what is not ours to mend
 #define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_IMPLEMENTATION
 #endif
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_HDR
-#define STBI_ONLY_JPEG
-#define STBI_ONLY_PNG
 #define STBI_NO_STDIO
 #include <stb/stb_image.h>
-#define STB_IMAGE_WRITE_STATIC
-#define STBI_WRITE_NO_STDIO
-#include <stb/stb_image_write.h>
 
-#include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
-#include "common/image/exr.h"
-#include "common/image/srgb.h"
-#include "common/mesh/material.h"
+#include "common/image/exr_radiance.h"
 
 namespace shadowcache {
 
@@ -165,12 +156,6 @@ void mend(RadianceImage& result) {
     }
 }
 
-unsigned char encode(float value, float gain) {
-    const float linear = value * gain;
-    if (!(linear > 0.0f)) return 0;  // NaN, too
-    return static_cast<unsigned char>(std::lround(255.0f * linearToSrgb(std::min(linear, 1.0f))));
-}
-
 }  // namespace
 
 RadianceImage readRadiance(const std::filesystem::path& path) {
@@ -189,54 +174,6 @@ RadianceImage readRadiance(const std::filesystem::path& path) {
     }
     mend(result);
     return result;
-}
-
-Texture decodeTexture(std::string_view bytes, std::string& cause) {
-    Texture texture;
-    if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-        cause = "larger than 2 GB";
-        return texture;
-    }
-    int channels = 0;
-    const std::unique_ptr<stbi_uc, decltype(&std::free)> texels(
-        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
-                              static_cast<int>(bytes.size()), &texture.width, &texture.height,
-                              &channels, 4),
-        &std::free);
-    if (!texels) {
-        cause = stbi_failure_reason();
-        return {};
-    }
-    texture.rgba.assign(texels.get(), texels.get() + 4 * static_cast<std::size_t>(texture.width) *
-                                                         static_cast<std::size_t>(texture.height));
-    return texture;
-}
-
-std::string encodePng(const Image& image, float exposure) {
-    const float gain = std::exp2(exposure);
-    std::vector<unsigned char> bytes;
-    bytes.reserve(image.pixels.size() * 3);
-    for (const Rgb& pixel : image.pixels) {
-        for (const float value : {pixel.x, pixel.y, pixel.z}) bytes.push_back(encode(value, gain));
-    }
-    std::string png;
-    const auto append = [](void* context, void* data, int size) {
-        static_cast<std::string*>(context)->append(static_cast<const char*>(data),
-                                                   static_cast<std::size_t>(size));
-    };
-    if (!stbi_write_png_to_func(append, &png, image.width, image.height, 3, bytes.data(),
-                                image.width * 3)) {
-        throw Error("a picture of " + std::to_string(image.width) + "x" +
-                    std::to_string(image.height) + " could not be encoded as PNG");
-    }
-    return png;
-}
-
-void writePng(const std::filesystem::path& path, const Image& image, float exposure) {
-    const std::string png = encodePng(image, exposure);
-    AtomicFile file(path);
-    file.write(png.data(), png.size());
-    file.commit();
 }
 
 }  // namespace shadowcache

@@ -15,6 +15,8 @@
 #include "common/base/progress.h"
 #include "common/base/version.h"
 #include "common/cli/command_line.h"
+#include "common/import/load_mesh.h"
+#include "common/import/mesh_options.h"
 
 namespace shadowcache {
 namespace {

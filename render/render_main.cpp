@@ -2,6 +2,7 @@
 #include <exception>
 
 #include "render/app/command_line.h"
+#include "render/app/run_job.h"
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;

@@ -1,0 +1,169 @@
+#include "common/import/load_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "common/base/error.h"
+#include "common/base/parallel.h"
+#include "common/import/mesh_reader.h"
+#include "common/import/mesh_soup.h"
+#include "common/mesh/mesh_statistics.h"
+#include "common/mesh/placed_mesh.h"
+
+namespace shadowcache {
+
+namespace {
+
+constexpr std::size_t kTrianglesPerChunk = 1 << 16;
+
+Vec3d centreOf(const MeshSoup& soup) {
+    std::vector<Box3d> box(static_cast<std::size_t>(soup.groups) + 1);
+    for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+        const std::uint32_t part = soup.partOf.empty() ? 0 : soup.partOf[i];
+        for (const std::uint32_t corner : soup.triangles[i])
+            box[static_cast<std::size_t>(soup.parts[part].first)].extendBy(soup.vertices[corner]);
+    }
+    for (const RawInstance& instance : soup.instances) {
+        const Box3d& group = box[static_cast<std::size_t>(instance.group)];
+        if (group.isEmpty()) continue;
+        for (int k = 0; k < 8; ++k)
+            box[0].extendBy(instance.toWorld.point(Vec3d((k & 1 ? group.min : group.max).x,
+                                                         (k & 2 ? group.min : group.max).y,
+                                                         (k & 4 ? group.min : group.max).z)));
+    }
+    return box[0].center();
+}
+
+/// Whether the triangle has area as the renderer will see it, in float positions.
+bool hasArea(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+    const Vec3d n = (Vec3d(b) - Vec3d(a)).cross(Vec3d(c) - Vec3d(a));
+    return n.x != 0.0 || n.y != 0.0 || n.z != 0.0;
+}
+
+void dropDegenerate(const Vec3d& origin, MeshSoup& soup) {
+    std::vector<char> keep(soup.triangles.size());
+    parallelFor(keep.size(), kTrianglesPerChunk, [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            const auto position = [&](std::size_t corner) {
+                return soup.position(soup.triangles[i][corner], origin);
+            };
+            keep[i] = hasArea(position(0), position(1), position(2)) ? 1 : 0;
+        }
+    });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < keep.size(); ++i) {
+        if (!keep[i]) continue;
+        if (!soup.partOf.empty()) soup.partOf[kept] = soup.partOf[i];
+        soup.triangles[kept++] = soup.triangles[i];
+    }
+    if (!soup.partOf.empty()) soup.partOf.resize(kept);
+    soup.report.degenerate += soup.triangles.size() - kept;
+    soup.triangles.resize(kept);
+}
+
+/// Sorts the triangles by group and material, and makes the parts of the mesh.
+void makeParts(const Vec3d& origin, MeshSoup& soup, TriangleMesh& mesh) {
+    if (soup.partOf.empty()) return;
+    std::map<PartKey, std::uint32_t> count;
+    for (const std::uint32_t part : soup.partOf) ++count[soup.parts[part]];
+    std::map<PartKey, std::uint32_t> next;
+    std::map<int, MeshInstance> groups;
+    std::uint32_t first = 0;
+    for (const auto& [key, triangles] : count) {
+        MeshInstance& group = groups[key.first];
+        if (group.partCount++ == 0) group.firstPart = static_cast<std::uint32_t>(mesh.parts.size());
+        group.triangleCount += triangles;
+        if (key.first == 0) mesh.firstSharedPart = mesh.parts.size() + 1;
+        mesh.parts.push_back({first, triangles, key.second});
+        next[key] = first;
+        first += triangles;
+    }
+    std::vector<Corners> sorted(soup.triangles.size());
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+        sorted[next[soup.parts[soup.partOf[i]]]++] = soup.triangles[i];
+    soup.triangles = std::move(sorted);
+
+    std::uint64_t placed = groups[0].triangleCount;
+    for (std::size_t i = 0; i < soup.instances.size(); ++i) {
+        const RawInstance& raw = soup.instances[i];
+        MeshInstance instance = groups[raw.group];
+        if (instance.triangleCount == 0) continue;
+        instance.source = static_cast<std::uint32_t>(i);
+        instance.toWorld = raw.toWorld;
+        instance.toWorld.position -= origin;
+        instance.firstPlaced = static_cast<std::uint32_t>(placed);
+        placed += instance.triangleCount;
+        if (placed > std::numeric_limits<std::uint32_t>::max())
+            throw Error("more than 4294967295 triangles with all instances, expected fewer");
+        mesh.instances.push_back(instance);
+    }
+}
+
+/// Keeps the vertices that triangles use, in their order.
+TriangleMesh compact(const Vec3d& origin, MeshSoup& soup) {
+    TriangleMesh mesh;
+    mesh.origin = origin;
+    makeParts(origin, soup, mesh);
+    mesh.materials = std::move(soup.materials);
+    mesh.textures = std::move(soup.textures);
+    mesh.report = soup.report;
+    mesh.report.triangles = soup.triangles.size();
+    mesh.report.instances = mesh.instances.size();
+
+    constexpr int kUnused = -1;
+    std::vector<int> number(soup.vertices.size(), kUnused);
+    for (const Corners& t : soup.triangles) {
+        for (const std::uint32_t corner : t) number[corner] = 0;
+    }
+    for (std::size_t v = 0; v < number.size(); ++v) {
+        if (number[v] == kUnused) continue;
+        number[v] = static_cast<int>(mesh.positions.size());
+        mesh.positions.push_back(soup.position(v, origin));
+        if (!soup.colors.empty()) mesh.colors.push_back(soup.colors[v]);
+        if (!soup.texcoords.empty()) mesh.texcoords.push_back(soup.texcoords[v]);
+    }
+    mesh.triangles.reserve(soup.triangles.size());
+    for (const Corners& t : soup.triangles) {
+        mesh.triangles.emplace_back(number[t[0]], number[t[1]], number[t[2]]);
+    }
+    mesh.report.placed = placedCount(mesh);
+    return mesh;
+}
+
+/// What all files together make.
+TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& options, MeshSoup soup) {
+    const Vec3d origin = options.origin           ? *options.origin
+                         : soup.triangles.empty() ? Vec3d(0.0)
+                                                  : centreOf(soup);
+    dropDegenerate(origin, soup);
+    if (soup.triangles.empty()) throwFileError(path, "no triangle left: " + describe(soup.report));
+    TriangleMesh mesh = compact(origin, soup);
+    soup = {};
+    countDefects(mesh);
+    return mesh;
+}
+
+}  // namespace
+
+TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOptions& options) {
+    if (files.empty()) throw Error("no geometry file given, expected at least one");
+    if (!(options.scale > 0.0 && std::isfinite(options.scale))) {
+        throw Error("scale " + std::to_string(options.scale) + ", expected a number above 0");
+    }
+    MeshSoup soup;
+    for (const auto& path : files) append(path, readMeshFile(path), options, soup);
+    return finish(files.front(), options, std::move(soup));
+}
+
+TriangleMesh assembleMesh(const std::filesystem::path& path, RawMesh raw,
+                          const MeshOptions& options) {
+    MeshSoup soup;
+    append(path, std::move(raw), options, soup);
+    return finish(path, options, std::move(soup));
+}
+
+}  // namespace shadowcache

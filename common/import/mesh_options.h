@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+
+#include "common/math/affine.h"
+
+namespace shadowcache {
+
+/// How a set's files are brought into the world.
+struct MeshOptions {
+    bool zUp = false;               ///< the files' up axis is +Z: rotated so that +Y is up
+    double scale = 1.0;             ///< files' unit in metres, > 0
+    std::optional<Vec3d> origin{};  ///< of the mesh; else its middle
+};
+
+/// From the files' axes and unit to the world's.
+Affine worldOf(const MeshOptions& options);
+
+}  // namespace shadowcache

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "render/estimators/estimator.h"
+
+namespace shadowcache {
+
+struct CacheOptions {
+    bool adaptive = true;  ///< share the frame's samples out by predicted noise
+};
+
+/// The cache as a control variate. [docs/estimator.md]
+std::unique_ptr<Estimator> makeCache(const EstimatorContext& context, const CacheOptions& options);
+
+}  // namespace shadowcache

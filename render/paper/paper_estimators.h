@@ -1,0 +1,30 @@
+#pragma once
+
+#include "render/estimators/estimator.h"
+
+namespace shadowcache {
+
+struct PaperOptions {
+    int triangles = 5000;           ///< M, 20 .. 100000
+    int minLevel = 3;               ///< least level of the triangulation
+    int maxLevel = 6;               ///< highest level, 0 .. 7
+    double alpha = 0.7;             ///< trust in the cache, [0, 1)
+    int threshold = 3;              ///< fewest pooled rays of a region that count
+    double beta = 0;                ///< share of samples uniform over the hemisphere, [0, 1]
+    int order = 0;                  ///< importance in a triangle constant (0) or linear (1)
+    bool exactConvolution = false;  ///< convolutions at the normal itself, no tables
+    int cacheLevel = 7;             ///< finest level of the counts it uses, 0 .. 7
+};
+
+/// @throws Error naming the option, the value and the range allowed
+void validate(const PaperOptions& options);
+
+// One maker an estimator; each is defined in the estimator's own file.
+std::unique_ptr<Estimator> makePaper(const EstimatorContext& context, const PaperOptions& options);
+std::unique_ptr<Estimator> makePaperImage(const EstimatorContext& context,
+                                          const PaperOptions& options);
+std::unique_ptr<Estimator> makePreconvolved(const EstimatorContext& context);
+std::unique_ptr<Estimator> makeAmbientOcclusion(const EstimatorContext& context);
+std::unique_ptr<Estimator> makeAmbientOcclusionCached(const EstimatorContext& context);
+
+}  // namespace shadowcache
