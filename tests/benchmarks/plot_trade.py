@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the curves of docs/performance.md from the JSON that `tests/bench ... --json FILE trade` wrote.
+"""Draws the curves of docs/benchmarks/trade.md from the JSON that `tests/bench ... --json FILE trade` wrote.
 
 Usage: plot_trade.py FILE.json SCENE MAP OUT.svg (needs python3-matplotlib)
 """

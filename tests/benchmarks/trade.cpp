@@ -1,5 +1,5 @@
 // The trade of speed for accuracy: error against what the bake and the render cost, for each thing
-// a user can choose. docs/performance.md shows it as curves.
+// a user can choose. docs/benchmarks/trade.md shows it as curves.
 
 #include <cstdio>
 
