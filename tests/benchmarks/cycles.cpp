@@ -12,7 +12,7 @@
 #include "render/frame/film.h"
 #include "render/table/estimator_table.h"
 #include "tests/benchmarks/bench.h"
-#include "tests/statistics.h"
+#include "tests/support/statistics.h"
 
 namespace shadowcache::bench {
 

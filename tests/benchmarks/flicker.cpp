@@ -1,6 +1,6 @@
 // How much the same places of a set flicker over the frames of a slow move, by estimator.
 
-#include "tests/flicker.h"
+#include "tests/support/flicker.h"
 
 #include <cstdio>
 #include <numeric>

@@ -8,7 +8,7 @@
 #include "common/base/sequence.h"
 #include "render/table/estimator_table.h"
 #include "tests/benchmarks/bench.h"
-#include "tests/test_scenes.h"
+#include "tests/support/test_scenes.h"
 
 namespace shadowcache::bench {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.h"
-#include "tests/program_run.h"
+#include "tests/support/program_run.h"
 
 namespace shadowcache::bench {
 

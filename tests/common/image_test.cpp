@@ -1,0 +1,287 @@
+#include "common/image/image.h"
+
+#include <OpenEXR/ImfArray.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfRgbaFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfTiledRgbaFile.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#include <stb/stb_image.h>
+
+#include "common/image/exr.h"
+#include "common/image/png.h"
+#include "common/image/radiance.h"
+#include "tests/support/temporary_folder.h"
+
+namespace shadowcache::test {
+namespace {
+
+constexpr int kWidth = 16;
+constexpr int kHeight = 8;
+
+/// Smooth picture, so that subsampled chroma can be compared, too.
+Rgb texel(int x, int y) {
+    const auto u = static_cast<float>(x) / 16.0f;
+    const auto v = static_cast<float>(y) / 8.0f;
+    return {1.0f + u, 1.0f + v, 2.0f + 0.5f * u * v};
+}
+
+std::vector<Imf::Rgba> rgbaTexels() {
+    std::vector<Imf::Rgba> texels;
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            texels.emplace_back(texel(x, y).x, texel(x, y).y, texel(x, y).z, 0.5f);
+        }
+    }
+    return texels;
+}
+
+void expectTexels(const std::filesystem::path& path, double tolerance) {
+    const RadianceImage read = readRadiance(path);
+    ASSERT_EQ(read.image.width, kWidth);
+    ASSERT_EQ(read.image.height, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const Rgb& found = read.image.pixels[static_cast<std::size_t>(y * kWidth + x)];
+            for (int c = 0; c < 3; ++c) {
+                ASSERT_NEAR(found[c], texel(x, y)[c], tolerance) << path << x << "," << y;
+            }
+        }
+    }
+}
+
+std::vector<Channel> rgbChannels() {
+    std::vector<Channel> channels{{"R", {}}, {"G", {}}, {"B", {}}};
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            for (int c = 0; c < 3; ++c) {
+                channels[static_cast<std::size_t>(c)].values.push_back(texel(x, y)[c]);
+            }
+        }
+    }
+    return channels;
+}
+
+TEST(Exr, KeepsChannelsAndMetadata) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    auto channels = rgbChannels();
+    channels.push_back({"depth.Z", channels[0].values});
+    channels[3].values[5] = -1e30f;
+    writeExr(path, kWidth, kHeight, channels, {{"seed", "7"}, {"note", "two\nlines"}},
+             PixelType::full);
+    const ExrFile read = readExr(path);
+    EXPECT_EQ(read.width, kWidth);
+    EXPECT_EQ(read.height, kHeight);
+    EXPECT_EQ(read.metadata.at("seed"), "7");
+    EXPECT_EQ(read.metadata.at("note"), "two\nlines");
+    ASSERT_EQ(read.channels.size(), 4u);
+    for (const Channel& channel : read.channels) {
+        const auto same = [&](const Channel& c) { return c.name == channel.name; };
+        const auto written = std::find_if(channels.begin(), channels.end(), same);
+        ASSERT_NE(written, channels.end()) << channel.name;
+        EXPECT_EQ(channel.values, written->values) << channel.name;
+    }
+    expectTexels(path, 0.0);
+}
+
+TEST(Exr, HalfKeepsFiniteValuesFinite) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    writeExr(path, 4, 1, {{"Y", {1.5f, 1e6f, -1e6f, -0.25f}}}, {}, PixelType::half);
+    EXPECT_EQ(readExr(path).channels[0].values,
+              (std::vector<float>{1.5f, 65504.0f, -65504.0f, -0.25f}));
+}
+
+TEST(Exr, RefusesChannelsOfAnotherSize) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    expectError(
+        [&] {
+            writeExr(path, 3, 3, {{"Y", {1.0f}}}, {}, PixelType::half);
+        },
+        "a.exr", "expected width * height");
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Radiance, ReadsAnyWindowLayoutAndChannelSet) {
+    const TemporaryFolder folder;
+    const auto texels = rgbaTexels();
+    const auto write = [&](const std::string& name, Imf::RgbaChannels channels) {
+        const Imath::Box2i display({0, 0}, {99, 99});
+        const Imath::Box2i window({-6, 20}, {-6 + kWidth - 1, 20 + kHeight - 1});
+        const auto path = folder.path() / name;
+        Imf::RgbaOutputFile file(path.c_str(), display, window, channels);
+        file.setFrameBuffer(texels.data() + 6 - 20 * kWidth, 1, kWidth);
+        file.writePixels(kHeight);
+        return path;
+    };
+    expectTexels(write("rgba.exr", Imf::WRITE_RGBA), 2e-3);
+    expectTexels(write("chroma.exr", Imf::WRITE_YC), 0.15);
+
+    const Image luma = readRadiance(write("y.exr", Imf::WRITE_Y)).image;
+    EXPECT_NEAR(luma.pixels[20].x, luminance(texel(4, 1)), 2e-3f);
+    EXPECT_EQ(luma.pixels[20].x, luma.pixels[20].z);
+
+    const auto tiled = folder.path() / "tiled.exr";
+    {
+        Imf::TiledRgbaOutputFile file(tiled.c_str(), kWidth, kHeight, 5, 3, Imf::MIPMAP_LEVELS);
+        for (int level = 0; level < file.numLevels(); ++level) {
+            file.setFrameBuffer(texels.data(), 1, kWidth);
+            file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);
+        }
+    }
+    expectTexels(tiled, 2e-3);
+}
+
+TEST(Radiance, TakesTheFirstPartWithColorAndAnyNumberType) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "parts.exr";
+    std::vector<Imf::Header> headers;
+    for (const char* name : {"mask", "beauty"}) {
+        Imf::Header header(kWidth, kHeight);
+        header.setName(name);
+        header.setType(Imf::SCANLINEIMAGE);
+        headers.push_back(header);
+    }
+    headers[0].channels().insert("Z", Imf::Channel(Imf::FLOAT));
+    for (const char* name : {"R", "G", "B"})
+        headers[1].channels().insert(name, Imf::Channel(Imf::UINT));
+    const std::vector<float> depth(kWidth * kHeight, 9.0f);
+    const std::vector<unsigned> threes(kWidth * kHeight, 3);
+    {
+        Imf::MultiPartOutputFile file(path.c_str(), headers.data(), 2);
+        for (int part = 0; part < 2; ++part) {
+            Imf::FrameBuffer frame;
+            for (auto c = headers[static_cast<std::size_t>(part)].channels().begin();
+                 c != headers[static_cast<std::size_t>(part)].channels().end(); ++c) {
+                const void* values = part == 0 ? static_cast<const void*>(depth.data())
+                                               : static_cast<const void*>(threes.data());
+                frame.insert(c.name(),
+                             Imf::Slice::Make(c.channel().type, values, headers[0].dataWindow()));
+            }
+            Imf::OutputPart output(file, part);
+            output.setFrameBuffer(frame);
+            output.writePixels(kHeight);
+        }
+    }
+    EXPECT_EQ(readRadiance(path).image.pixels[7], Rgb(3.0f, 3.0f, 3.0f));
+}
+
+TEST(Radiance, TakesLuminanceWeightsFromChromaticities) {
+    const TemporaryFolder folder;
+    const auto texels = rgbaTexels();
+    const auto weightsOf = [&](const Imf::Chromaticities& primaries) {
+        const auto path = folder.path() / "a.exr";
+        Imf::Header header(kWidth, kHeight);
+        Imf::addChromaticities(header, primaries);
+        {
+            Imf::RgbaOutputFile file(path.c_str(), header, Imf::WRITE_RGB);
+            file.setFrameBuffer(texels.data(), 1, kWidth);
+            file.writePixels(kHeight);
+        }
+        return readRadiance(path).luminanceWeights;
+    };
+    // ITU-R BT.2020: 0.2627, 0.6780, 0.0593.
+    const Rgb wide =
+        weightsOf({{0.708f, 0.292f}, {0.170f, 0.797f}, {0.131f, 0.046f}, {0.3127f, 0.329f}});
+    EXPECT_NEAR(wide.x, 0.2627f, 1e-4f);
+    EXPECT_NEAR(wide.y, 0.6780f, 1e-4f);
+    // ACES AP0 has a blue of negative luminance; blue light must still count.
+    const Rgb aces =
+        weightsOf({{0.7347f, 0.2653f}, {0.0f, 1.0f}, {0.0001f, -0.077f}, {0.32168f, 0.33767f}});
+    EXPECT_GT(aces.z, 0.0f);
+    EXPECT_NEAR(aces.x + aces.y + aces.z, 1.0f, 1e-6f);
+}
+
+TEST(Radiance, MendsAndCountsBadTexels) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float inf = std::numeric_limits<float>::infinity();
+    writeExr(path, 5, 1,
+             {{"R", {1, nan, 2, -1, 8e4f}}, {"G", {1, 1, inf, 2, 1}}, {"B", {1, 1, 1, -3, 1}}}, {},
+             PixelType::full);
+    const RadianceImage read = readRadiance(path);
+    EXPECT_EQ(read.notFinite, 2u);
+    EXPECT_EQ(read.negative, 1u);
+    EXPECT_EQ(read.image.pixels,
+              (std::vector<Rgb>{{1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 2, 0}, {8e4f, 1, 1}}));
+}
+
+std::string hdr(const std::string& lines, int width, int height, const std::string& texels) {
+    return "#?RADIANCE\n" + lines + "\n-Y " + std::to_string(height) + " +X " +
+           std::to_string(width) + "\n" + texels;
+}
+
+TEST(Hdr, ReadsFlatTexelsAndExposure) {
+    const TemporaryFolder folder;
+    // Mantissas 128, 64, 32 with exponent 129 are 1, 0.5, 0.25.
+    const std::string texel = "\x80\x40\x20\x81";
+    const auto path =
+        folder.write("a.hdr", hdr("FORMAT=32-bit_rle_rgbe\nEXPOSURE= 2.0\n", 2, 1, texel + texel));
+    const RadianceImage read = readRadiance(path);
+    ASSERT_EQ(read.image.pixels.size(), 2u);
+    EXPECT_EQ(read.image.pixels[1], Rgb(0.5f, 0.25f, 0.125f));
+}
+
+/// Two rows of eight texels (1, 0.5, 0.25), one in runs and one spelt out.
+std::string codedHdr() {
+    const std::string mark("\2\2\0\10", 4);
+    const std::string runs = mark + "\x88\x80\x88\x40\x88\x20\x88\x81";
+    std::string spelt = mark;
+    for (const char value : {'\x80', '\x40', '\x20', '\x81'})
+        spelt += '\10' + std::string(8, value);
+    return hdr("FORMAT=32-bit_rle_rgbe\n", 8, 2, runs + spelt);
+}
+
+TEST(Hdr, ReadsRuns) {
+    const TemporaryFolder folder;
+    const RadianceImage read = readRadiance(folder.write("a.hdr", codedHdr()));
+    ASSERT_EQ(read.image.pixels.size(), 16u);
+    for (const Rgb& pixel : read.image.pixels) EXPECT_EQ(pixel, Rgb(1.0f, 0.5f, 0.25f));
+}
+
+TEST(Hdr, EveryCutOffFileIsRefused) {
+    const TemporaryFolder folder;
+    const std::string whole = codedHdr();
+    for (std::size_t length = 1; length < whole.size(); ++length) {
+        const auto path = folder.write("a.hdr", whole.substr(0, length));
+        EXPECT_THROW(readRadiance(path), Error) << length;
+    }
+}
+
+TEST(Png, EncodesSrgb) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.png";
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    writePng(path, {2, 2, {{0.25f, 0.0f, 100.0f}, {-1.0f, nan, 0.05f}, {0, 0, 0}, {0.5f, 0, 0}}},
+             1.0f);
+    int width = 0;
+    int height = 0;
+    int channels = 0;
+    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> bytes(
+        stbi_load(path.c_str(), &width, &height, &channels, 0), stbi_image_free);
+    ASSERT_NE(bytes, nullptr);
+    EXPECT_EQ(width, 2);
+    EXPECT_EQ(height, 2);
+    EXPECT_EQ(channels, 3);
+    EXPECT_EQ(std::vector<int>(bytes.get(), bytes.get() + 12),
+              (std::vector<int>{188, 0, 255, 0, 0, 89, 0, 0, 0, 255, 0, 0}));
+}
+
+}  // namespace
+}  // namespace shadowcache::test

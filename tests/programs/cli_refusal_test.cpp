@@ -1,0 +1,229 @@
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "common/image/exr.h"
+#include "tests/support/cli_fixture.h"
+#include "tests/support/mesh_files.h"
+
+namespace shadowcache::test {
+namespace {
+
+class CliRefusal : public CliTest {
+protected:
+    /// Expects a refusal that leaves the folder as it was.
+    void refuses(const std::string& program, const std::string& arguments, const std::string& first,
+                 const std::string& second = "", const RunLimits& limits = {}) const {
+        const auto before = files();
+        expectRefusal(run(program, arguments, limits), program, first, second);
+        EXPECT_EQ(files(), before) << arguments;
+    }
+};
+
+/// A kind of file that the programs read.
+struct Input {
+    std::string name;
+    std::string program;
+    std::string arguments;  ///< '@' stands for the file
+    std::string good;
+    std::string newer;  ///< the same of a later format, empty where the format has no version
+};
+
+/// The bytes with `from` replaced by `to`.
+std::string changed(std::string bytes, const std::string& from, const std::string& to) {
+    return bytes.replace(bytes.find(from), from.size(), to);
+}
+
+std::vector<Input> inputs(const std::filesystem::path& folder) {
+    const std::string bake = "@ -o new.vdb --spacing 0.5";
+    const std::string view = "--eye 1,1,2 --look-at 0,0,0 --size 8x8 -o new.exr ";
+    const std::string picture = "set.obj --env map.exr " + view;
+    const std::string lit = "set.obj --env @ " + view;
+    std::string exr = readBytes(folder / "map.exr");
+    std::string newerExr = exr;
+    newerExr[4] = 3;
+    const std::string cache = readBytes(folder / "set.vdb");
+    std::string newerCache = cache;
+    const std::string key = "shadowcache_format";
+    // Behind the key: the length of the type's name, the name (int32), the size of the value.
+    newerCache[cache.find(key) + key.size() + 4 + 5 + 4] = 99;
+    const std::string camera = readBytes(folder / "camera.json");
+    const std::string hdr =
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n" + std::string(32, '\x81');
+    return {
+        {"in.obj", "bake", bake, squareObj(), ""},
+        {"in.ply", "bake", bake, squarePly(), changed(squarePly(), "1.0", "2.0")},
+        {"in.stl", "bake", bake, squareStl(), ""},
+        {"in.off", "bake", bake, squareOff(), changed(squareOff(), "OFF", "4OFF")},
+        {"in.om", "bake", bake, squareOm(), changed(squareOm(), "OMT\x22", "OMT\x63")},
+        {"in.exr", "render", lit, exr, newerExr},
+        {"in.hdr", "render", lit, hdr, changed(hdr, "rgbe", "xyze")},
+        {"in.vdb", "render", picture + "--cache @", cache, newerCache},
+        {"in.vdb", "render", picture + "--memory 1G --cache @", cache, newerCache},
+        {"in.json", "render", "set.obj --env map.exr --camera @ --size 8x8 -o new.exr", camera,
+         changed(camera, "{", "{\"version\": 2, ")},
+        {"in.exr", "render", picture + "--reference @", exr, newerExr},
+        {"in.vdb", "info", "@", cache, newerCache},
+        {"in.vdb", "merge", "set.vdb @ -o new.vdb", cache, newerCache},
+    };
+}
+
+TEST_F(CliRefusal, BadInputOfEveryKind) {
+    bake();
+    for (const Input& input : inputs(folder_.path())) {
+        const std::string arguments = changed(input.arguments, "@", input.name);
+        SCOPED_TRACE(input.program + " " + arguments);
+        const auto refusesBytes = [&](const std::string& bytes) {
+            folder_.write(input.name, bytes);
+            refuses(input.program, arguments, input.name + ": ");
+        };
+        refuses(input.program, arguments, input.name + ": no such file");
+        refusesBytes("");
+        for (const double share : {0.05, 0.5, 0.95})
+            refusesBytes(input.good.substr(
+                0, static_cast<std::size_t>(share * static_cast<double>(input.good.size()))));
+        refusesBytes("\x89PNG\r\n\x1a\n" + std::string(500, '\0'));
+        if (!input.newer.empty()) refusesBytes(input.newer);
+        std::filesystem::remove(path(input.name));
+        std::filesystem::create_directory(path(input.name));
+        refuses(input.program, arguments, input.name + ": ", "directory");
+        std::filesystem::remove(path(input.name));
+    }
+}
+
+// Control: the good files behind the bad ones are read.
+TEST_F(CliRefusal, GoodInputOfEveryKind) {
+    bake();
+    writeExr(path("picture.exr"), 8, 8,
+             {{"R", std::vector<float>(64)},
+              {"G", std::vector<float>(64)},
+              {"B", std::vector<float>(64)}},
+             {}, PixelType::full);
+    for (const Input& input : inputs(folder_.path())) {
+        const bool reference = input.arguments.find("--reference") != std::string::npos;
+        folder_.write(input.name, reference ? readBytes(path("picture.exr")) : input.good);
+        runWell(input.program, changed(input.arguments, "@", input.name));
+    }
+}
+
+TEST_F(CliRefusal, OutputsThatCannotBeWritten) {
+    bake();
+    folder_.write("file.exr", "x");
+    std::filesystem::create_directory(path("folder.exr"));
+    std::filesystem::create_directory(path("folder.vdb"));
+    for (const std::string place : {"missing/a", "file.exr/a", "folder", "/proc/a"}) {
+        refuses("bake", "set.obj --spacing 0.25 -o " + place + ".vdb", place + ".vdb: ");
+        refuses("merge", "set.vdb -o " + place + ".vdb", place + ".vdb: ");
+        refuses("render", still("-o " + place + ".exr"), place + ".exr: ");
+    }
+    for (const std::string place : {"missing/a.json", "folder.exr", "/dev/full"}) {
+        refuses("render", still("-o new.exr --stats " + place), place + ": ");
+        refuses("bake", "set.obj --spacing 0.25 -o new.vdb --stats " + place, place + ": ");
+    }
+    for (const std::string name : {"new.ply", "new", "set.obj"}) {
+        refuses("bake", "set.obj -o " + name, name + ": ", ".vdb");
+        refuses("render", still("-o " + name), name + ": ", ".exr");
+    }
+    // The programs may run as root: a rename over a device would put a file in its place.
+    std::filesystem::create_symlink("/dev/full", path("full.exr"));
+    std::filesystem::create_symlink("/dev/null", path("null.vdb"));
+    refuses("render", still("-o full.exr"), "full.exr: is a device");
+    refuses("bake", "set.obj --spacing 0.25 -o null.vdb", "null.vdb: is a device");
+}
+
+TEST_F(CliRefusal, FullDisk) {
+    bake();
+    for (const std::size_t limit : {0u, 1000u, 8000u}) {
+        const RunLimits full{limit, {}};
+        refuses("bake", "set.obj --spacing 0.1 -o new.vdb", "new.vdb: cannot be written", "", full);
+        refuses("merge", "set.vdb -o new.vdb", "new.vdb: cannot be written", "", full);
+        refuses("render", still("-o new.exr --aov normal position", "64x48"),
+                "new.exr: cannot be written", "", full);
+    }
+    const auto before = readBytes(path("set.vdb"));
+    refuses("bake", "set.obj --spacing 0.1 -o set.vdb", "set.vdb: ", "", {1000, {}});
+    EXPECT_EQ(readBytes(path("set.vdb")), before) << "the old cache is gone";
+}
+
+TEST_F(CliRefusal, InterruptedWorkLeavesNothing) {
+    const RunLimits interrupted{{}, 0.3};
+    refuses("bake", "set.obj --spacing 0.001 -o new.vdb", "interrupted", "", interrupted);
+    refuses("render", still("-o new.exr --samples 65536", "4096x4096"), "interrupted", "",
+            interrupted);
+}
+
+TEST_F(CliRefusal, ImpossibleOptions) {
+    bake();
+    const std::vector<std::array<std::string, 3>> cases{
+        {"bake", "--spacing -1", "wanted 0 to"},
+        {"bake", "--spacing nan", "wanted 0 to"},
+        {"bake", "--spacing 1e-9", "wanted at least"},
+        {"bake", "--level 6", "wanted 0 to 5"},
+        {"bake", "--rays 0", "wanted 1 to 255"},
+        {"bake", "--shard 3/2", "wanted K/N with 1 <= K <= N"},
+        {"bake", "--shard x", "wanted K/N"},
+        {"bake", "--threads -1", "wanted 0 to"},
+        {"bake", "--scale 0", "above 0"},
+        {"bake", "--scale inf", "above 0"},
+        {"render", "--samples -1", "wanted 0 to"},
+        {"render", "--samples 0", "wants at least 1"},
+        {"render", "--camera-rays 0", "wanted 1 to"},
+        {"render", "--threads -1", "wanted 0 to"},
+        {"render", "--scale nan", "above 0"},
+        {"render", "--alpha 1", "below 1"},
+        {"render", "--alpha -0.1", "wanted 0 or more"},
+        {"render", "--triangles 19", "wanted 20 to 100000"},
+        {"render", "--max-level 8", "wanted 0 to 7"},
+        {"render", "--threshold -1", "wanted 0 to"},
+        {"render", "--env-rotate nan", "wanted degrees"},
+        {"render", "--exposure inf", "wanted -64 to 64"},
+        {"render", "--fov-y 180", "wanted 0.01 to 179"},
+        {"render", "--albedo 1.5", "wanted 0 to 1"},
+        {"render", "--albedo 1,1", "wanted one value, or R,G,B"},
+        {"render", "--debug 12,0", "wanted 0 to 11"},
+        {"render", "--estimator magic", "wanted one of uniform"},
+        {"render", "--estimator cache", "needs --cache"},
+        {"render", "--memory 0 --cache set.vdb", "wanted a size in bytes"},
+        {"render", "--memory 4X --cache set.vdb", "wanted a size in bytes"},
+        {"render", "--memory -1G --cache set.vdb", "wanted a size in bytes"},
+    };
+    for (const auto& [program, option, wanted] : cases) {
+        const std::string name = words(option)[0].substr(2);
+        refuses(program,
+                program == "bake" ? "set.obj -o new.vdb " + option : still("-o new.exr " + option),
+                name, wanted);
+    }
+    const std::string view = "set.obj --env map.exr -o new.exr --eye 1,1,2 --look-at 0,0,0 ";
+    refuses("render", view + "--size 0x8", "--size", "wanted 1 to 65536");
+    refuses("render", view + "--size 65536x65536", "--size", "pixels");
+    refuses("render", view + "--size 12", "--size", "wanted WxH");
+    refuses("render", "set.obj --env 1,-1,1 -o new.exr --eye 1,1,2 --look-at 0,0,0", "--env",
+            "0 or more");
+    refuses("render", "set.obj --env map.exr -o new.exr --eye 1,1 --look-at 0,0,0", "--eye",
+            "X,Y,Z");
+    for (const std::string frames : {"0", "6", "1-9", "3-1", "1-3x0", "a"})
+        refuses("render", move("-o f.####.exr --frames " + frames), "", "");
+    refuses("render", move("-o f.exr --frames 1-2"), "f.exr", "frame.####.exr");
+}
+
+/// Usage that no value can mend keeps the parser's own status.
+TEST_F(CliRefusal, WrongUsage) {
+    for (const std::string program : {"bake", "render", "info", "merge"}) {
+        EXPECT_GE(run(program, "").status, 100) << program;
+        EXPECT_GE(run(program, "--no-such-option").status, 100) << program;
+    }
+    EXPECT_GE(run("render", still("--seed -1 -o new.exr")).status, 100);
+    EXPECT_GE(run("render", still("--aov colour -o new.exr")).status, 100);
+}
+
+TEST_F(CliRefusal, EstimatesThatAreNotFiniteFailTheRun) {
+    const std::string blinding =
+        "set.obj --env 3e38,3e38,3e38 --eye 0.1,2,1 --look-at 0,0,0 --size 8x8 --fov-y 20 --seed 5 "
+        "-o new.exr";
+    refuses("render", blinding, "64 pixels without a finite estimate", "--debug 0,0 --seed 5");
+    refuses("render", blinding + " --debug 0,0", "not a finite estimate");
+}
+
+}  // namespace
+}  // namespace shadowcache::test

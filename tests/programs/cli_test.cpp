@@ -1,0 +1,313 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/cache/cache_items.h"
+#include "common/image/exr.h"
+#include "tests/support/cli_fixture.h"
+
+namespace shadowcache::test {
+namespace {
+
+using nlohmann::json;
+
+json readJson(const std::filesystem::path& path) {
+    return json::parse(readBytes(path));
+}
+
+/// Expects positive numbers under all these dotted keys.
+void expectNumbers(const json& stats, const std::vector<std::string>& keys) {
+    for (std::string key : keys) {
+        std::replace(key.begin(), key.end(), '.', '/');
+        const json::json_pointer pointer("/" + key);
+        ASSERT_TRUE(stats.contains(pointer)) << key;
+        EXPECT_GT(stats[pointer].get<double>(), 0) << key;
+    }
+}
+
+std::vector<std::string> channelNames(const ExrFile& file) {
+    std::vector<std::string> names;
+    for (const Channel& channel : file.channels) names.push_back(channel.name);
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+void expectSamePicture(const ExrFile& a, const ExrFile& b) {
+    ASSERT_EQ(channelNames(a), channelNames(b));
+    for (std::size_t k = 0; k < a.channels.size(); ++k)
+        EXPECT_EQ(a.channels[k].values, b.channels[k].values) << a.channels[k].name;
+}
+
+class Cli : public CliTest {};
+
+TEST_F(Cli, BakeSaysWhatItTook) {
+    const auto result =
+        runWell("bake", "set.obj -o set.vdb --spacing 0.25 --stats stats.json --threads 2");
+    // No progress and nothing else that a terminal wants: two lines of report.
+    EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2) << result.out;
+    EXPECT_EQ(result.out.find_first_of("\r\033"), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find("4 triangles"), std::string::npos) << result.out;
+    const json stats = readJson(path("stats.json"));
+    expectNumbers(stats, {"seconds.load", "seconds.build", "seconds.bake", "rays.bake",
+                          "cache.items", "cache.bytes", "peak_rss_bytes"});
+    EXPECT_EQ(stats["cache"]["bytes"], std::filesystem::file_size(path("set.vdb")));
+}
+
+TEST_F(Cli, BakeSaysWhichSpacingItChose) {
+    const auto result = runWell("bake", "set.obj -o set.vdb --level 0 --rays 1");
+    EXPECT_NE(result.out.find("(chosen from the set's size)"), std::string::npos) << result.out;
+}
+
+TEST_F(Cli, RenderSaysWhatItTook) {
+    bake();
+    const auto result = runWell("render", still("--cache set.vdb -o a.exr --stats stats.json"));
+    EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2) << result.out;
+    EXPECT_EQ(result.out.find_first_of("\r\033"), std::string::npos) << result.out;
+    const json stats = readJson(path("stats.json"));
+    expectNumbers(
+        stats, {"seconds.load", "seconds.build", "seconds.render", "seconds.setup", "seconds.trace",
+                "rays.camera", "rays.shadow", "cache.items", "cache.bytes", "peak_rss_bytes"});
+    EXPECT_GE(stats["rays"]["camera"].get<int>(), 12 * 8);
+}
+
+// Control: a looser target takes fewer samples and leaves more error.
+TEST_F(Cli, TargetErrorChoosesTheSamples) {
+    const std::string still =
+        "set.obj --env map.exr --eye 1,1.5,2 --look-at 0,0.3,0 --size 48x32 --estimator mis ";
+    runWell("render", still + "--samples 4096 -o ref.exr");
+    double error[2];
+    int samples[2];
+    for (int i = 0; i < 2; ++i) {
+        const std::string target = i == 0 ? "0.02" : "0.0005";
+        runWell("render", still + "--target-error " + target +
+                              " -o a.exr --reference ref.exr --stats stats.json");
+        const json stats = readJson(path("stats.json"));
+        error[i] = stats["error"]["relmse"];
+        samples[i] = stats["samples"];
+        EXPECT_LT(error[i], 4 * std::stod(target));
+        EXPECT_LT(stats["error"]["by_own_variance"].get<double>(), 4 * std::stod(target));
+    }
+    EXPECT_LT(samples[0], samples[1]);
+    EXPECT_GT(error[0], error[1]);
+}
+
+TEST_F(Cli, BiasIsSaid) {
+    bake();
+    const auto biasOf = [&](const std::string& options) {
+        runWell("render", still(options + " --cache set.vdb -o bias.exr --stats bias.json"));
+        const std::string said = readExr(path("bias.exr")).metadata.at("shadowcache:bias");
+        EXPECT_EQ(readJson(path("bias.json"))["bias"].get<std::string>(), said);
+        return said;
+    };
+    for (const char* name : {"mis", "pixel", "paper-image", "cache"})
+        EXPECT_EQ(biasOf(std::string("--triangles 100 --estimator ") + name), "none") << name;
+    for (const char* name : {"pixel-printed", "preconvolved", "ambient-occlusion",
+                             "ambient-occlusion-cached", "lights", "cache --samples 0"})
+        EXPECT_NE(biasOf(std::string("--estimator ") + name), "none") << name;
+}
+
+TEST_F(Cli, DebugRefusesAPixelThatDependsOnOthers) {
+    const auto before = files();
+    expectRefusal(
+        run("render", still("--triangles 100 --estimator paper-image -o a.exr --debug 6,4")),
+        "render", "paper-image", "depends on the pixels before");
+    EXPECT_EQ(files(), before);
+}
+
+TEST_F(Cli, FramesMakeTheirFiles) {
+    const auto before = files();
+    runWell("render", move("--frames 1-5x2 -o f.####.exr --png"));
+    runWell("render", move("--frames 3-4 -o g_%03d.exr"));
+    runWell("render", move("--frames 5,2 -o h#.exr"));
+    auto made = files();
+    std::erase_if(made, [&](const std::string& name) {
+        return std::find(before.begin(), before.end(), name) != before.end();
+    });
+    EXPECT_EQ(made, (std::vector<std::string>{"f.0001.exr", "f.0001.png", "f.0003.exr",
+                                              "f.0003.png", "f.0005.exr", "f.0005.png", "g_003.exr",
+                                              "g_004.exr", "h2.exr", "h5.exr"}));
+    EXPECT_EQ(readBytes(path("f.0001.png")).substr(1, 3), "PNG");
+    // A frame is the same whatever frames surround it.
+    runWell("render", move("--frames 3 -o single.exr"));
+    expectSamePicture(readExr(path("single.exr")), readExr(path("f.0003.exr")));
+}
+
+TEST_F(Cli, PictureHoldsItsChannelsAndItsOrigin) {
+    bake();
+    runWell("render", still("--cache set.vdb --half --seed 7 -o a.exr --aov "
+                            "irradiance albedo normal position depth variance "
+                            "rays"));
+    const ExrFile file = readExr(path("a.exr"));
+    EXPECT_EQ(file.width, 12);
+    EXPECT_EQ(file.height, 8);
+    EXPECT_EQ(channelNames(file),
+              (std::vector<std::string>{"B", "G", "R", "albedo.B", "albedo.G", "albedo.R",
+                                        "depth.Z", "irradiance.B", "irradiance.G", "irradiance.R",
+                                        "normal.X", "normal.Y", "normal.Z", "position.X",
+                                        "position.Y", "position.Z", "rays.Y", "variance.Y"}));
+    for (const auto& [key, value] : std::map<std::string, std::string>{{"SET", "set.obj"},
+                                                                       {"env", "map.exr"},
+                                                                       {"cache", "set.vdb"},
+                                                                       {"samples", "4"},
+                                                                       {"seed", "7"},
+                                                                       {"albedo", "0.5"},
+                                                                       {"eye", "1,1.5,2"},
+                                                                       {"frame", "1"}}) {
+        ASSERT_TRUE(file.metadata.contains("shadowcache:" + key)) << key;
+        EXPECT_EQ(file.metadata.at("shadowcache:" + key), value);
+    }
+    for (const char* key : {"version", "seconds", "fingerprint"})
+        EXPECT_TRUE(file.metadata.contains(std::string("shadowcache:") + key)) << key;
+}
+
+TEST_F(Cli, ThreadsChangeNoBit) {
+    runWell("bake", "set.obj -o one.vdb --spacing 0.1 --threads 1");
+    runWell("bake", "set.obj -o two.vdb --spacing 0.1 --threads 2");
+    CacheHeader header;
+    const CacheItems one = readCache(path("one.vdb"), header);
+    const CacheItems two = readCache(path("two.vdb"), header);
+    EXPECT_EQ(one.voxel, two.voxel);
+    EXPECT_EQ(one.n, two.n);
+    EXPECT_EQ(one.d, two.d);
+    ASSERT_EQ(one.blocks.size(), two.blocks.size());
+    for (std::size_t b = 0; b < one.blocks.size(); ++b) {
+        EXPECT_EQ(one.blocks[b].n, two.blocks[b].n);
+        EXPECT_EQ(one.blocks[b].d, two.blocks[b].d);
+    }
+    for (const std::string estimator : {"mis", "paper", "cache"}) {
+        const auto picture = [&](const std::string& options) {
+            return still(
+                "--aov variance rays --cache one.vdb --camera-rays 2 --triangles 100 --estimator " +
+                    estimator + options,
+                "64x48");
+        };
+        runWell("render", picture(" -o one.exr --threads 1"));
+        runWell("render", picture(" -o two.exr --threads 2"));
+        expectSamePicture(readExr(path("one.exr")), readExr(path("two.exr")));
+    }
+}
+
+TEST_F(Cli, StaleCacheIsUsedOnlyKnowingly) {
+    bake();
+    const std::string other = "other.obj --env map.exr --eye 1,1,2 --look-at 0,0,0 --size 8x8 ";
+    const auto before = files();
+    expectRefusal(run("render", other + "--cache set.vdb -o a.exr"), "render", "set.vdb",
+                  "--stale-ok");
+    EXPECT_EQ(files(), before);
+    const auto result = run("render", other + "--cache set.vdb --stale-ok -o a.exr");
+    EXPECT_EQ(result.status, 0);
+    EXPECT_EQ(result.err.rfind("shadowcache-render: warning: set.vdb: ", 0), 0u) << result.err;
+    EXPECT_TRUE(std::filesystem::exists(path("a.exr")));
+}
+
+TEST_F(Cli, MendedMapsAreReported) {
+    std::vector<float> values(16 * 16, 0.5f);
+    values[3] = -1;
+    values[4] = std::numeric_limits<float>::quiet_NaN();
+    writeExr(path("square.exr"), 16, 16, {{"R", values}, {"G", values}, {"B", values}}, {},
+             PixelType::full);
+    const auto result = run("render",
+                            "set.obj --env square.exr --eye 1,1,2 --look-at 0,0,0 --size 8x8 "
+                            "-o a.exr");
+    EXPECT_EQ(result.status, 0);
+    EXPECT_EQ(result.err,
+              "shadowcache-render: warning: square.exr: 16x16 texels, a lat-long map is 2:1\n");
+    EXPECT_NE(result.out.find("1 texels not finite and 1 negative"), std::string::npos)
+        << result.out;
+}
+
+TEST_F(Cli, InfoTellsWhatABakeMade) {
+    bake("--stats stats.json --seed 9 --rays 8");
+    const json info = json::parse(runWell("info", "set.vdb --json").out);
+    const json stats = readJson(path("stats.json"));
+    EXPECT_EQ(info["items"], stats["cache"]["items"]);
+    EXPECT_EQ(info["blocks"], stats["cache"]["blocks"]);
+    EXPECT_EQ(info["bytes"]["file"], stats["cache"]["bytes"]);
+    EXPECT_EQ(info["level"], 3);
+    EXPECT_EQ(info["rays"], 8);
+    EXPECT_EQ(info["seeds"], "9");
+    EXPECT_EQ(info["spacing"], 0.25);
+    EXPECT_EQ(info["refinement"], "adaptive");
+    EXPECT_EQ(info["up_axis"], "y");
+    EXPECT_LE(info["bounds"]["low"][0], -1);
+    EXPECT_GE(info["bounds"]["high"][2], 1);
+    int items = 0;
+    for (const json& bin : info["openness"]) items += bin.get<int>();
+    EXPECT_EQ(info["items"], items);
+    const std::string text = runWell("info", "set.vdb").out;
+    EXPECT_NE(text.find(info["fingerprint"].get<std::string>()), std::string::npos) << text;
+}
+
+TEST_F(Cli, MergeAddsSeedsAndRefusesOtherSets) {
+    bake();
+    runWell("bake", "set.obj -o second.vdb --spacing 0.25 --level 3 --seed 2");
+    runWell("bake", "other.obj -o other.vdb --spacing 0.25 --level 3");
+    runWell("merge", "set.vdb second.vdb -o sum.vdb");
+    EXPECT_EQ(json::parse(runWell("info", "sum.vdb --json").out)["seeds"], "1,2");
+    const auto before = files();
+    expectRefusal(run("merge", "set.vdb other.vdb -o bad.vdb"), "merge", "other.vdb",
+                  "fingerprint");
+    EXPECT_EQ(files(), before);
+}
+
+TEST_F(Cli, ReferenceGivesTheError) {
+    runWell("render", still("-o a.exr"));
+    runWell("render", still("--seed 2 -o b.exr --reference a.exr --stats s.json"));
+    expectNumbers(readJson(path("s.json")), {"error.relmse", "error.p99", "error.max"});
+}
+
+TEST_F(Cli, DebugTellsOfAPixelAndWritesNothing) {
+    bake();
+    runWell("render", still("--cache set.vdb -o a.exr"));
+    const auto before = files();
+    const auto result = runWell("render", still("--cache set.vdb -o b.exr --debug 6,4"));
+    EXPECT_EQ(files(), before);
+    for (const char* text :
+         {"position: ", "normal: ", "cache items: ", "sample 3: ", "irradiance: "})
+        EXPECT_NE(result.out.find(text), std::string::npos) << text << " in " << result.out;
+    // The same numbers as in the picture.
+    const ExrFile picture = readExr(path("a.exr"));
+    const auto red = std::find_if(picture.channels.begin(), picture.channels.end(),
+                                  [](const Channel& c) { return c.name == "R"; });
+    char color[32];
+    std::snprintf(color, sizeof color, "colour: %.9g,",
+                  static_cast<double>(red->values[4 * 12 + 6]));
+    EXPECT_NE(result.out.find(color), std::string::npos) << color << " in " << result.out;
+}
+
+TEST_F(Cli, HelpEndsInExamples) {
+    for (const std::string program : {"bake", "render", "info", "merge", "make-set"}) {
+        const auto result = runWell(program, "--help");
+        const auto example = result.out.rfind("Example");
+        ASSERT_NE(example, std::string::npos) << program;
+        EXPECT_NE(result.out.find("  shadowcache-" + program, example), std::string::npos);
+    }
+}
+
+TEST_F(Cli, MemoryChangesNoPicture) {
+    bake();
+    runWell("render", still("--cache set.vdb -o whole.exr"));
+    const auto result =
+        runWell("render", still("--cache set.vdb -o parts.exr --memory 0.5G --stats stats.json"));
+    EXPECT_NE(result.out.find(" dropped again"), std::string::npos) << result.out;
+    expectSamePicture(readExr(path("whole.exr")), readExr(path("parts.exr")));
+    const json stats = readJson(path("stats.json"));
+    expectNumbers(stats, {"cache.items", "cache.bytes", "cache.memory.peak", "cache.memory.loads",
+                          "cache.memory.bytes_read"});
+    EXPECT_EQ(stats["cache"]["memory"]["budget"], 1 << 29);
+    EXPECT_EQ(stats["cache"]["memory"]["drops"], 0);
+    // A picture that is done is done with any budget.
+    EXPECT_NE(runWell("render", still("--cache set.vdb -o whole.exr --resume --memory 1G"))
+                  .out.find("1 more was done"),
+              std::string::npos);
+
+    const auto scant = run("render", still("--cache set.vdb -o parts.exr --memory 1k"));
+    EXPECT_EQ(scant.status, 0);
+    EXPECT_NE(scant.err.find("warning: --memory 1024: "), std::string::npos) << scant.err;
+    expectSamePicture(readExr(path("whole.exr")), readExr(path("parts.exr")));
+}
+
+}  // namespace
+}  // namespace shadowcache::test

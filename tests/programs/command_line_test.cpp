@@ -1,0 +1,192 @@
+// What the programs' command lines share: help, suggestions, settings files, manuals, completion;
+// and what `shadowcache-render --explain` foresees.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "common/image/exr.h"
+#include "tests/support/cli_fixture.h"
+
+namespace shadowcache::test {
+namespace {
+
+const std::vector<std::string> kPrograms{"bake", "render", "info", "merge"};
+
+class CommandLine : public CliTest {
+protected:
+    void expectMeant(const std::string& program, const std::string& arguments,
+                     const std::string& meant) const {
+        const ProgramRun result = run(program, arguments);
+        EXPECT_GE(result.status, 100) << arguments;
+        EXPECT_NE(result.err.find("no such option, did you mean " + meant + "?"), std::string::npos)
+            << arguments << ": " << result.err;
+    }
+
+    /// Standard output of a script for bash that succeeds.
+    std::string shell(const std::string& script) const {
+        folder_.write("script.bash", script);
+        const std::string command =
+            "cd '" + folder_.path().string() + "' && bash script.bash > shell.out 2> shell.err";
+        EXPECT_EQ(std::system(command.c_str()), 0) << readBytes(path("shell.err"));
+        return readBytes(path("shell.out"));
+    }
+};
+
+TEST_F(CommandLine, HelpIsGroupedAndHasExamples) {
+    for (const std::string& program : kPrograms) {
+        const std::string help = runWell(program, "--help").out;
+        for (const std::string& part :
+             {"Examples:\n  shadowcache-" + program, std::string("Settings file:\n"),
+              std::string("--config"), std::string("--version")})
+            EXPECT_NE(help.find(part), std::string::npos) << part << " in:\n" << help;
+        EXPECT_EQ(help.find("--man-page"), std::string::npos) << "hidden";
+    }
+    const std::string help = runWell("render", "--help").out;
+    for (const char* group : {"Scene:", "Camera:", "Estimator:", "Output:"})
+        EXPECT_NE(help.find(group), std::string::npos) << group;
+}
+
+TEST_F(CommandLine, NamesTheOptionThatWasMeant) {
+    expectMeant("render", still("-o a.exr --sample 4"), "--samples");
+    expectMeant("render", still("-o a.exr --estimater mis"), "--estimator");
+    expectMeant("render", "set.obj --evn map.exr --eye 1,1,1 --look-at 0,0,0 -o a.exr", "--env");
+    expectMeant("bake", "set.obj -o a.vdb --spaceing=0.5", "--spacing");
+    expectMeant("bake", "set.obj --ouput a.vdb", "--output");
+    expectMeant("info", "set.vdb --exportgrid openness", "--export-grid");
+    expectMeant("merge", "a.vdb --outptu b.vdb", "--output");
+    // Nothing is near: nothing is guessed.
+    const ProgramRun result = run("render", still("-o a.exr --quux 4"));
+    EXPECT_NE(result.err.find("--quux: no such option\n"), std::string::npos) << result.err;
+    expectRefusal(run("render", still("-o a.exr --estimator msi")), "render", "did you mean mis?");
+}
+
+TEST_F(CommandLine, WrongUsageNamesTheProgramAndTheOption) {
+    for (const std::string line : {"--samples many", "--seed -1", "--up x"}) {
+        const ProgramRun result = run("render", still("-o a.exr " + line));
+        EXPECT_GE(result.status, 100) << line;
+        EXPECT_TRUE(result.err.starts_with("shadowcache-render: ")) << result.err;
+        EXPECT_NE(result.err.find(line.substr(0, line.find(' '))), std::string::npos) << result.err;
+        EXPECT_EQ(std::ranges::count(result.err, '\n'), 2) << "the cause, and --help";
+    }
+    const ProgramRun missing = run("bake", "set.obj");
+    EXPECT_TRUE(missing.err.starts_with("shadowcache-bake: --output")) << missing.err;
+}
+
+TEST_F(CommandLine, SettingsFileRepeatsARun) {
+    bake("--uniform --write-config bake.toml");
+    const std::string uniform = readBytes(path("set.vdb")).substr(57);
+    runWell("bake", "--config bake.toml");
+    EXPECT_EQ(readBytes(path("set.vdb")).substr(57), uniform) << "but for the UUID";
+
+    runWell("render", still("--cache set.vdb --seed 9 --albedo 0.2,0.4,0.6 --aov depth normal "
+                            "--half -o a.exr --write-config shot.toml"));
+    const ExrFile first = readExr(path("a.exr"));
+    std::filesystem::remove(path("a.exr"));
+    runWell("render", "--config shot.toml");
+    const ExrFile second = readExr(path("a.exr"));
+    ASSERT_EQ(first.channels.size(), second.channels.size());
+    for (std::size_t k = 0; k < first.channels.size(); ++k)
+        EXPECT_EQ(first.channels[k].values, second.channels[k].values);
+    for (const auto& [key, value] : first.metadata)
+        if (key != "shadowcache:seconds" && key.starts_with("shadowcache:")) {
+            EXPECT_EQ(second.metadata.at(key), value) << key;
+        }
+
+    // What was not given is not written: a default would exclude what a camera file brings.
+    runWell("render", move("--frames 2 -o c.####.exr --explain --write-config move.toml"));
+    runWell("render", "--config move.toml");
+    EXPECT_TRUE(std::filesystem::exists(path("c.0002.exr")));
+
+    // The command line goes first.
+    runWell("render", "--config shot.toml --seed 10 -o b.exr");
+    EXPECT_EQ(readExr(path("b.exr")).metadata.at("shadowcache:seed"), "10");
+    EXPECT_NE(readExr(path("b.exr")).channels[0].values, first.channels[0].values);
+}
+
+TEST_F(CommandLine, SettingsFileByHand) {
+    folder_.write("shot.toml",
+                  "# a shot\nSET = [\"set.obj\"]\nenv = \"1,1,1\"\neye = \"1,1.5,2\"\n"
+                  "look-at = \"0,0.3,0\"\nsize = \"8x4\"\nsamples = 3\npng = true\n");
+    runWell("render", "--config shot.toml -o a.exr");
+    const ExrFile file = readExr(path("a.exr"));
+    EXPECT_EQ(file.width, 8);
+    EXPECT_EQ(file.metadata.at("shadowcache:samples"), "3");
+    EXPECT_TRUE(std::filesystem::exists(path("a.png")));
+}
+
+TEST_F(CommandLine, RefusesBadSettingsFiles) {
+    folder_.write("typo.toml", "smaples = 4\n");
+    auto before = files();
+    ProgramRun result = run("render", still("-o a.exr --config typo.toml"));
+    EXPECT_GE(result.status, 100);
+    EXPECT_NE(result.err.find("smaples: no such option, did you mean samples?"), std::string::npos)
+        << result.err;
+    EXPECT_GE(run("render", still("-o a.exr --config none.toml")).status, 100);
+    folder_.write("section.toml", "[shot]\nseed = 4\n");
+    result = run("render", still("-o a.exr --config section.toml"));
+    EXPECT_NE(result.err.find("section [shot], wanted options alone"), std::string::npos)
+        << result.err;
+    folder_.write("empty.toml", "threads = \n");
+    result = run("render", still("-o a.exr --config empty.toml"));
+    EXPECT_NE(result.err.find("--threads: empty, wanted a value"), std::string::npos) << result.err;
+    before.insert(before.end(), {"empty.toml", "section.toml"});
+    std::ranges::sort(before);
+    EXPECT_EQ(files(), before);
+    expectRefusal(run("render", still("-o a.exr --write-config none/a.toml")), "render",
+                  "none/a.toml");
+    expectRefusal(run("render", still("-o a.exr --write-config set.obj")), "render", ".toml");
+}
+
+TEST_F(CommandLine, ManualsAreClean) {
+    for (const std::string& program : kPrograms) {
+        const std::string page = runWell(program, "--man-page").out;
+        EXPECT_TRUE(page.starts_with(".TH SHADOWCACHE-")) << page.substr(0, 40);
+        folder_.write("page.1", page);
+        if (std::system("command -v man > /dev/null && command -v groff > /dev/null") != 0)
+            GTEST_SKIP() << "no man or groff";
+        EXPECT_EQ(shell("groff -man -Tutf8 -ww page.1 > /dev/null; cat shell.err"), "");
+        const std::string text = shell("MANWIDTH=100 man -l page.1 | col -b");
+        for (const char* part : {"NAME", "SYNOPSIS", "OPTIONS", "--config", "Examples:"})
+            EXPECT_NE(text.find(part), std::string::npos) << part << " in:\n" << text;
+    }
+}
+
+TEST_F(CommandLine, BashCompletes) {
+    if (std::system("command -v bash > /dev/null") != 0) GTEST_SKIP() << "no bash";
+    for (const std::string& program : kPrograms)
+        folder_.write(program + ".bash", runWell(program, "--bash-completion").out);
+    const auto completions = [&](const std::string& program, const std::string& line) {
+        return shell("source ./" + program + ".bash; COMP_WORDS=(shadowcache-" + program + " " +
+                     line + "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _shadowcache_" + program +
+                     "; echo ${COMPREPLY[@]}");
+    };
+    EXPECT_EQ(completions("render", "--est"), "--estimator\n");
+    EXPECT_EQ(completions("render", "--estimator c"), "cosine cache\n");
+    EXPECT_EQ(completions("render", "--up ''"), "y z\n");
+    EXPECT_EQ(completions("render", "--aov op"), "openness\n");
+    EXPECT_EQ(completions("render", "--env ma"), "map.exr\n");
+    EXPECT_EQ(completions("render", "--samples ''"), "\n") << "nobody can foresee a number";
+    EXPECT_EQ(completions("bake", "set.o"), "set.obj\n");
+    EXPECT_EQ(completions("info", "--export-grid me"), "mean-direction\n");
+    EXPECT_EQ(completions("merge", "--ou"), "--output\n");
+}
+
+TEST_F(CommandLine, ExplainForeseesAndWritesNothing) {
+    bake();
+    const auto before = files();
+    const std::string text =
+        runWell("render", move("--cache set.vdb --frames 1-5 -o f.####.exr --explain")).out;
+    EXPECT_EQ(files(), before);
+    for (const char* part :
+         {"estimator   cache by default: ", "5 frames", "cache       ", "items a", "noise       ",
+          "by the counts alone", "time        ", "for all"})
+        EXPECT_NE(text.find(part), std::string::npos) << part << " in:\n" << text;
+    const std::string plain = runWell("render", still("-o a.exr --estimator cosine --explain")).out;
+    EXPECT_NE(plain.find("estimator   cosine: "), std::string::npos) << plain;
+    EXPECT_EQ(plain.find("by the counts"), std::string::npos) << plain;
+}
+
+}  // namespace
+}  // namespace shadowcache::test

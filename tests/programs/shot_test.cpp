@@ -1,0 +1,179 @@
+// Shots from glTF sets, through the programs.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "common/image/exr.h"
+#include "tests/support/cli_fixture.h"
+#include "tests/support/gltf_builder.h"
+
+namespace shadowcache::test {
+namespace {
+
+/// A floor, 3 x 3 squares over it as instances, a square that moves, and a camera that moves.
+std::string shotGlb() {
+    GltfBuilder file = squareGltf();
+    const float h = std::sqrt(0.5f);
+    const nlohmann::json flat{-h, 0, 0, h};
+    file.root({{"mesh", 0}, {"rotation", flat}, {"scale", {4, 4, 4}}, {"translation", {-2, 0, 2}}});
+    for (int i = 0; i < 9; ++i)
+        file.root({{"mesh", 0},
+                   {"rotation", flat},
+                   {"scale", {0.5, 0.5, 0.5}},
+                   {"translation", {i % 3 - 1.25, 0.5, i / 3 - 0.75}}});
+    const int mover = file.root({{"mesh", 0}, {"name", "mover"}, {"scale", {0.4, 0.4, 0.4}}});
+    file.animate(mover, "translation", "LINEAR", {0, 1}, {-2, 1, 0, 2, 1, 0});
+    const int lens = file.append(
+        "cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}});
+    const int camera =
+        file.root({{"camera", lens}, {"name", "shot"}, {"rotation", {-0.2, 0, 0, 0.98}}});
+    file.animate(camera, "translation", "LINEAR", {0, 1}, {0, 2, 3, 0.5, 2, 3});
+    const int flatLens = file.append(
+        "cameras", {{"type", "orthographic"},
+                    {"orthographic", {{"xmag", 2}, {"ymag", 2}, {"znear", 0.1}, {"zfar", 9}}}});
+    file.root(
+        {{"camera", flatLens}, {"name", "plan"}, {"rotation", flat}, {"translation", {0, 3, 0}}});
+    return file.glb();
+}
+
+class ShotTest : public CliTest {
+protected:
+    ShotTest() { folder_.write("shot.glb", shotGlb()); }
+
+    static std::string shot(const std::string& options) {
+        return "shot.glb --env map.exr --samples 4 --size 16x12 " + options;
+    }
+
+    std::vector<float> red(const std::string& name) const {
+        const ExrFile file = readExr(path(name));
+        for (const Channel& channel : file.channels)
+            if (channel.name == "R") return channel.values;
+        throw Error(name + " has no R");
+    }
+};
+
+TEST_F(ShotTest, BakesOnceAndRendersTheMove) {
+    const auto bake = runWell("bake", "shot.glb -o shot.vdb --spacing 0.25 --level 3");
+    EXPECT_NE(bake.out.find("10 instances"), std::string::npos) << bake.out;
+    const auto render = runWell(
+        "render", shot("--cache shot.vdb --camera shot --frames 1-24x11 -o f.%04d.exr --png"));
+    EXPECT_NE(render.out.find("moving: 2 triangles"), std::string::npos) << render.out;
+    EXPECT_NE(render.out.find("cache: 3 frames"), std::string::npos) << render.out;
+    EXPECT_NE(red("f.0001.exr"), red("f.0023.exr"));
+    runWell("render", shot("--cache shot.vdb --camera plan --frames 3 -o plan.exr"));
+    // From straight above the orthographic view holds the floor and nothing else.
+    for (const float value : red("plan.exr")) EXPECT_LT(value, 15);
+}
+
+TEST_F(ShotTest, ListsWhatAFileHolds) {
+    const auto list = runWell("render", "shot.glb --list");
+    for (const std::string text :
+         {"11 nodes place 22 triangles", "camera shot: perspective", "camera plan: orthographic",
+          "moves: mover", "frame 24 at 24 frames a second"})
+        EXPECT_NE(list.out.find(text), std::string::npos) << list.out;
+    expectRefusal(run("render", shot("--camera nobody -o a.exr")), "render", "nobody",
+                  "shot, plan");
+    expectRefusal(run("render", "set.obj --list"), "render", "set.obj", "no glTF");
+}
+
+TEST_F(ShotTest, ResumesWhatIsMissingBrokenOrOfOtherSettings) {
+    const std::string command = "--camera shot --frames 1-4 --resume -o f.####.exr";
+    runWell("render", shot(command));
+    const auto stamp = [&](int frame) {
+        return std::filesystem::last_write_time(path("f.000" + std::to_string(frame) + ".exr"));
+    };
+    const auto first = stamp(1), last = stamp(4);
+    std::filesystem::remove(path("f.0002.exr"));
+    const std::string whole = readBytes(path("f.0003.exr"));
+    folder_.write("f.0003.exr", whole.substr(0, whole.size() / 2));
+    const auto again = runWell("render", shot(command + " --threads 1"));
+    EXPECT_NE(again.out.find("2 frames (2 more were done)"), std::string::npos) << again.out;
+    EXPECT_NE(again.out.find("f.0003.exr: broken"), std::string::npos) << again.out;
+    EXPECT_EQ(stamp(1), first);
+    EXPECT_EQ(stamp(4), last);
+    EXPECT_EQ(readExr(path("f.0003.exr")).channels.size(), 3u);
+    // Other frames of the same settings leave the done ones alone; other settings do not.
+    const auto fewer = runWell("render", shot("--camera shot --frames 3-5 --resume -o f.####.exr"));
+    EXPECT_NE(fewer.out.find("1 frame (2 more were done)"), std::string::npos) << fewer.out;
+    const auto other = runWell("render", shot(command + " --seed 2"));
+    EXPECT_NE(other.out.find("4 frames (0 more were done)"), std::string::npos) << other.out;
+    folder_.write("map.exr", readBytes(path("map.exr")) + " ");
+    const auto light = runWell("render", shot(command + " --seed 2"));
+    EXPECT_NE(light.out.find("4 frames (0 more"), std::string::npos) << light.out;
+}
+
+TEST_F(ShotTest, FramesNamedTwiceAreRenderedOnce) {
+    const auto run = runWell("render", shot("--camera shot --frames 1-3,2-4 -o f.####.exr"));
+    EXPECT_NE(run.out.find("mis: 4 frames"), std::string::npos) << run.out;
+}
+
+TEST_F(ShotTest, ResumesWherePicturesAreMissing) {
+    bake();
+    const std::string line = move(
+        "--cache set.vdb --frames 1-2 --aov openness --png --resume "
+        "-o f.#.exr");
+    runWell("render", line);
+    std::filesystem::remove(path("f.2.openness.png"));
+    const auto again = runWell("render", line);
+    EXPECT_NE(again.out.find("1 frame (1 more was done)"), std::string::npos) << again.out;
+    EXPECT_TRUE(std::filesystem::exists(path("f.2.openness.png")));
+}
+
+TEST_F(ShotTest, NeverWritesOverItsInputs) {
+    const std::string map = readBytes(path("map.exr"));
+    folder_.write("sky.0002.exr", map);
+    const std::string line = "set.obj --samples 1 --size 4x4 --camera camera.json ";
+    expectRefusal(run("render", line + "--env map.exr -o map.exr"), "render", "map.exr",
+                  "is an input");
+    expectRefusal(run("render", line + "--env sky.0002.exr --frames 1-3 -o ./sky.####.exr"),
+                  "render", "sky.0002.exr", "is an input");
+    expectRefusal(run("render", line + "--env map.exr --stats camera.json -o a.exr"), "render",
+                  "camera.json", "is an input");
+    EXPECT_EQ(readBytes(path("map.exr")), map);
+    EXPECT_EQ(readBytes(path("sky.0002.exr")), map);
+}
+
+TEST_F(ShotTest, RelightsByListSequenceAndRotation) {
+    runWell("bake", "set.obj -o set.vdb --spacing 0.25 --level 3");
+    const std::string still =
+        "set.obj --cache set.vdb --samples 4 --size 8x6 --eye 1,1.5,2 --look-at 0,0.3,0 ";
+    for (int i = 1; i <= 3; ++i) {
+        const std::vector<float> values(16 * 8, static_cast<float>(i));
+        writeExr(path("sky." + std::to_string(i) + ".exr"), 16, 8,
+                 {{"R", values}, {"G", values}, {"B", values}}, {}, PixelType::full);
+    }
+    runWell("render", still + "--env sky.#.exr --frames 1-3 -o s#.exr");
+    runWell("render", still + "--env sky.1.exr,sky.2.exr,sky.3.exr --frames 1-3 -o l#.exr");
+    for (const std::string i : {"1", "2", "3"})
+        EXPECT_EQ(red("s" + i + ".exr"), red("l" + i + ".exr"));
+    EXPECT_NE(red("s1.exr"), red("s3.exr"));
+    expectRefusal(run("render", still + "--env sky.1.exr,sky.2.exr --frames 1-3 -o l#.exr"),
+                  "render", "--env", "2 maps for 3 frames");
+    expectRefusal(run("render", still + "--env sky.#.exr --frames 1-4 -o l#.exr"), "render",
+                  "sky.4.exr", "no such file");
+    runWell("render", still + "--env map.exr --env-rotate -30-60 --frames 1-3 -o r#.exr");
+    runWell("render", still + "--env map.exr --env-rotate 15 --frames 2 -o middle.exr");
+    EXPECT_EQ(red("r2.exr"), red("middle.exr"));
+    EXPECT_NE(red("r1.exr"), red("r3.exr"));
+}
+
+TEST_F(ShotTest, DynamicFilesAreRenderedAndLeaveTheCacheValid) {
+    runWell("bake", "set.obj -o set.vdb --spacing 0.25 --level 3");
+    folder_.write("fly.obj", "v -0.3 0 -0.3\nv 0.3 0 -0.3\nv 0.3 0 0.3\nv -0.3 0 0.3\nf 1 2 3 4\n");
+    folder_.write("fly.json", R"({"frames": [{"translation": [0, 1, 0]},
+                                             {"translation": [0, 1, 0], "scale": [0, 0, 0]}]})");
+    const std::string line = still("--cache set.vdb ", "24x16");
+    runWell("render", line + "-o without.exr");
+    runWell("render", line + "--dynamic fly.obj@fly.json --frames 1-2 -o with.#.exr");
+    EXPECT_NE(red("with.1.exr"), red("without.exr"));
+    // In frame 2 it has no extent; the frame's number is in every seed, so compare frame by frame.
+    runWell("render", line + "--frames 2 -o without2.exr");
+    EXPECT_EQ(red("with.2.exr"), red("without2.exr"));
+    expectRefusal(run("render", line + "--dynamic fly.obj@fly.json --frames 3 -o a.exr"), "render",
+                  "fly.json", "frame 3");
+}
+
+}  // namespace
+}  // namespace shadowcache::test

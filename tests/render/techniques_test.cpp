@@ -1,0 +1,270 @@
+// The techniques that the paper compares: the biased ones against their definitions, the options of
+// the others against closed forms.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "render/estimators/light_clusters.h"
+#include "render/paper/convolution.h"
+#include "render/table/estimator_table.h"
+#include "tests/support/statistics.h"
+#include "tests/support/test_scenes.h"
+
+namespace shadowcache {
+namespace {
+
+const Rgb kSky(1, 0.5f, 2);
+
+/// A set under a map, baked.
+struct World {
+    TriangleMesh mesh;
+    Scene scene;
+    Environment environment;
+    test::TestCache cache;
+
+    World(TriangleMesh set, const Image& map)
+        : mesh(std::move(set)),
+          scene(mesh),
+          environment(test::environmentOf(map)),
+          cache(bake(scene, bakeOptions())) {}
+
+    static BakeOptions bakeOptions() {
+        BakeOptions options;
+        options.spacing = 0.5;
+        return options;
+    }
+    EstimatorContext context(Sequence sequence = Sequence::sobol) const {
+        return {scene, environment, &cache.cache(), sequence};
+    }
+    Rgb once(const std::string& name, const ShadingPoint& point, int samples,
+             const EstimatorOptions& options = {}) const {
+        const auto estimates =
+            test::runEstimator(*findEstimator(name).make(context(), options), point, samples, 1);
+        return Rgb(Vec3d(estimates.mean(0), estimates.mean(1), estimates.mean(2)));
+    }
+    ShadingPoint below() const { return test::pointAlong(scene, {0, 0.25f, 0}, {0, -1, 0}); }
+};
+
+TriangleMesh floorMesh() {
+    TriangleMesh mesh;
+    test::addFloor(mesh, 0, -2, 2, -2, 2);
+    return mesh;
+}
+
+/// Floor under a slab that hides a part of the sky from the middle.
+TriangleMesh slabMesh() {
+    TriangleMesh mesh = floorMesh();
+    test::addBox(mesh, {0.5f, 1, -5}, {2, 1.5f, 5});
+    return mesh;
+}
+
+double relativeDifference(const Rgb& a, const Rgb& b) {
+    double most = 0;
+    for (int c = 0; c < 3; ++c)
+        most = std::max(most, std::abs(static_cast<double>(a[c] / b[c]) - 1));
+    return most;
+}
+
+// Control: one per cent more light is seen.
+TEST(Preconvolved, IsTheIrradianceWhereNothingHides) {
+    const Vec3d slope(0.3, -0.5, 0.6);
+    const World world(floorMesh(), test::gradientMap(512, 256, slope));
+    const ShadingPoint point = world.below();
+    const Rgb truth(static_cast<float>(kPi + 2 * kPi / 3 * slope.dot(Vec3d(point.normal))));
+    EXPECT_LT(relativeDifference(world.once("preconvolved", point, 1), truth), 1e-4);
+    EXPECT_GT(relativeDifference(world.once("preconvolved", point, 1), truth * 1.01f), 1e-3);
+    for (const char* name : {"ambient-occlusion", "ambient-occlusion-cached"})
+        EXPECT_LT(relativeDifference(world.once(name, point, 16), truth), 1e-4) << name;
+}
+
+// Under lamps, where the irradiance has kinks. Control: the table of one map is not that of
+// another.
+TEST(Preconvolved, TableIsNextToTheExactSums) {
+    const Environment environment = test::environmentOf(test::noiseMap(256, 128, 4));
+    const Environment other = test::environmentOf(test::noiseMap(256, 128, 5));
+    const IrradianceTable table(environment);
+    double worst = 0, control = 0;
+    for (std::uint32_t c = 0; c < cellCount(2); ++c) {
+        const Vec3d n = cellCenter(2, c);
+        const Rgb value = table.evaluate(Vec3f(n));
+        worst = std::max(worst, relativeDifference(value, Rgb(mapIrradiance(environment, n))));
+        control = std::max(control, relativeDifference(value, Rgb(mapIrradiance(other, n))));
+    }
+    EXPECT_LT(worst, 3e-3);
+    EXPECT_GT(control, 1e-2);
+}
+
+TEST(Preconvolved, KnowsNoOccluder) {
+    const World open(floorMesh(), test::constantMap(kSky));
+    const World hidden(slabMesh(), test::constantMap(kSky));
+    const Rgb a = open.once("preconvolved", open.below(), 1);
+    EXPECT_LT(relativeDifference(hidden.once("preconvolved", hidden.below(), 1), a), 1e-6);
+    EXPECT_LT(relativeDifference(a, kSky * static_cast<float>(kPi)), 1e-4);
+}
+
+// Ambient visibility is a share of solid angle: that of a slab endless along z is the share of
+// azimuths about z that it leaves open. Control: the irradiance's share differs from it.
+TEST(AmbientOcclusion, IsTheOpenShareOfTheHemisphere) {
+    TriangleMesh mesh = floorMesh();
+    test::addBox(mesh, {0.5f, 1, -400}, {2, 1.5f, 400});
+    const World world(std::move(mesh), test::constantMap(kSky));
+    const ShadingPoint point = world.below();
+    const double from = std::atan2(0.5, 1.5), to = std::atan2(2, 1);
+    const double share = 1 - (to - from) / kPi;
+    const Rgb truth = kSky * static_cast<float>(kPi * share);
+    EXPECT_LT(relativeDifference(world.once("ambient-occlusion", point, 65536), truth), 3e-3);
+    EXPECT_LT(relativeDifference(world.once("ambient-occlusion-cached", point, 0), truth), 0.03);
+    const double lit = 1 - (std::sin(to) - std::sin(from)) / 2;
+    EXPECT_GT(std::abs(lit / share - 1), 0.05);
+}
+
+// Control: with half of the map's power the sums differ.
+TEST(Lights, HaveTheEnergyOfTheMap) {
+    const Environment environment = test::environmentOf(test::noiseMap(64, 32, 3));
+    Vec3d map(0.0);
+    for (std::size_t i = 0; i < environment.texelCount(); ++i) {
+        const Environment::Texel t = environment.texel(i);
+        map += Vec3d(t.radiance) * static_cast<double>(t.solidAngle);
+    }
+    for (const int count : {1, 2, 40, 1000}) {
+        const auto lights = clusterLights(environment, count);
+        EXPECT_LE(lights.size(), static_cast<std::size_t>(count));
+        EXPECT_GT(lights.size(), 0.8 * count);
+        Vec3d sum(0.0);
+        for (const DirectionalLight& light : lights) {
+            sum += Vec3d(light.power);
+            EXPECT_NEAR(static_cast<double>(light.direction.length()), 1, 1e-5);
+        }
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(sum[c] / map[c], 1, 1e-5) << count;
+            EXPECT_GT(std::abs(sum[c] / (map[c] / 2) - 1), 0.5);
+        }
+    }
+    EXPECT_TRUE(clusterLights(test::environmentOf(test::constantMap(Rgb(0, 0, 0))), 8).empty());
+}
+
+TEST(Lights, BecomeTheMapAsTheyBecomeMany) {
+    const World world(slabMesh(), test::constantMap(kSky));
+    const ShadingPoint point = world.below();
+    const double hidden = test::hiddenByConvex(world.mesh, 2, world.mesh.triangles.size(), point);
+    const Rgb truth = kSky * static_cast<float>(kPi - hidden);
+    EstimatorOptions many, few;
+    many.lights.lights = 2000;
+    few.lights.lights = 3;
+    EXPECT_LT(relativeDifference(world.once("lights", point, 0, many), truth), 0.02);
+    EXPECT_GT(relativeDifference(world.once("lights", point, 0, few), truth), 0.05);
+}
+
+// Texels just above the horizon of a slope shine. The rectangles that hold them have their middles
+// below it, so that the printed form never finds them; the other does.
+TEST(Pixel, OnlyThePrintedFormMissesTheHorizon) {
+    constexpr std::size_t kRow = 14, kLit = 8;  // 6 to 11 degrees up, toward -Z
+    Image map{64, 32, {}};
+    map.pixels.assign(64 * 32, Rgb(0, 0, 0));
+    for (std::size_t x = 0; x < kLit; ++x) map.pixels[kRow * 64 + x] = kSky;
+    const float rise = std::tan(2 * static_cast<float>(kPi) / 180);
+    TriangleMesh mesh;
+    test::addQuad(mesh, {-2, 2 * rise, -2}, {-2, -2 * rise, 2}, {2, -2 * rise, 2},
+                  {2, 2 * rise, -2});
+    const World world(std::move(mesh), map);
+    const ShadingPoint point = world.below();
+    EstimatorOptions options;
+    options.pixel.width = 24;
+    options.pixel.height = 7;
+    Rgb truth(0, 0, 0);
+    for (int x = 0; x < static_cast<int>(kLit); ++x)
+        truth +=
+            kSky * static_cast<float>(test::texelMoment(64, 32, x, kRow).dot(Vec3d(point.normal)));
+    const auto exact = findEstimator("pixel").make(world.context(), options);
+    const auto estimates = test::runEstimator(*exact, point, 64, 400);
+    EXPECT_GT(test::agreementPValue(estimates, truth), test::significance());
+    EXPECT_LT(test::agreementPValue(estimates, truth * 1.1f), test::significance());
+    EXPECT_EQ(world.once("pixel-printed", point, 64, options), Rgb(0, 0, 0));
+}
+
+struct Variant {
+    std::string name, estimator;
+    EstimatorOptions options;
+    Sequence sequence = Sequence::sobol;
+};
+
+std::vector<Variant> variants() {
+    std::vector<Variant> all;
+    const auto add = [&](const std::string& name, const std::string& estimator,
+                         const std::function<void(EstimatorOptions&)>& set,
+                         Sequence sequence = Sequence::sobol) {
+        Variant variant{name, estimator, {}, sequence};
+        variant.options.paper.triangles = 320;
+        set(variant.options);
+        all.push_back(variant);
+    };
+    add("TableFree", "paper", [](EstimatorOptions& o) { o.paper.exactConvolution = true; });
+    add("Defensive", "paper", [](EstimatorOptions& o) { o.paper.beta = 0.3; });
+    add("Linear", "paper", [](EstimatorOptions& o) { o.paper.order = 1; });
+    add("LinearDefensive", "paper-image",
+        [](EstimatorOptions& o) { o.paper.order = 1, o.paper.beta = 0.3; });
+    add("AllUniform", "paper", [](EstimatorOptions& o) { o.paper.beta = 1; });
+    add("CoarseCache", "paper", [](EstimatorOptions& o) { o.paper.cacheLevel = 1; });
+    add("CoarseImageCache", "paper-image", [](EstimatorOptions& o) { o.paper.cacheLevel = 1; });
+    add("CoarsePixels", "pixel",
+        [](EstimatorOptions& o) { o.pixel.width = 8, o.pixel.height = 4; });
+    add(
+        "LarcherXor", "cosine", [](EstimatorOptions&) {}, Sequence::larcherXor);
+    add(
+        "LarcherShift", "cosine", [](EstimatorOptions&) {}, Sequence::larcherShift);
+    add(
+        "LarcherMis", "mis", [](EstimatorOptions&) {}, Sequence::larcherXor);
+    return all;
+}
+
+class Variants : public testing::TestWithParam<std::size_t> {};
+
+INSTANTIATE_TEST_SUITE_P(Options, Variants, testing::Range<std::size_t>(0, variants().size()),
+                         [](const auto& test) { return variants()[test.param].name; });
+
+// With its control: 3 % more is rejected.
+TEST_P(Variants, AreUnbiased) {
+    const Variant variant = variants()[GetParam()];
+    const World world(slabMesh(), test::constantMap(kSky));
+    const ShadingPoint point = world.below();
+    const double hidden = test::hiddenByConvex(world.mesh, 2, world.mesh.triangles.size(), point);
+    const Rgb truth = kSky * static_cast<float>(kPi - hidden);
+    const auto estimator =
+        findEstimator(variant.estimator).make(world.context(variant.sequence), variant.options);
+    const double level = test::significance() / static_cast<double>(3 * variants().size());
+    for (const int samples : {1, 5, 64}) {
+        const auto estimates = test::runEstimator(*estimator, point, samples, 1000);
+        EXPECT_GT(test::agreementPValue(estimates, truth), level) << samples;
+        if (samples == 64) {
+            EXPECT_LT(test::agreementPValue(estimates, truth * 1.03f), level);
+        }
+    }
+}
+
+/// Variance of the estimates of `name` at a place, after a few hundred there.
+double varianceAt(const World& world, const std::string& name, int threshold) {
+    EstimatorOptions options;
+    options.paper.triangles = 320;
+    options.paper.threshold = threshold;
+    EstimatorContext context = world.context();
+    context.cache = nullptr;
+    return test::runEstimator(*findEstimator(name).make(context, options), world.below(), 16, 600)
+        .sampleVariance(1);
+}
+
+// Where half of the light is hidden, the rays of earlier pixels take noise away. Control: a
+// threshold that no count reaches leaves the noise of `paper` without a cache.
+TEST(ImageCache, LearnsWhatIsHidden) {
+    TriangleMesh mesh = floorMesh();
+    test::addFloor(mesh, 0.6f, 0, 2, -2, 2);
+    const World world(std::move(mesh), test::constantMap(kSky));
+    const double without = varianceAt(world, "paper", 3);
+    EXPECT_LT(varianceAt(world, "paper-image", 3), 0.8 * without);
+    EXPECT_NEAR(varianceAt(world, "paper-image", 1000000) / without, 1, 0.25);
+}
+
+}  // namespace
+}  // namespace shadowcache
