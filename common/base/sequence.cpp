@@ -111,20 +111,21 @@ void owenSobol(std::uint32_t first, int dimension, std::uint64_t seed,
     }
 }
 
-void fillSequence(Sequence sequence, int dimension, std::uint64_t seed,
-                  std::span<std::uint32_t> out) noexcept {
+void fillSequence(Sequence sequence, int dimension, std::uint64_t seed, std::uint32_t first,
+                  std::uint32_t total, std::span<std::uint32_t> out) noexcept {
     const auto axis = static_cast<std::uint64_t>(dimension);
-    if (sequence == Sequence::sobol) return owenSobol(0, dimension, seed, out);
+    if (sequence == Sequence::sobol) return owenSobol(first, dimension, seed, out);
     if (sequence == Sequence::random) {
         for (std::size_t i = 0; i < out.size(); ++i)
-            out[i] = static_cast<std::uint32_t>(hashWords(seed, axis + 16, i) >> 32);
+            out[i] = static_cast<std::uint32_t>(hashWords(seed, axis + 16, first + i) >> 32);
         return;
     }
     const auto random = static_cast<std::uint32_t>(hashWords(seed, axis + 32) >> 32);
     for (std::size_t i = 0; i < out.size(); ++i) {
+        const std::uint32_t point = first + static_cast<std::uint32_t>(i);
         const std::uint32_t word =
-            dimension % 2 == 0 ? static_cast<std::uint32_t>((std::uint64_t{i} << 32) / out.size())
-                               : larcherPillichshammer(static_cast<std::uint32_t>(i));
+            dimension % 2 == 0 ? static_cast<std::uint32_t>((std::uint64_t{point} << 32) / total)
+                               : larcherPillichshammer(point);
         out[i] = sequence == Sequence::larcherXor ? word ^ random : word + random;
     }
 }

@@ -55,9 +55,9 @@ constexpr std::uint32_t larcherPillichshammer(std::uint32_t i) {
     return inverse;
 }
 
-/// All words of `dimension` (< kSobolDimensions) of a randomised point set of out.size() points.
-/// Each word alone is uniform over 32 bits, over the seeds.
-void fillSequence(Sequence sequence, int dimension, std::uint64_t seed,
-                  std::span<std::uint32_t> out) noexcept;
+/// `out[i]` = word of point `first + i` in `dimension` (< kSobolDimensions) of a randomised set of
+/// `total` points (>= first + out.size()). Each word alone is uniform over 32 bits, over the seeds.
+void fillSequence(Sequence sequence, int dimension, std::uint64_t seed, std::uint32_t first,
+                  std::uint32_t total, std::span<std::uint32_t> out) noexcept;
 
 }  // namespace shadowcache

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "common/base/parallel.h"
+#include "common/base/sequence.h"
 #include "common/predict/cache_preview.h"
 #include "common/predict/horizon.h"
 #include "common/predict/item_irradiance.h"
@@ -81,9 +82,28 @@ public:
     }
 
     using Estimator::estimate;
-    void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+    void estimate(const PointBatch& batch, Workspace& workspace,
                   std::span<Estimate> estimates) const override {
-        auto& w = static_cast<CacheWorkspace&>(workspace);
+        std::vector<ShadingPoint> points;
+        std::vector<Estimate> found;
+        for (std::uint32_t k = batch.firstRay; k < batch.firstRay + batch.cameraRays; ++k) {
+            points.clear();
+            for (const ShadingPoint& p : batch.points)
+                if (p.cameraRay == k) {
+                    points.push_back(p);
+                    points.back().seed = hashWords(p.seed, 90, k);
+                }
+            found.resize(points.size());
+            light(points, batch.samples, static_cast<CacheWorkspace&>(workspace), found);
+            std::size_t next = 0;
+            for (std::size_t i = 0; i < batch.points.size(); ++i)
+                if (batch.points[i].cameraRay == k) estimates[i] = found[next++];
+        }
+    }
+
+private:
+    void light(std::span<const ShadingPoint> points, int samples, CacheWorkspace& w,
+               std::span<Estimate> estimates) const {
         Stopwatch watch;
         for (std::size_t i = 0; i < points.size(); ++i) {
             w.samples.clear();
@@ -101,7 +121,6 @@ public:
         w.traceNanoseconds += watch.sinceLast();
     }
 
-private:
     std::uint64_t run(std::span<const ShadingPoint> points, int samples) override {
         reliability_ = Reliability();
         std::vector<Reliability> found((points.size() + kSurveyChunk - 1) / kSurveyChunk);
@@ -216,7 +235,9 @@ private:
             if (budget_) samples = budget_->samplesOf(predictedNoise(w), point.seed);
             w.weights.shareSurprises(judged * samples, darkest_,
                                      budget_ ? kUnsureShare : kUnsureShareUniform);
-            w.sampler.draw(w.weights, samples, w.numbers(context_.sequence, point.seed, 0, samples),
+            w.sampler.draw(w.weights, samples,
+                           w.numbers(context_.sequence, point.seed, 0, 0, samples,
+                                     static_cast<std::uint32_t>(samples)),
                            point.seed);
             w.exchange.offer(w.weights);
             for (std::size_t i = 0; i < w.sampler.size(); ++i)

@@ -95,7 +95,7 @@ void SurpriseExchange::keepSurprised(const Surprise& surprise, const Scene& scen
         const std::uint32_t open = scene.visibility(packet, queued);
         for (int i = 0; i < queued; ++i) {
             const Candidate& c = queue[static_cast<std::size_t>(i)];
-            ++estimates[c.point].rays;
+            ++estimates[c.point].reused;
             if ((open >> i & 1u) == (c.open ? 1u : 0u)) candidates_[kept++] = c;
         }
         queued = 0;

@@ -12,22 +12,25 @@ namespace shadowcache {
 namespace {
 
 /// Full-precision number from a stratified word: its lower bits come from a hash.
-double refine(std::uint32_t word, std::uint64_t seed, int i) {
-    const std::uint64_t low = hashWords(seed, 77, static_cast<std::uint64_t>(i)) >> 43;
+double refine(std::uint32_t word, std::uint64_t seed, std::uint64_t i) {
+    const std::uint64_t low = hashWords(seed, 77, i) >> 43;
     return (static_cast<double>(word) + static_cast<double>(low) * 0x1p-21) * 0x1p-32;
 }
 
 class Uniform final : public PointEstimator {
     using PointEstimator::PointEstimator;
 
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
-        const auto u = w.numbers(context_.sequence, point.seed, 0, samples);
-        const auto v = w.numbers(context_.sequence, point.seed, 1, samples);
+    Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
+        const auto u =
+            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
+        const auto v =
+            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
         for (std::size_t i = 0; i < u.size(); ++i) {
             const Vec3f direction =
                 aroundNormal(point.normal, toUnitFloat(u[i]), toUnitFloat(v[i]));
             const float cosine = std::max(0.0f, direction.dot(point.normal));
-            const float weight = 2 * static_cast<float>(kPi) * cosine / static_cast<float>(samples);
+            const float weight =
+                2 * static_cast<float>(kPi) * cosine / static_cast<float>(slice.count);
             w.samples.add(direction, context_.environment.radiance(direction) * weight);
         }
         w.samples.endGroup();
@@ -35,61 +38,107 @@ class Uniform final : public PointEstimator {
     }
 };
 
-/// Half or all of the samples of `mis`: `environmentSamples` from the map, `cosineSamples` from the
-/// cosine, weighted by the balance heuristic. [Veach & Guibas 1995]
-Rgb prepareMixture(const EstimatorContext& context, const ShadingPoint& point,
-                   int environmentSamples, int cosineSamples, Workspace& w) {
-    const Environment& environment = context.environment;
-    const Vec3f n = point.normal;
-    const auto ne = static_cast<float>(environmentSamples), nc = static_cast<float>(cosineSamples);
-    if (environment.totalPower() <= 0) return {0, 0, 0};
-    const auto u = w.numbers(context.sequence, point.seed, 0, environmentSamples);
-    const auto v = w.numbers(context.sequence, point.seed, 1, environmentSamples);
-    for (int i = 0; i < environmentSamples; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        const auto jitter = static_cast<std::uint32_t>(hashWords(point.seed, 78, k) >> 32);
-        const EnvironmentSample s =
-            environment.sample(refine(u[k], point.seed, i), toUnitFloat(v[k]), toUnitFloat(jitter));
-        const float cosine = s.direction.dot(n);
-        if (cosine <= 0) {
-            w.samples.addZero();
-            continue;
+/// Samples of one strategy or of two, each with a sequence of its own, weighted by the balance
+/// heuristic. [Veach & Guibas 1995]
+class Mixture : public PointEstimator {
+public:
+    /// @param environmentShare, cosineShare  of a point's samples, on average; their sum is 1
+    Mixture(const EstimatorContext& context, float environmentShare, float cosineShare)
+        : PointEstimator(context), environmentShare_(environmentShare), cosineShare_(cosineShare) {}
+
+protected:
+    void addEnvironmentSamples(const ShadingPoint& point, const SampleSlice& slice, float samples,
+                               Workspace& w) const {
+        const Environment& environment = context_.environment;
+        const auto u =
+            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
+        const auto v =
+            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
+        for (std::size_t k = 0; k < u.size(); ++k) {
+            const std::uint64_t number = slice.first + k;
+            const auto jitter = static_cast<std::uint32_t>(hashWords(point.seed, 78, number) >> 32);
+            const EnvironmentSample s = environment.sample(refine(u[k], point.seed, number),
+                                                           toUnitFloat(v[k]), toUnitFloat(jitter));
+            const float cosine = s.direction.dot(point.normal);
+            if (cosine > 0)
+                w.samples.add(s.direction,
+                              s.radiance * (cosine / density(s.density, cosine, samples)));
+            else
+                w.samples.addZero();
         }
-        const float density = ne * s.density + nc * cosine / static_cast<float>(kPi);
-        w.samples.add(s.direction, s.radiance * (cosine / density));
+        w.samples.endGroup();
     }
-    w.samples.endGroup();
-    const auto a = w.numbers(context.sequence, point.seed, 2, cosineSamples);
-    const auto b = w.numbers(context.sequence, point.seed, 3, cosineSamples);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const float cosine = std::sqrt(1 - toUnitFloat(a[i]));
-        const Vec3f direction = aroundNormal(n, cosine, toUnitFloat(b[i]));
-        const EnvironmentSample s = environment.lookUp(direction);
-        const float density = ne * s.density + nc * cosine / static_cast<float>(kPi);
-        w.samples.add(direction, s.radiance * (cosine / density));
-    }
-    w.samples.endGroup();
-    return {0, 0, 0};
-}
 
-class Cosine final : public PointEstimator {
-    using PointEstimator::PointEstimator;
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
-        return prepareMixture(context_, point, 0, samples, w);
+    void addCosineSamples(const ShadingPoint& point, const SampleSlice& slice, float samples,
+                          Workspace& w) const {
+        const auto a =
+            w.numbers(context_.sequence, point.seed, 2, slice.first, slice.count, slice.total);
+        const auto b =
+            w.numbers(context_.sequence, point.seed, 3, slice.first, slice.count, slice.total);
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            const float cosine = std::sqrt(1 - toUnitFloat(a[i]));
+            const Vec3f direction = aroundNormal(point.normal, cosine, toUnitFloat(b[i]));
+            const EnvironmentSample s = context_.environment.lookUp(direction);
+            w.samples.add(direction, s.radiance * (cosine / density(s.density, cosine, samples)));
+        }
+        w.samples.endGroup();
+    }
+
+private:
+    const float environmentShare_, cosineShare_;
+
+    /// Of `samples` samples together.
+    float density(float environmentDensity, float cosine, float samples) const {
+        return samples * (environmentShare_ * environmentDensity +
+                          cosineShare_ * cosine / static_cast<float>(kPi));
     }
 };
 
-class MapOnly final : public PointEstimator {
-    using PointEstimator::PointEstimator;
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
-        return prepareMixture(context_, point, samples, 0, w);
+class Cosine final : public Mixture {
+public:
+    explicit Cosine(const EstimatorContext& context) : Mixture(context, 0, 1) {}
+
+private:
+    Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
+        addCosineSamples(point, slice, static_cast<float>(slice.count), w);
+        return {0, 0, 0};
     }
 };
 
-class Mis final : public PointEstimator {
-    using PointEstimator::PointEstimator;
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
-        return prepareMixture(context_, point, (samples + 1) / 2, samples / 2, w);
+class MapOnly final : public Mixture {
+public:
+    explicit MapOnly(const EstimatorContext& context) : Mixture(context, 1, 0) {}
+
+private:
+    Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
+        if (context_.environment.totalPower() > 0)
+            addEnvironmentSamples(point, slice, static_cast<float>(slice.count), w);
+        return {0, 0, 0};
+    }
+};
+
+/// The samples of a pixel take turns between the two strategies; chance decides which comes first,
+/// so that every one of them, whatever its number, is as likely of the one as of the other.
+class Mis final : public Mixture {
+public:
+    explicit Mis(const EstimatorContext& context) : Mixture(context, 0.5f, 0.5f) {}
+
+private:
+    Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
+        if (context_.environment.totalPower() <= 0) return {0, 0, 0};
+        const auto turn = static_cast<std::uint32_t>(hashWords(point.seed, 79) >> 63);
+        const auto samples = static_cast<float>(slice.count);
+        addEnvironmentSamples(point, everySecond(slice, turn), samples, w);
+        addCosineSamples(point, everySecond(slice, 1 - turn), samples, w);
+        return {0, 0, 0};
+    }
+
+    /// Those of a slice whose numbers are `turn` (0 or 1) more than an even number.
+    static SampleSlice everySecond(const SampleSlice& slice, std::uint32_t turn) {
+        const std::uint32_t first = (slice.first + 1 - turn) / 2;
+        const std::uint32_t end =
+            (slice.first + static_cast<std::uint32_t>(slice.count) + 1 - turn) / 2;
+        return {first, static_cast<int>(end - first), slice.total / 2 + 1};
     }
 };
 

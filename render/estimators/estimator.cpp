@@ -56,10 +56,11 @@ void LightSamples::trace(const Scene& scene, const ShadingPoint& point,
 }
 
 std::span<const std::uint32_t> Workspace::numbers(Sequence sequence, std::uint64_t seed,
-                                                  int dimension, int count) {
+                                                  int dimension, std::uint32_t first, int count,
+                                                  std::uint32_t total) {
     std::vector<std::uint32_t>& out = numbers_[dimension];
     out.resize(static_cast<std::size_t>(count));
-    fillSequence(sequence, dimension, seed, out);
+    fillSequence(sequence, dimension, seed, first, total, out);
     return out;
 }
 
@@ -67,18 +68,35 @@ std::unique_ptr<Workspace> Estimator::makeWorkspace() const {
     return std::make_unique<Workspace>();
 }
 
-void PointEstimator::estimate(std::span<const ShadingPoint> points, int samples,
-                              Workspace& workspace, std::span<Estimate> estimates) const {
+void PointEstimator::estimate(const PointBatch& batch, Workspace& workspace,
+                              std::span<Estimate> estimates) const {
     Stopwatch watch;
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t i = 0; i < batch.points.size(); ++i) {
+        const ShadingPoint& point = batch.points[i];
         workspace.samples.clear();
         estimates[i] = {};
-        estimates[i].irradiance = prepare(points[i], samples, workspace);
+        estimates[i].irradiance =
+            prepare(point,
+                    {point.cameraRay * static_cast<std::uint32_t>(batch.samples), batch.samples,
+                     batch.pixelSamples},
+                    workspace);
         workspace.setupNanoseconds += watch.sinceLast();
         if (workspace.samples.size() == 0) continue;
-        workspace.samples.trace(context_.scene, points[i], context_.environment, estimates[i]);
+        workspace.samples.trace(context_.scene, point, context_.environment, estimates[i]);
         workspace.traceNanoseconds += watch.sinceLast();
     }
+}
+
+void Estimator::estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+                         std::span<Estimate> estimates) const {
+    std::vector<ShadingPoint> alone(points.begin(), points.end());
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+        alone[i].pixel = static_cast<std::uint32_t>(i);
+        alone[i].cameraRay = 0;
+    }
+    PointBatch batch{alone, samples, static_cast<std::uint32_t>(alone.size())};
+    batch.pixelSamples = static_cast<std::uint32_t>(samples);
+    estimate(batch, workspace, estimates);
 }
 
 Estimate Estimator::estimate(const ShadingPoint& point, int samples, Workspace& workspace) const {

@@ -26,16 +26,37 @@ struct ShadingPoint {
     Vec3f rayOrigin;     ///< off the surface, relative to the mesh's origin
     Vec3d position;      ///< world space
     Vec3f normal;        ///< unit, on the viewer's side
-    std::uint64_t seed;  ///< of all random numbers of this point
+    std::uint64_t seed;  ///< of the pixel: all of its camera rays draw from one sequence
     int filmX = 0;       ///< pixel of the camera ray that found it
     int filmY = 0;
+    std::uint32_t cameraRay = 0;  ///< number of that ray in its pixel
+    std::uint32_t pixel = 0;      ///< number of the pixel in its batch
+};
+
+/// Points that are lit together: what the camera rays of some neighbouring pixels meet, pixel by
+/// pixel along a Morton curve and in a pixel by camera ray. A ray that meets the sky has no point.
+struct PointBatch {
+    std::span<const ShadingPoint> points;
+    int samples = 1;               ///< wanted of each point
+    std::uint32_t pixels = 1;      ///< numbers of pixels are below it
+    std::uint32_t cameraRays = 1;  ///< most of a pixel
+    std::uint32_t firstRay = 0;    ///< camera rays' numbers go from it to firstRay + cameraRays - 1
+    std::uint32_t pixelSamples = 1;  ///< of a pixel, over all batches
+};
+
+/// A point's samples among those of its pixel, which share one sequence.
+struct SampleSlice {
+    std::uint32_t first = 0;  ///< number of the point's first sample
+    int count = 1;            ///< of the point
+    std::uint32_t total = 1;  ///< of the pixel
 };
 
 /// Irradiance from the environment and what it took.
 struct Estimate {
     Rgb irradiance{0, 0, 0};
     float variance = 0;  ///< of the irradiance's luminance, estimated from the samples themselves
-    std::uint32_t rays = 0;
+    std::uint32_t rays = 0;    ///< traced for this point's own samples
+    std::uint32_t reused = 0;  ///< traced to reuse what other points found
 };
 
 /// Directions to test for occlusion, and what each adds to the irradiance if it is open or hidden.
@@ -73,10 +94,10 @@ struct Workspace {
     std::uint64_t setupNanoseconds = 0;
     std::uint64_t traceNanoseconds = 0;
 
-    /// The first `count` numbers of dimension `dimension`; valid until the next call with that
-    /// dimension.
+    /// Numbers `first` to `first + count - 1` of dimension `dimension` in a sequence of `total`;
+    /// valid until the next call with that dimension.
     std::span<const std::uint32_t> numbers(Sequence sequence, std::uint64_t seed, int dimension,
-                                           int count);
+                                           std::uint32_t first, int count, std::uint32_t total);
 
 private:
     std::vector<std::uint32_t> numbers_[4];
@@ -123,11 +144,14 @@ public:
 
     virtual std::unique_ptr<Workspace> makeWorkspace() const;
 
-    /// Lights points that are near each other, from `samples` samples at each, and keeps the time;
-    /// estimates[i] is that of points[i]. Points may gain from what the others' rays find.
-    virtual void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+    /// Lights the points of a batch and keeps the time; estimates[i] is that of points[i]. Points
+    /// may gain from what the others' rays find.
+    virtual void estimate(const PointBatch& batch, Workspace& workspace,
                           std::span<Estimate> estimates) const = 0;
-    /// The same at one point; workspace.samples are its samples afterwards.
+    /// The same of points that are the only ones of their pixels.
+    void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+                  std::span<Estimate> estimates) const;
+    /// The same at one point.
     Estimate estimate(const ShadingPoint& point, int samples, Workspace& workspace) const;
 
     /// Null where frames need no pilot.
@@ -148,14 +172,15 @@ public:
     using Estimator::estimate;
     using Estimator::Estimator;
 
-    void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+    void estimate(const PointBatch& batch, Workspace& workspace,
                   std::span<Estimate> estimates) const override;
 
 protected:
     /// Fills workspace.samples with the directions to test, decided before any ray is traced.
     ///
     /// @return the part of the irradiance that needs no ray
-    virtual Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const = 0;
+    virtual Rgb prepare(const ShadingPoint& point, const SampleSlice& slice,
+                        Workspace& workspace) const = 0;
 };
 
 /// Nanoseconds since this was made, or since the last call.

@@ -17,7 +17,7 @@ public:
 private:
     std::vector<DirectionalLight> lights_;
 
-    Rgb prepare(const ShadingPoint& point, int, Workspace& w) const override {
+    Rgb prepare(const ShadingPoint& point, const SampleSlice&, Workspace& w) const override {
         for (const DirectionalLight& light : lights_) {
             const float cosine = light.direction.dot(point.normal);
             if (cosine <= 0) continue;

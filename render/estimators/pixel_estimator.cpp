@@ -130,7 +130,8 @@ private:
         return std::max(0.0, (height + pixel.sine) / 2);
     }
 
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override {
+    Rgb prepare(const ShadingPoint& point, const SampleSlice& slice,
+                Workspace& workspace) const override {
         auto& w = static_cast<PixelWorkspace&>(workspace);
         w.cdf.resize(pixels_.size());
         double total = 0;
@@ -139,11 +140,14 @@ private:
             w.cdf[k] = total += cosineOf(pixel, point.normal) * pixel.luminance * pixel.area;
         }
         if (!(total > 0)) return {0, 0, 0};
-        const auto u = w.numbers(context_.sequence, point.seed, 0, samples);
-        const auto v = w.numbers(context_.sequence, point.seed, 1, samples);
+        const auto u =
+            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
+        const auto v =
+            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
         for (std::size_t j = 0; j < u.size(); ++j) {
-            const double x = (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, j))) *
-                             0x1p-32 * total;
+            const double x =
+                (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, slice.first + j))) *
+                0x1p-32 * total;
             auto k = static_cast<std::size_t>(std::upper_bound(w.cdf.begin(), w.cdf.end(), x) -
                                               w.cdf.begin());
             k = std::min(k, pixels_.size() - 1);
@@ -151,7 +155,7 @@ private:
             if (mass > 0)
                 addSample(point, k, std::clamp((x - before) / mass, 0.0, 1.0),
                           static_cast<double>(toUnitFloat(v[j])),
-                          mass / (total * pixels_[k].area) * samples, w);
+                          mass / (total * pixels_[k].area) * slice.count, w);
             else
                 w.samples.addZero();
         }

@@ -28,6 +28,9 @@ constexpr int kTile = 16;
 /// alike, and straight borders would be seen.
 constexpr int kReach = 2;
 
+/// Camera rays of a pixel that are lit together. More would need more memory and gain little.
+constexpr int kPassRays = 64;
+
 /// Places of the frame that a survey looks at.
 constexpr int kSurveyPlaces = 1024;
 
@@ -104,8 +107,9 @@ struct Frame {
     void renderTile(std::span<const FilmPlace> places, TileScratch& scratch, Workspace& workspace,
                     std::span<Pixel> out) const {
         std::fill(out.begin(), out.end(), Pixel{});
-        for (int k = 0; k < options.cameraRays; ++k)
-            addCameraRays(places, k, scratch, workspace, out);
+        for (int first = 0; first < options.cameraRays; first += kPassRays)
+            addCameraRays(places, first, std::min(kPassRays, options.cameraRays - first), scratch,
+                          workspace, out);
         const float scale = 1.0f / static_cast<float>(options.cameraRays);
         for (Pixel& pixel : out) {
             pixel.color *= scale;
@@ -124,24 +128,36 @@ struct Frame {
         }
     }
 
-    /// The camera ray `k` of each pixel of a tile; what they see is lit together.
-    void addCameraRays(std::span<const FilmPlace> places, int k, TileScratch& scratch,
-                       Workspace& workspace, std::span<Pixel> out) const {
+    /// Camera rays `first` to `first + count - 1` of each pixel of a tile; what they see is lit
+    /// together.
+    void addCameraRays(std::span<const FilmPlace> places, int first, int count,
+                       TileScratch& scratch, Workspace& workspace, std::span<Pixel> out) const {
         scratch.points.clear();
         scratch.seen.clear();
         for (std::size_t i = 0; i < places.size(); ++i) {
             const auto [x, y] = places[i];
-            const View view = look(x, y, k);
-            if (!view.hit.found) {
-                out[i].color += context.environment.radiance(view.direction);
-                continue;
+            const std::uint64_t seed = pixelSeed(options.seed, number, x, y, 0);
+            for (int k = first; k < first + count; ++k) {
+                const View view = look(x, y, k);
+                if (!view.hit.found) {
+                    out[i].color += context.environment.radiance(view.direction);
+                    continue;
+                }
+                ShadingPoint& point = scratch.points.emplace_back(shadingPoint(view, seed, x, y));
+                point.cameraRay = static_cast<std::uint32_t>(k);
+                point.pixel = static_cast<std::uint32_t>(i);
+                scratch.seen.push_back({view.hit, &out[i]});
             }
-            const std::uint64_t seed = pixelSeed(options.seed, number, x, y, k);
-            scratch.points.push_back(shadingPoint(view, seed, x, y));
-            scratch.seen.push_back({view.hit, &out[i]});
         }
         scratch.estimates.resize(scratch.points.size());
-        estimator.estimate(scratch.points, options.samples, workspace, scratch.estimates);
+        const PointBatch batch{scratch.points,
+                               options.samples,
+                               static_cast<std::uint32_t>(places.size()),
+                               static_cast<std::uint32_t>(count),
+                               static_cast<std::uint32_t>(first),
+                               static_cast<std::uint32_t>(options.cameraRays) *
+                                   static_cast<std::uint32_t>(options.samples)};
+        estimator.estimate(batch, workspace, scratch.estimates);
         for (std::size_t i = 0; i < scratch.points.size(); ++i)
             addToPixel(scratch.points[i], scratch.seen[i].hit, scratch.estimates[i], workspace,
                        *scratch.seen[i].pixel);
@@ -176,7 +192,7 @@ struct Frame {
         pixel.position += Vec3f(point.position);
         pixel.depth += hit.distance;
         pixel.variance += e.variance;
-        pixel.rays += static_cast<float>(e.rays);
+        pixel.rays += static_cast<float>(e.rays + e.reused);
         if (options.insight && estimator.insights())
             addInsight(estimator.insights()->insight(point, options.samples, workspace), pixel);
     }
@@ -189,6 +205,14 @@ struct Frame {
         pixel.misses += insight.items == 0 ? 1.0f : 0.0f;
     }
 };
+
+/// The bits of x and y in turns.
+std::uint32_t mortonCode(std::uint32_t x, std::uint32_t y) {
+    std::uint32_t code = 0;
+    for (unsigned bit = 0; bit < 16; ++bit)
+        code |= (x >> bit & 1u) << (2 * bit) | (y >> bit & 1u) << (2 * bit + 1);
+    return code;
+}
 
 /// The tiles of a film, row by row. Every pixel belongs to one, near its square or in it.
 class Tiles {
@@ -215,7 +239,7 @@ public:
                static_cast<std::size_t>(shaken(x, 0, across_));
     }
 
-    /// The pixels of a tile, row by row.
+    /// The pixels of a tile along a Morton curve, so that a run of them is a compact patch.
     void findPlaces(std::size_t tile, std::vector<FilmPlace>& places) const {
         places.clear();
         const int x0 = static_cast<int>(tile) % across_ * kTile,
@@ -223,6 +247,11 @@ public:
         for (int y = std::max(0, y0 - kReach); y < std::min(y0 + kTile + kReach, height_); ++y)
             for (int x = std::max(0, x0 - kReach); x < std::min(x0 + kTile + kReach, width_); ++x)
                 if (tileOf(x, y) == tile) places.push_back({x, y});
+        const auto code = [&](const FilmPlace& p) {
+            return mortonCode(static_cast<std::uint32_t>(p.x - x0 + kReach),
+                              static_cast<std::uint32_t>(p.y - y0 + kReach));
+        };
+        std::ranges::sort(places, {}, code);
     }
 
 private:

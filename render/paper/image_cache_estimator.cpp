@@ -48,10 +48,12 @@ public:
     bool inOrder() const override { return true; }
 
     using Estimator::estimate;
-    void estimate(std::span<const ShadingPoint> points, int samples, Workspace& workspace,
+    void estimate(const PointBatch& batch, Workspace& workspace,
                   std::span<Estimate> estimates) const override {
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            Paper::estimate(points.subspan(i, 1), samples, workspace, estimates.subspan(i, 1));
+        PointBatch one = batch;
+        for (std::size_t i = 0; i < batch.points.size(); ++i) {
+            one.points = batch.points.subspan(i, 1);
+            Paper::estimate(one, workspace, estimates.subspan(i, 1));
             if (workspace.samples.size() > 0) record(workspace);
         }
     }

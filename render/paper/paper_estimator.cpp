@@ -59,7 +59,8 @@ CachedVisibility Paper::cached(const PaperWorkspace& w, std::uint32_t triangle) 
     return visibilityOf(*w.pooled, level, ancestorCell(t.cell, t.level, level));
 }
 
-Rgb Paper::prepare(const ShadingPoint& point, int samples, Workspace& workspace) const {
+Rgb Paper::prepare(const ShadingPoint& point, const SampleSlice& slice,
+                   Workspace& workspace) const {
     auto& w = static_cast<PaperWorkspace&>(workspace);
     buildImportance(point, w);
     w.triangleOf.clear();
@@ -67,12 +68,15 @@ Rgb Paper::prepare(const ShadingPoint& point, int samples, Workspace& workspace)
     if (!(total > 0)) return {0, 0, 0};
     const double beta = options_.beta;
     const Vec3d n(point.normal);
-    const auto u = w.numbers(context_.sequence, point.seed, 0, samples);
-    const auto v = w.numbers(context_.sequence, point.seed, 1, samples);
+    const auto u =
+        w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
+    const auto v =
+        w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
     for (std::size_t j = 0; j < u.size(); ++j) {
         // The lower bits come from a hash: 32 bits would be few for a large table.
         const double x =
-            (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, j))) * 0x1p-32;
+            (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, slice.first + j))) *
+            0x1p-32;
         Vec3f direction;
         std::uint32_t triangle = 0;
         if (x < beta) {
@@ -91,7 +95,7 @@ Rgb Paper::prepare(const ShadingPoint& point, int samples, Workspace& workspace)
         const double density =
             beta / (2 * kPi) + (1 - beta) * this->density(w, n, triangle, direction) / total;
         w.samples.add(direction, context_.environment.radiance(direction) *
-                                     (cosine / static_cast<float>(density * samples)));
+                                     (cosine / static_cast<float>(density * slice.count)));
     }
     w.samples.endGroup();
     return {0, 0, 0};

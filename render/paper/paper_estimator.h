@@ -40,7 +40,8 @@ public:
     std::unique_ptr<Workspace> makeWorkspace() const override;
 
 protected:
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& workspace) const override;
+    Rgb prepare(const ShadingPoint& point, const SampleSlice& slice,
+                Workspace& workspace) const override;
 
     const std::vector<MapTriangle>& triangles() const { return triangles_; }
 

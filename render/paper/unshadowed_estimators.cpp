@@ -19,7 +19,7 @@ public:
 private:
     IrradianceTable map_;
 
-    Rgb prepare(const ShadingPoint& point, int, Workspace&) const override {
+    Rgb prepare(const ShadingPoint& point, const SampleSlice&, Workspace&) const override {
         return map_.evaluate(point.normal);
     }
 };
@@ -32,10 +32,12 @@ public:
 private:
     IrradianceTable map_;
 
-    Rgb prepare(const ShadingPoint& point, int samples, Workspace& w) const override {
-        const Rgb share = map_.evaluate(point.normal) / static_cast<float>(samples);
-        const auto u = w.numbers(context_.sequence, point.seed, 0, samples);
-        const auto v = w.numbers(context_.sequence, point.seed, 1, samples);
+    Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
+        const Rgb share = map_.evaluate(point.normal) / static_cast<float>(slice.count);
+        const auto u =
+            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
+        const auto v =
+            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
         for (std::size_t i = 0; i < u.size(); ++i)
             w.samples.add(aroundNormal(point.normal, toUnitFloat(u[i]), toUnitFloat(v[i])), share);
         w.samples.endGroup();
@@ -72,7 +74,8 @@ private:
     std::vector<SphericalTriangle> cells_;
     std::vector<double> areas_;
 
-    Rgb prepare(const ShadingPoint& point, int, Workspace& workspace) const override {
+    Rgb prepare(const ShadingPoint& point, const SampleSlice&,
+                Workspace& workspace) const override {
         auto& w = static_cast<OcclusionWorkspace&>(workspace);
         const int found = w.reader.gather(point.position, point.normal, w.items);
         w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));

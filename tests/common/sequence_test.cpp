@@ -62,8 +62,8 @@ std::size_t pairCell(std::uint32_t a, std::uint32_t b) {
 bool isNet(int m, Sequence sequence, std::uint32_t spoil = 0) {
     const std::size_t count = std::size_t{1} << m;
     std::vector<std::uint32_t> x(count), y(count);
-    fillSequence(sequence, 0, 5, x);
-    fillSequence(sequence, 1, 5, y);
+    fillSequence(sequence, 0, 5, 0, static_cast<std::uint32_t>(x.size()), x);
+    fillSequence(sequence, 1, 5, 0, static_cast<std::uint32_t>(y.size()), y);
     y[count / 2] += spoil;
     for (int split = 0; split <= m; ++split) {
         std::set<std::uint64_t> boxes;
@@ -97,7 +97,8 @@ TEST(LarcherPillichshammer, WordsAreUniformOverSeeds) {
             std::vector<double> counts(kBins), fixed(kBins);
             for (int seed = 0; seed < kSeeds; ++seed) {
                 std::array<std::uint32_t, 165> words{};
-                fillSequence(sequence, dimension, static_cast<std::uint64_t>(seed), words);
+                fillSequence(sequence, dimension, static_cast<std::uint64_t>(seed), 0,
+                             static_cast<std::uint32_t>(words.size()), words);
                 counts[words[91] * std::uint64_t{kBins} >> 32] += 1;
                 fixed[larcherPillichshammer(91) * std::uint64_t{kBins} >> 32] += 1;
             }
