@@ -92,14 +92,14 @@ VolumeGrid bestOfSides(const GridRequest& request, VolumeKind kind, const Source
     return grid;
 }
 
-VolumeGrid makeOpenness(const GridRequest& request, const Source& source) {
+VolumeGrid makeSkyVisibility(const GridRequest& request, const Source& source) {
     return bestOfSides(request, VolumeKind::fog, source,
                        [](ItemRegions&, const Opening& opening, std::size_t) {
                            return Vec3f(static_cast<float>(opening.share));
                        });
 }
 
-VolumeGrid makeMeanDirection(const GridRequest& request, const Source& source) {
+VolumeGrid makeBentNormal(const GridRequest& request, const Source& source) {
     return bestOfSides(request, VolumeKind::direction, source,
                        [](ItemRegions&, const Opening& opening, std::size_t) {
                            const double length = opening.middle.length();
@@ -111,13 +111,13 @@ VolumeGrid makeMeanDirection(const GridRequest& request, const Source& source) {
 VolumeGrid makeConfidence(const GridRequest& request, const Source& source) {
     return bestOfSides(
         request, VolumeKind::fog, source, [](ItemRegions& regions, const Opening&, std::size_t) {
-            double doubt = 0, area = 0;
+            double uncertainty = 0, area = 0;
             for (const CountedRegion& r : regions.finest()) {
                 const double solidAngle = 1.0 / cellCount(r.level);  // of the sphere, about
-                doubt += solidAngle * 2 * std::sqrt(r.posterior * (1 - r.posterior));
+                uncertainty += solidAngle * 2 * std::sqrt(r.posterior * (1 - r.posterior));
                 area += solidAngle;
             }
-            return Vec3f(area > 0 ? static_cast<float>(1 - doubt / area) : 0.0f);
+            return Vec3f(area > 0 ? static_cast<float>(1 - uncertainty / area) : 0.0f);
         });
 }
 
@@ -191,9 +191,9 @@ struct Kind {
 };
 
 constexpr Kind kKinds[] = {
-    {"openness", "openness", "openness", "open share of the sky (fog volume)", makeOpenness},
+    {"openness", "openness", "openness", "open share of the sky (fog volume)", makeSkyVisibility},
     {"mean-direction", "open_direction", "mean-direction",
-     "unit vector to the middle of the open sky (Vec3s)", makeMeanDirection},
+     "unit vector to the middle of the open sky (Vec3s)", makeBentNormal},
     {"confidence", "confidence", "confidence",
      "how sure the counts are of a ray's answer, 0 to 1 (fog volume)", makeConfidence},
     {"surface", "surface", "surface", "1 in every voxel, to divide the others by (fog volume)",

@@ -102,7 +102,7 @@ std::string factsAsJson(const CacheFacts& facts) {
     out.set("regions.finer_pure_share", summary.finer.pureShare());
     out.set("regions.by_rays", asVector(summary.rays));
     out.set("regions.by_open_share", asVector(summary.shares));
-    out.set("openness", asVector(summary.openness));
+    out.set("openness", asVector(summary.skyVisibility));
     out.set("bytes.file", fileBytes);
     for (const auto& [name, bytes] : summary.bytes) out.set("bytes." + name, bytes);
     return out.text();
@@ -124,7 +124,8 @@ std::string factsAsText(const CacheFacts& facts) {
             items.size(), static_cast<unsigned long long>(summary.parts),
             static_cast<unsigned long long>(summary.voxels), header.spacing, items.blocks.size()) +
         tallyLine("base regions", summary.base) + tallyLine("finer regions", summary.finer);
-    text += "items by open share of their directions\n" + histogram(summary.openness, tenths());
+    text +=
+        "items by open share of their directions\n" + histogram(summary.skyVisibility, tenths());
     text += "regions by number of rays\n" + histogram(summary.rays, rayLabels());
     text += "regions by open share of their rays\n" + histogram(summary.shares, shareLabels());
     text += print("bytes          %llu in the file; uncompressed:\n",
@@ -146,8 +147,8 @@ std::string skyAsText(const SkyView& view) {
                  100 * f.known, 100 * f.pure) +
            print("open           %.1f %% of it, %.1f %% weighted by the cosine\n", 100 * f.open,
                  100 * f.openCosine) +
-           print("toward         %.3f, %.3f, %.3f: the middle of the open part\n",
-                 f.openDirection.x, f.openDirection.y, f.openDirection.z);
+           print("toward         %.3f, %.3f, %.3f: the middle of the open part\n", f.bentNormal.x,
+                 f.bentNormal.y, f.bentNormal.z);
 }
 
 std::string skyAsJson(const SkyView& view) {
@@ -159,7 +160,7 @@ std::string skyAsJson(const SkyView& view) {
     out.set("pure", f.pure);
     out.set("open", f.open);
     out.set("open_cosine", f.openCosine);
-    out.set("open_direction", std::vector{f.openDirection.x, f.openDirection.y, f.openDirection.z});
+    out.set("open_direction", std::vector{f.bentNormal.x, f.bentNormal.y, f.bentNormal.z});
     return out.text();
 }
 

@@ -66,7 +66,7 @@ void addSlices(HtmlPage& page, const CacheFacts& facts) {
         "side that sees most of the upper sky; what lies deeper behind the cut is paler.");
     page.colorScale("closed", "open");
     const VoxelRuns runs = findVoxels(facts.items);
-    const VolumeGrid openness =
+    const VolumeGrid skyVisibility =
         makeVolumeGrid(parseGridRequest("openness"), 0, facts.header, facts.items, runs);
     const char* names[] = {"from +X", "from above", "from +Z"};
     std::vector<std::pair<std::string, Image>> pictures;
@@ -76,7 +76,7 @@ void addSlices(HtmlPage& page, const CacheFacts& facts) {
                                  share * (facts.summary.high[axis] - facts.summary.low[axis]);
             pictures.emplace_back(
                 std::string(names[axis]) + ", cut at " + "XYZ"[axis] + " = " + text(place),
-                sectionView(runs.voxels, openness.values, axis, share, kPictureSide));
+                sectionView(runs.voxels, skyVisibility.values, axis, share, kPictureSide));
         }
     page.pictures(pictures);
 }
@@ -90,7 +90,7 @@ void addHistograms(HtmlPage& page, const CacheSummary& summary) {
     page.heading("Histograms");
     std::vector<std::string> shares = shareLabels();
     page.bars("Items by the open share of their sky", {shares.begin() + 1, shares.end() - 1},
-              asVector(summary.openness));
+              asVector(summary.skyVisibility));
     page.bars(
         "Regions by the open share of their rays; \"hidden\" and \"open\" are pure: all rays "
         "agreed",

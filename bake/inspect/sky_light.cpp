@@ -22,9 +22,9 @@ Rgb cellLight(const Environment& environment, const Vec3f& normal, int level, st
     }
     Rgb light;
     for (int c = 0; c < 3; ++c)
-        light[c] =
-            std::max(0.0f, moments.flux[c][0][i] * normal.x + moments.flux[c][1][i] * normal.y +
-                               moments.flux[c][2][i] * normal.z);
+        light[c] = std::max(0.0f, moments.firstMoment[c][0][i] * normal.x +
+                                      moments.firstMoment[c][1][i] * normal.y +
+                                      moments.firstMoment[c][2][i] * normal.z);
     return light;
 }
 

@@ -30,7 +30,7 @@ SkyView::SkyView(const ShadowCache& cache, const Vec3d& position, const Vec3f& n
     : normal_(normal) {
     ShadowCache::Reader reader(cache);
     std::array<ItemView, ShadowCache::kMaxItems> found;
-    const int count = reader.gather(position, normal, found);
+    const int count = reader.lookUp(position, normal, found);
     for (const ItemView& item : std::span(found).first(static_cast<std::size_t>(count))) {
         items_.emplace_back(cache.header().tiers());
         items_.back().use(item);
@@ -70,7 +70,7 @@ SkyView::Figures SkyView::figures() const {
         knownCosine += area * cosine;
         f.open += area * sight.open;
         f.openCosine += area * cosine * sight.open;
-        f.openDirection += center * (area * sight.open);
+        f.bentNormal += center * (area * sight.open);
         if (sight.open <= 0 || sight.open >= 1) f.pure += area;
     }
     if (f.known > 0) {
@@ -79,7 +79,7 @@ SkyView::Figures SkyView::figures() const {
         f.pure /= f.known;
         f.known /= all;
     }
-    if (f.openDirection.length() > 0) f.openDirection.normalize();
+    if (f.bentNormal.length() > 0) f.bentNormal.normalize();
     return f;
 }
 

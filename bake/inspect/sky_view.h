@@ -26,11 +26,11 @@ public:
 
     /// The hemisphere above the place in figures; means are over the part that is known.
     struct Figures {
-        double known = 0;       ///< share of the hemisphere
-        double open = 0;        ///< mean open share
-        double openCosine = 0;  ///< the same weighted by the cosine: of a constant sky's light
-        double pure = 0;        ///< share where all rays agreed
-        Vec3d openDirection{0, 0, 0};  ///< unit vector to the middle of the open part, or zero
+        double known = 0;           ///< share of the hemisphere
+        double open = 0;            ///< mean open share
+        double openCosine = 0;      ///< the same weighted by the cosine: of a constant sky's light
+        double pure = 0;            ///< share where all rays agreed
+        Vec3d bentNormal{0, 0, 0};  ///< mean visible direction, unit length, or zero
     };
     Figures figures() const;
 

@@ -52,8 +52,8 @@ CacheSummary summarize(const CacheHeader& header, const CacheItems& items) {
         summary.voxels += i == 0 || items.voxel[i] != items.voxel[i - 1];
         summary.parts += PatchCode::of(items.patch[i]).part != 0;
         const double open = openShare(items, i, cells);
-        ++summary.openness[std::min(static_cast<std::size_t>(open * CacheSummary::kBins),
-                                    CacheSummary::kBins - 1)];
+        ++summary.skyVisibility[std::min(static_cast<std::size_t>(open * CacheSummary::kBins),
+                                         CacheSummary::kBins - 1)];
     }
     const auto add = [&](RegionTally& tally, unsigned n, unsigned d) {
         tally.add(n, d);

@@ -29,9 +29,10 @@ struct CacheSummary {
 
     Vec3d low{0, 0, 0}, high{0, 0, 0};  ///< box of the voxels, world space
     std::uint64_t voxels = 0;
-    std::uint64_t parts = 0;                      ///< items that are parts of a patch
-    RegionTally base, finer;                      ///< coarsest regions; those of blocks
-    std::array<std::uint64_t, kBins> openness{};  ///< items by the open share of their regions
+    std::uint64_t parts = 0;  ///< items that are parts of a patch
+    RegionTally base, finer;  ///< coarsest regions; those of blocks
+    std::array<std::uint64_t, kBins>
+        skyVisibility{};  ///< items by their sky visibility, the visible share of their regions
     /// Regions by their rays: none, 1, 2 to 3, 4 to 7, ... 128 to 255.
     std::array<std::uint64_t, 9> rays{};
     /// Regions with rays by the share that got out: none, tenths of those between, all.

@@ -16,8 +16,8 @@ namespace shadowcache {
 inline constexpr const char* kFormatKey = "shadowcache_format";
 inline constexpr const char* kItemGrid = "shadowcache_items";
 inline constexpr const char* kBlockGrid = "shadowcache_blocks";
-inline constexpr const char* kOpennessGrid = "openness";
-inline constexpr const char* kOpenDirectionGrid = "open_direction";
+inline constexpr const char* kSkyVisibilityGrid = "openness";
+inline constexpr const char* kBentNormalGrid = "open_direction";
 
 using PointGrid = openvdb::points::PointDataGrid;
 using PointLeaf = openvdb::points::PointDataTree::LeafNodeType;

@@ -202,8 +202,8 @@ std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
     };
     // The points stand last, where whoever reads them meets the end of a file cut short.
     writeVdb(path,
-             {volume(opennessGrid(header, items, runs)),
-              volume(openDirectionGrid(header, items, runs)), points.blocks, points.items},
+             {volume(skyVisibilityGrid(header, items, runs)),
+              volume(bentNormalGrid(header, items, runs)), points.blocks, points.items},
              toMetadata(header, items));
     return fs::file_size(path);
 }

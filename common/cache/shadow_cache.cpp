@@ -313,7 +313,7 @@ void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& norm
     }
 }
 
-int ShadowCache::Reader::gather(const Vec3d& position, const Vec3f& normal,
+int ShadowCache::Reader::lookUp(const Vec3d& position, const Vec3f& normal,
                                 std::span<ItemView> out) {
     if (impl_->paged) impl_->paged->beginLookup();
     FoundItems found{out, {}};

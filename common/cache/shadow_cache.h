@@ -94,7 +94,7 @@ public:
         /// @param out      at least kMaxItems
         /// @return number of items found; with a budget they are valid until the next call
         /// @throws Error naming the file if there is a budget and the file cannot be read any more
-        int gather(const Vec3d& position, const Vec3f& normal, std::span<ItemView> out);
+        int lookUp(const Vec3d& position, const Vec3f& normal, std::span<ItemView> out);
 
     private:
         struct Impl;

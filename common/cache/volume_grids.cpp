@@ -47,25 +47,26 @@ VoxelRuns findVoxels(const CacheItems& items) {
     return runs;
 }
 
-VolumeGrid opennessGrid(const CacheHeader& header, const CacheItems& items, const VoxelRuns& runs) {
+VolumeGrid skyVisibilityGrid(const CacheHeader& header, const CacheItems& items,
+                             const VoxelRuns& runs) {
     std::vector<double> open(runs.voxels.size()), counted(runs.voxels.size());
     forBaseRegions(header, items, runs, [&](std::size_t v, std::size_t, float share, float weight) {
         open[v] += static_cast<double>(share * weight);
         counted[v] += static_cast<double>(weight);
     });
-    VolumeGrid grid{kOpennessGrid, VolumeKind::fog, {}};
+    VolumeGrid grid{kSkyVisibilityGrid, VolumeKind::fog, {}};
     for (std::size_t v = 0; v < open.size(); ++v)
         grid.values.emplace_back(counted[v] > 0 ? static_cast<float>(open[v] / counted[v]) : 0.0f);
     return grid;
 }
 
-VolumeGrid openDirectionGrid(const CacheHeader& header, const CacheItems& items,
-                             const VoxelRuns& runs) {
+VolumeGrid bentNormalGrid(const CacheHeader& header, const CacheItems& items,
+                          const VoxelRuns& runs) {
     const DirectionTiers tiers = header.tiers();
     std::vector<Vec3f> centers;
     for (std::uint32_t c = 0; c < tiers.baseCells(); ++c)
         centers.emplace_back(cellCenter(tiers.baseLevel(), c));
-    VolumeGrid grid{kOpenDirectionGrid, VolumeKind::direction,
+    VolumeGrid grid{kBentNormalGrid, VolumeKind::direction,
                     std::vector<Vec3f>(runs.voxels.size(), Vec3f(0))};
     std::vector<float> counted(runs.voxels.size());
     forBaseRegions(header, items, runs,

@@ -28,12 +28,15 @@ struct VoxelRuns {
 };
 VoxelRuns findVoxels(const CacheItems& items);
 
-/// Mean of n/d over the counted base regions of all items of each voxel ("openness").
-VolumeGrid opennessGrid(const CacheHeader& header, const CacheItems& items, const VoxelRuns& runs);
-
-/// Mean over the same regions of n/d times the region's centre ("open_direction").
-VolumeGrid openDirectionGrid(const CacheHeader& header, const CacheItems& items,
+/// Sky visibility: mean of n/d over the counted base regions of all items of each voxel (grid
+/// `openness`).
+VolumeGrid skyVisibilityGrid(const CacheHeader& header, const CacheItems& items,
                              const VoxelRuns& runs);
+
+/// Bent normal, not normalised: mean over the same regions of n/d times the region's centre (grid
+/// `open_direction`).
+VolumeGrid bentNormalGrid(const CacheHeader& header, const CacheItems& items,
+                          const VoxelRuns& runs);
 
 /// Writes grids over the voxels to an OpenVDB file of their own; beside it first, then renamed.
 ///

@@ -127,7 +127,7 @@ void Environment::sortTexels() {
 
 void Environment::sumCells() {
     const std::size_t cellTotal = cellCount(kLevel);
-    power_[kLevel].assign(cellTotal, 0.0);
+    luminance_[kLevel].assign(cellTotal, 0.0);
     sums_[kLevel].assign(cellTotal, {});
     parallelFor(cellTotal, 64, [&](const Chunk& cells) {
         std::vector<double> weights;
@@ -145,32 +145,32 @@ void Environment::sumCells() {
                 const Rgb& radiance = sorted_[i].radiance;
                 for (unsigned k = 0; k < 3; ++k) {
                     const auto light = static_cast<double>(radiance[static_cast<int>(k)]);
-                    sums_[kLevel][c].flux[k] += m.vector * light;
+                    sums_[kLevel][c].firstMoment[k] += m.vector * light;
                     for (std::size_t j = 0; j < 6; ++j)
                         sums_[kLevel][c].second[k][j] += m.second[j] * light;
                 }
                 weights[i - first] = static_cast<double>(luminance(radiance)) * m.solidAngle;
-                power_[kLevel][c] += weights[i - first];
+                luminance_[kLevel][c] += weights[i - first];
             }
             accumulate(c, weights);
         }
     });
     for (int level = kLevel - 1; level >= 0; --level) {
         const auto l = static_cast<std::size_t>(level);
-        power_[l].assign(cellCount(level), 0.0);
+        luminance_[l].assign(cellCount(level), 0.0);
         sums_[l].assign(cellCount(level), {});
         for (std::size_t c = 0; c < cellCount(level); ++c)
             for (std::size_t child = 4 * c; child < 4 * c + 4; ++child) {
-                power_[l][c] += power_[l + 1][child];
+                luminance_[l][c] += luminance_[l + 1][child];
                 for (std::size_t k = 0; k < 3; ++k) {
-                    sums_[l][c].flux[k] += sums_[l + 1][child].flux[k];
+                    sums_[l][c].firstMoment[k] += sums_[l + 1][child].firstMoment[k];
                     for (std::size_t j = 0; j < 6; ++j)
                         sums_[l][c].second[k][j] += sums_[l + 1][child].second[k][j];
                 }
             }
     }
-    totalPower_ = 0;
-    for (const double p : power_[0]) totalPower_ += p;
+    sphereLuminance_ = 0;
+    for (const double p : luminance_[0]) sphereLuminance_ += p;
 }
 
 void Environment::accumulate(std::size_t cell, const std::vector<double>& weights) {
@@ -186,7 +186,7 @@ void Environment::accumulate(std::size_t cell, const std::vector<double>& weight
         texelBegin_[i] = static_cast<std::uint32_t>(sum);
         const double w = weights[i - firstTexel_[cell]];
         if (!(w > 0)) continue;
-        sum += 1 + static_cast<std::uint64_t>(steps * (w / power_[kLevel][cell]));
+        sum += 1 + static_cast<std::uint64_t>(steps * (w / luminance_[kLevel][cell]));
         end = i + 1;
     }
     for (std::uint32_t i = end; i < firstTexel_[cell + 1]; ++i) texelBegin_[i] = kNoStep;
@@ -209,33 +209,34 @@ void Environment::tabulate() {
             for (std::size_t k = 0; k < 3; ++k) {
                 m.axis[k][i] = static_cast<float>(axis[static_cast<int>(k)]);
                 for (std::size_t j = 0; j < 3; ++j)
-                    m.flux[k][j][i] = static_cast<float>(sums_[l][c].flux[k][static_cast<int>(j)]);
+                    m.firstMoment[k][j][i] =
+                        static_cast<float>(sums_[l][c].firstMoment[k][static_cast<int>(j)]);
                 for (std::size_t j = 0; j < 6; ++j)
                     m.second[k][j][i] = static_cast<float>(sums_[l][c].second[k][j]);
             }
             m.sinRadius[i] = static_cast<float>(std::sin(radius));
-            m.power[i] = static_cast<float>(power_[l][c]);
+            m.luminanceIntegral[i] = static_cast<float>(luminance_[l][c]);
         }
     }
     // Lit cells keep a chance that survives the rounding of the running sum beside a very bright
     // one.
-    const std::vector<double>& power = power_[kLevel];
-    cellCdf_.assign(power.size() + 1, 0.0);
-    for (std::size_t c = 0; c < power.size(); ++c)
-        cellCdf_[c + 1] = cellCdf_[c] + (power[c] > 0 ? power[c] + 1e-13 * totalPower_ : 0.0);
+    const std::vector<double>& cells = luminance_[kLevel];
+    cellCdf_.assign(cells.size() + 1, 0.0);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+        cellCdf_[c + 1] = cellCdf_[c] + (cells[c] > 0 ? cells[c] + 1e-13 * sphereLuminance_ : 0.0);
     // guide_[g] is the cell in which the g-th of equal parts of the running sum begins.
-    guide_.assign(power.size() + 1, static_cast<std::uint32_t>(power.size() - 1));
+    guide_.assign(cells.size() + 1, static_cast<std::uint32_t>(cells.size() - 1));
     std::uint32_t c = 0;
     for (std::size_t g = 0; g + 1 < guide_.size(); ++g) {
         const double x =
             cellCdf_.back() * static_cast<double>(g) / static_cast<double>(guide_.size() - 1);
-        while (c + 1 < power.size() && cellCdf_[c + 1] <= x) ++c;
+        while (c + 1 < cells.size() && cellCdf_[c + 1] <= x) ++c;
         guide_[g] = c;
     }
 }
 
-double Environment::power(int level, std::uint32_t cell) const noexcept {
-    return power_[static_cast<std::size_t>(level)][cell];
+double Environment::luminanceIntegral(int level, std::uint32_t cell) const noexcept {
+    return luminance_[static_cast<std::size_t>(level)][cell];
 }
 
 double Environment::texelShare(std::uint32_t rank, std::uint32_t cellEnd) const noexcept {

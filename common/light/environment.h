@@ -20,13 +20,14 @@ struct EnvironmentSample {
 
 /// Sixteen consecutive cells of a level (at level 2 and finer, those with a common ancestor two
 /// levels up), as arrays: what weighing regions reads. Cells past the end of levels 0 and 1 have no
-/// power.
+/// light.
 struct alignas(64) CellMoments {
     static constexpr int kSize = 16;
-    float axis[3][kSize];     ///< unit vector at the middle of the cell
-    float sinRadius[kSize];   ///< sine of the angle around it that holds all of the cell's texels
-    float flux[3][3][kSize];  ///< [colour][x, y, z]: integral of L(w) w over the cell [radiance sr]
-    float power[kSize];       ///< integral of the luminance over the cell [radiance sr]
+    float axis[3][kSize];    ///< unit vector at the middle of the cell
+    float sinRadius[kSize];  ///< sine of the angle around it that holds all of the cell's texels
+    float firstMoment[3][3][kSize];  ///< [colour][x, y, z]: integral of L(w) w over the cell
+                                     ///< [radiance sr]
+    float luminanceIntegral[kSize];  ///< integral of the luminance over the cell [radiance sr]
     /// [colour][xx, yy, zz, xy, xz, yz]: integral of L(w) w w^T over the cell [radiance sr]
     float second[3][6][kSize];
 };
@@ -51,7 +52,7 @@ public:
     }
 
     /// Integral of the luminance over the sphere [radiance sr].
-    double totalPower() const { return totalPower_; }
+    double luminanceIntegral() const { return sphereLuminance_; }
 
     /// Radiance along a unit direction.
     Rgb radiance(const Vec3f& direction) const noexcept;
@@ -62,11 +63,11 @@ public:
     }
 
     /// Integral of the luminance over a cell, level 0 .. kLevel.
-    double power(int level, std::uint32_t cell) const noexcept;
+    double luminanceIntegral(int level, std::uint32_t cell) const noexcept;
 
-    /// Direction in cell `index` of `level` (whose power is positive) with density in proportion to
-    /// the luminance; its density is with respect to that cell. u chooses the texel, jitter (two
-    /// numbers) the place in it.
+    /// Direction in cell `index` of `level` (whose luminance integral is positive) with density in
+    /// proportion to the luminance; its density is with respect to that cell. u chooses the texel,
+    /// jitter (two numbers) the place in it.
     EnvironmentSample sampleCell(int level, std::uint32_t index, double u, float jitterX,
                                  float jitterY) const noexcept;
 
@@ -82,7 +83,7 @@ public:
     void findTexel(Draw& draw) const noexcept;
     EnvironmentSample finishDraw(const Draw& draw, float jitterX, float jitterY) const noexcept;
 
-    /// As sampleCell, over the whole sphere (whose power is positive).
+    /// As sampleCell, over the whole sphere (whose luminance integral is positive).
     EnvironmentSample sample(double u, float jitterX, float jitterY) const noexcept;
 
     /// Radiance along a unit direction, and the density with which sample() draws it [1/sr].
@@ -120,7 +121,7 @@ private:
     std::size_t width_ = 0, height_ = 0;
     double rotation_ = 0;
     Rgb luminanceWeights_;
-    double totalPower_ = 0;
+    double sphereLuminance_ = 0;
     /// Texel of the map, perhaps replicated, at y * width + x.
     struct MapTexel {
         Rgb radiance;
@@ -139,11 +140,11 @@ private:
     std::vector<double> cellCdf_;            ///< over the cells of kLevel, cellCount + 1
     std::vector<std::uint32_t> guide_;       ///< where in cellCdf_ to begin
     std::vector<float> rowCos_, columnCos_, columnSin_;  ///< at texel borders
-    std::array<std::vector<double>, kLevel + 1> power_;
+    std::array<std::vector<double>, kLevel + 1> luminance_;
     /// What is summed over a cell for each colour.
     struct Moments {
         // Imath leaves the numbers of a vector undefined unless told.
-        std::array<Vec3d, 3> flux{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
+        std::array<Vec3d, 3> firstMoment{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
         std::array<std::array<double, 6>, 3> second{};
     };
     std::array<std::vector<Moments>, kLevel + 1> sums_;

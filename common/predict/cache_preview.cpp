@@ -99,7 +99,7 @@ struct IrradianceSum {
 
     void add(const CellMoments&, const CellLight& sky, const Vec3f&, const float* c) {
         for (int k = 0; k < 3; ++k)
-            for (int i = 0; i < kBlockCells; ++i) lanes[k][i] += c[i] * sky.flux[k][i];
+            for (int i = 0; i < kBlockCells; ++i) lanes[k][i] += c[i] * sky.irradiance[k][i];
     }
     Rgb total() const { return {sumOf(lanes[0]), sumOf(lanes[1]), sumOf(lanes[2])}; }
 };
@@ -123,7 +123,7 @@ struct GradientSum : IrradianceSum {
         for (int k = 0; k < 3; ++k)
             for (int axis = 0; axis < 3; ++axis)
                 for (int i = 0; i < kBlockCells; ++i)
-                    byNormal[k][axis][i] += share[i] * m.flux[k][axis][i];
+                    byNormal[k][axis][i] += share[i] * m.firstMoment[k][axis][i];
     }
 };
 

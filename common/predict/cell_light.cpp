@@ -22,22 +22,22 @@ void lightHorizon(const CellMoments& m, const Vec3f& n, const float* height, Cel
         constant[i] = fit.constant;
         linear[i] = fit.linear;
         square[i] = fit.square;
-        out.light[i] = cut[i] ? m.power[i] : out.light[i];
+        out.light[i] = cut[i] ? m.luminanceIntegral[i] : out.light[i];
         out.cosineMoment[i] = cut[i] ? fit.cosineMoment : out.cosineMoment[i];
         out.fitMoment[i] = cut[i] ? fit.fitMoment : out.fitMoment[i];
     }
     const float xx = n.x * n.x, yy = n.y * n.y, zz = n.z * n.z;
     const float xy = 2 * n.x * n.y, xz = 2 * n.x * n.z, yz = 2 * n.y * n.z;
     for (int k = 0; k < 3; ++k) {
-        const auto& f = m.flux[k];
+        const auto& f = m.firstMoment[k];
         const auto& s = m.second[k];
         for (int i = 0; i < kBlockCells; ++i) {
             const float total = s[0][i] + s[1][i] + s[2][i];
             const float first = n.x * f[0][i] + n.y * f[1][i] + n.z * f[2][i];
             const float second = xx * s[0][i] + yy * s[1][i] + zz * s[2][i] + xy * s[3][i] +
                                  xz * s[4][i] + yz * s[5][i];
-            const float flux = constant[i] * total + linear[i] * first + square[i] * second;
-            out.flux[k][i] = cut[i] ? flux : out.flux[k][i];
+            const float irradiance = constant[i] * total + linear[i] * first + square[i] * second;
+            out.irradiance[k][i] = cut[i] ? irradiance : out.irradiance[k][i];
         }
     }
 }
@@ -49,12 +49,15 @@ void lightCells(const CellMoments& m, const Vec3f& n, const Rgb& weights, CellLi
     for (int i = 0; i < kBlockCells; ++i) {
         height[i] = n.x * m.axis[0][i] + n.y * m.axis[1][i] + n.z * m.axis[2][i];
         const float above = height[i] > 0 ? 1.0f : 0.0f;
-        const float r = n.x * m.flux[0][0][i] + n.y * m.flux[0][1][i] + n.z * m.flux[0][2][i];
-        const float g = n.x * m.flux[1][0][i] + n.y * m.flux[1][1][i] + n.z * m.flux[1][2][i];
-        const float b = n.x * m.flux[2][0][i] + n.y * m.flux[2][1][i] + n.z * m.flux[2][2][i];
-        out.flux[0][i] = above * r;
-        out.flux[1][i] = above * g;
-        out.flux[2][i] = above * b;
+        const float r = n.x * m.firstMoment[0][0][i] + n.y * m.firstMoment[0][1][i] +
+                        n.z * m.firstMoment[0][2][i];
+        const float g = n.x * m.firstMoment[1][0][i] + n.y * m.firstMoment[1][1][i] +
+                        n.z * m.firstMoment[1][2][i];
+        const float b = n.x * m.firstMoment[2][0][i] + n.y * m.firstMoment[2][1][i] +
+                        n.z * m.firstMoment[2][2][i];
+        out.irradiance[0][i] = above * r;
+        out.irradiance[1][i] = above * g;
+        out.irradiance[2][i] = above * b;
         out.light[i] = above * (weights.x * r + weights.y * g + weights.z * b);
         out.cosineMoment[i] = 1;
         out.fitMoment[i] = 1;

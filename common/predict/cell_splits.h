@@ -43,10 +43,10 @@ public:
     template <class Counts>
     void mark(const Counts& counts, int tier, std::uint32_t block, const CellLight& sky,
               const float* c, float leastNoise, Splits& out) const {
-        alignas(16) std::uint8_t doubtful[kBlockCells];
-        if (!judge(tier, sky, c, leastNoise, doubtful, out)) return;
+        alignas(16) std::uint8_t uncertain[kBlockCells];
+        if (!judge(tier, sky, c, leastNoise, uncertain, out)) return;
         for (std::uint32_t i = 0; i < kBlockCells; ++i)
-            if (doubtful[i] != 0)
+            if (uncertain[i] != 0)
                 out.marks[i] |=
                     static_cast<std::uint8_t>(counts.hasChildren(tier, block * kBlockCells + i));
         out.any = std::any_of(out.marks, out.marks + kBlockCells,
@@ -54,10 +54,11 @@ public:
     }
 
 private:
-    /// Marks the cells for which the horizon is reason enough, and notes those that are doubtful.
+    /// Marks the cells for which the horizon is reason enough, and notes those whose visibility is
+    /// uncertain.
     /// @return whether any cell can be split
     bool judge(int tier, const CellLight& sky, const float* c, float leastNoise,
-               std::uint8_t* doubtful, Splits& out) const;
+               std::uint8_t* uncertain, Splits& out) const;
 
     DirectionTiers tiers_;
     int finest_;  ///< level down to which cells on the horizon are split

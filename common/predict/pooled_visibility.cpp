@@ -53,7 +53,7 @@ bool touches(const CellCap& cap, const Vec3f& axis, float angle) {
 }
 
 /// What was open may be hidden now; what was hidden still is.
-void doubtCell(PooledBlock& block, int i) {
+void makeUncertain(PooledBlock& block, int i) {
     constexpr float kOpenStill = 0.75f;
     if (!(block.open[i] > 0)) return;
     block.open[i] *= kOpenStill;
@@ -72,7 +72,7 @@ void PooledVisibility::pool(std::span<const ItemView> items) {
     used_.clear();
     links_.clear();
     blocks_.clear();
-    doubts_.clear();
+    occluderCones_.clear();
     items_ = items;
     std::fill(base_.begin(), base_.end(), PooledBlock{});
     for (const ItemView& item : items) addBase(item);
@@ -119,8 +119,8 @@ const PooledBlock* PooledVisibility::children(int tier, std::uint32_t cell) cons
         PooledBlock& block = blocks_.back();
         poolBlock(key, parents ? &above : nullptr, static_cast<int>(cell % kBlockCells), block);
         if (parents_[key].link < 0) used_.push_back(key);
-        if (!doubts_.empty())
-            doubtBlock(tiers_.baseLevel() + 2 * (tier + 1), cell * kBlockCells, block);
+        if (!occluderCones_.empty())
+            applyOccluderCones(tiers_.baseLevel() + 2 * (tier + 1), cell * kBlockCells, block);
     }
     return &blocks_[static_cast<std::size_t>(parents_[key].block)];
 }
@@ -165,28 +165,30 @@ void PooledVisibility::poolBlock(std::uint16_t key, const PooledBlock* parents, 
     }
 }
 
-void PooledVisibility::doubt(const Vec3f& axis, float angle) {
-    if (doubts_.empty()) doubtedBase_ = base_;
-    doubts_.push_back({axis, angle});
+void PooledVisibility::addOccluderCone(const Vec3f& axis, float angle) {
+    if (occluderCones_.empty()) uncertainBase_ = base_;
+    occluderCones_.push_back({axis, angle});
     for (std::uint32_t b = 0; b < baseBlocks(); ++b) {
-        doubtedBase_[b] = base_[b];
-        doubtBlock(tiers_.baseLevel(), b * kBlockCells, doubtedBase_[b]);
+        uncertainBase_[b] = base_[b];
+        applyOccluderCones(tiers_.baseLevel(), b * kBlockCells, uncertainBase_[b]);
     }
 }
 
-bool PooledVisibility::isDoubted(int level, std::uint32_t cell) const {
-    return std::any_of(doubts_.begin(), doubts_.end(), [&](const Doubt& d) {
-        return touches(capsOf(level)[cell], d.axis, d.angle);
+bool PooledVisibility::isInOccluderCone(int level, std::uint32_t cell) const {
+    return std::any_of(occluderCones_.begin(), occluderCones_.end(), [&](const OccluderCone& cone) {
+        return touches(capsOf(level)[cell], cone.axis, cone.angle);
     });
 }
 
-/// Makes the doubted ones of sixteen cells uncertain. Cells finer than the caps are judged by their
-/// common ancestor.
-void PooledVisibility::doubtBlock(int level, std::uint32_t firstCell, PooledBlock& block) const {
+/// Makes those of sixteen cells uncertain that an occluder cone meets. Cells finer than the caps
+/// are judged by their common ancestor.
+void PooledVisibility::applyOccluderCones(int level, std::uint32_t firstCell,
+                                          PooledBlock& block) const {
     for (std::uint32_t i = 0; i < kBlockCells && firstCell + i < cellCount(level); ++i) {
-        const bool doubted = level < kCapLevels ? isDoubted(level, firstCell + i)
-                                                : isDoubted(level - 2, firstCell / kBlockCells);
-        if (doubted) doubtCell(block, static_cast<int>(i));
+        const bool uncertain = level < kCapLevels
+                                   ? isInOccluderCone(level, firstCell + i)
+                                   : isInOccluderCone(level - 2, firstCell / kBlockCells);
+        if (uncertain) makeUncertain(block, static_cast<int>(i));
     }
 }
 

@@ -39,18 +39,18 @@ public:
 
     /// Something that the counts know nothing of may hide what lies within `angle` [rad] of the
     /// unit vector `axis`: the regions there that were open become uncertain.
-    void doubt(const Vec3f& axis, float angle);
+    void addOccluderCone(const Vec3f& axis, float angle);
 
     const DirectionTiers& tiers() const { return tiers_; }
     /// Base cells 16 block .. 16 block + 15.
     const PooledBlock& base(std::uint32_t block) const {
-        return doubts_.empty() ? base_[block] : doubtedBase_[block];
+        return occluderCones_.empty() ? base_[block] : uncertainBase_[block];
     }
     std::uint32_t baseBlocks() const { return static_cast<std::uint32_t>(base_.size()); }
     /// Whether any item has finer counts of cell `parent` of tier 0 or 1.
     bool hasChildren(int tier, std::uint32_t parent) const {
         return parents_[tiers_.blockKey(tier, parent)].link >= 0 ||
-               (tier == 0 && isDoubted(tiers_.baseLevel(), parent));
+               (tier == 0 && isInOccluderCone(tiers_.baseLevel(), parent));
     }
     /// Children of that cell, or null where no item has them; valid until the next call.
     const PooledBlock* children(int tier, std::uint32_t parent) const;
@@ -68,7 +68,7 @@ private:
     };
 
     /// A cone of directions that something may hide.
-    struct Doubt {
+    struct OccluderCone {
         Vec3f axis;
         float angle;
     };
@@ -76,8 +76,8 @@ private:
     DirectionTiers tiers_;
     std::span<const ItemView> items_;
     std::vector<PooledBlock> base_;
-    std::vector<PooledBlock> doubtedBase_;  ///< only with doubts
-    std::vector<Doubt> doubts_;
+    std::vector<PooledBlock> uncertainBase_;  ///< only with occluder cones
+    std::vector<OccluderCone> occluderCones_;
     mutable std::vector<PooledBlock> blocks_;  ///< those that were asked for
     mutable std::vector<Parent> parents_;      ///< by key
     mutable std::vector<std::uint16_t> used_;  ///< keys with a link or a block
@@ -86,8 +86,8 @@ private:
     void addBase(const ItemView& item);
     void linkBlocks(std::size_t item);
     void poolBlock(std::uint16_t key, const PooledBlock* parents, int i, PooledBlock& block) const;
-    bool isDoubted(int level, std::uint32_t cell) const;
-    void doubtBlock(int level, std::uint32_t firstCell, PooledBlock& block) const;
+    bool isInOccluderCone(int level, std::uint32_t cell) const;
+    void applyOccluderCones(int level, std::uint32_t firstCell, PooledBlock& block) const;
 };
 
 }  // namespace shadowcache

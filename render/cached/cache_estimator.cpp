@@ -183,16 +183,17 @@ private:
         return {w.weights.spreadSum(), w.weights.predictedLuminance()};
     }
 
-    std::span<const ItemView> gather(const ShadingPoint& point, CacheWorkspace& w) const {
-        const int found = w.reader.gather(point.position, point.normal, w.items);
+    std::span<const ItemView> lookUp(const ShadingPoint& point, CacheWorkspace& w) const {
+        const int found = w.reader.lookUp(point.position, point.normal, w.items);
         return std::span(w.items).first(static_cast<std::size_t>(found));
     }
 
     /// @return number of items found
     int pool(const ShadingPoint& point, CacheWorkspace& w) const {
-        const std::span<const ItemView> found = gather(point, w);
+        const std::span<const ItemView> found = lookUp(point, w);
         w.pooled.pool(found);
-        for (const Ball& ball : context_.scene.movingBalls()) doubtBehind(ball, point, w.pooled);
+        for (const Ball& ball : context_.scene.movingBalls())
+            addOccluderCone(ball, point, w.pooled);
         return static_cast<int>(found.size());
     }
 
@@ -209,17 +210,18 @@ private:
             pool(point, w);
             return w.preview.irradiance(w.pooled, point.normal);
         }
-        return w.itemIrradiance.mean(gather(point, w), point.normal);
+        return w.itemIrradiance.mean(lookUp(point, w), point.normal);
     }
 
     /// The counts know nothing of what moves.
-    static void doubtBehind(const Ball& ball, const ShadingPoint& point, PooledVisibility& pooled) {
+    static void addOccluderCone(const Ball& ball, const ShadingPoint& point,
+                                PooledVisibility& pooled) {
         const Vec3f towards = ball.center - point.rayOrigin;
         const float distance = towards.length();
         if (distance > ball.radius)
-            pooled.doubt(towards / distance, std::asin(ball.radius / distance));
+            pooled.addOccluderCone(towards / distance, std::asin(ball.radius / distance));
         else
-            pooled.doubt(point.normal, static_cast<float>(kPi));
+            pooled.addOccluderCone(point.normal, static_cast<float>(kPi));
     }
 
     /// Fills w.samples, decided before any ray is traced.
@@ -275,10 +277,10 @@ private:
 
     /// A sample whose contribution is zero unless it is a surprise, and then shared.
     void addShared(const Region& r, const EnvironmentSample& s, CacheWorkspace& w) const {
-        const double power = context_.environment.power(r.level, r.cell);
+        const double luminance = context_.environment.luminanceIntegral(r.level, r.cell);
         w.shared.push_back(
             {w.samples.size(),
-             {s.direction, s.radiance, s.cell, static_cast<double>(s.density) * power,
+             {s.direction, s.radiance, s.cell, static_cast<double>(s.density) * luminance,
               w.exchange.lastPoint(), r.shared > 0}});
         w.samples.add(s.direction, Rgb(0, 0, 0));
     }

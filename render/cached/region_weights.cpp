@@ -141,7 +141,7 @@ void RegionWeights::roundShared(std::size_t g) {
     for (int k = 0; k < 3; ++k) {
         alignas(64) float predicted[kBlockCells];
         for (int i = 0; i < kBlockCells; ++i)
-            predicted[i] = lanes.light[i] > 0 ? lanes.visibility[i] * sky.flux[k][i] : 0.0f;
+            predicted[i] = lanes.light[i] > 0 ? lanes.visibility[i] * sky.irradiance[k][i] : 0.0f;
         groups_[g].predicted[k] = sumOf(predicted);
     }
 }
@@ -177,9 +177,9 @@ void RegionWeights::weighBlock(int tier, std::uint32_t block, const PooledBlock*
             light * std::sqrt(residualMoment(a[i], c, sky.cosineMoment[i], sky.fitMoment[i]));
         const float share = light > 0 ? c : 0.0f;
         sure[i] = c > kMostlyOpen ? lanes.light[i] : 0.0f;
-        predicted[0][i] = share * sky.flux[0][i];
-        predicted[1][i] = share * sky.flux[1][i];
-        predicted[2][i] = share * sky.flux[2][i];
+        predicted[0][i] = share * sky.irradiance[0][i];
+        predicted[1][i] = share * sky.irradiance[1][i];
+        predicted[2][i] = share * sky.irradiance[2][i];
     }
     const float sum = sumOf(lanes.spread);
     if (sum > 0) {

@@ -66,7 +66,7 @@ void SurpriseExchange::findCandidates(const Surprise& surprise, const Environmen
     for (std::size_t t = 0; t < tiers; ++t) {
         const int level = baseLevel_ + 2 * static_cast<int>(t);
         cell[t] = ancestorCell(surprise.cell, Environment::kLevel, level);
-        density[t] = surprise.lightDensity / environment.power(level, cell[t]);
+        density[t] = surprise.lightDensity / environment.luminanceIntegral(level, cell[t]);
     }
     for (std::size_t p = 0; p < size_; ++p) {
         if (surprise.direction.dot(points[p].normal) <= 0) continue;

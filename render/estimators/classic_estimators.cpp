@@ -111,7 +111,7 @@ public:
 
 private:
     Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
-        if (context_.environment.totalPower() > 0)
+        if (context_.environment.luminanceIntegral() > 0)
             addEnvironmentSamples(point, slice, static_cast<float>(slice.count), w);
         return {0, 0, 0};
     }
@@ -125,7 +125,7 @@ public:
 
 private:
     Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
-        if (context_.environment.totalPower() <= 0) return {0, 0, 0};
+        if (context_.environment.luminanceIntegral() <= 0) return {0, 0, 0};
         const auto turn = static_cast<std::uint32_t>(hashWords(point.seed, 79) >> 63);
         const auto samples = static_cast<float>(slice.count);
         addEnvironmentSamples(point, everySecond(slice, turn), samples, w);

@@ -63,7 +63,7 @@ private:
             area[k] += share;
             power[k] += share * luminance;
         };
-        if (luminance <= environment.totalPower() / (4 * kPi))
+        if (luminance <= environment.luminanceIntegral() / (4 * kPi))
             return add(pixelAlong(Vec3d(t.center)), solidAngle);
         const int n = kSubdivisions;
         for (int y = 0; y <= n; ++y)

@@ -63,7 +63,7 @@ Vec3d fittedIrradiance(const Environment& environment, std::uint32_t cell, const
     Vec3d sum(0, 0, 0);
     for (int c = 0; c < 3; ++c) {
         const auto& s = m.second[c];
-        const Vec3f flux(m.flux[c][0][k], m.flux[c][1][k], m.flux[c][2][k]);
+        const Vec3f flux(m.firstMoment[c][0][k], m.firstMoment[c][1][k], m.firstMoment[c][2][k]);
         const Vec3f turned(s[0][k] * normal.x + s[3][k] * normal.y + s[4][k] * normal.z,
                            s[3][k] * normal.x + s[1][k] * normal.y + s[5][k] * normal.z,
                            s[4][k] * normal.x + s[5][k] * normal.y + s[2][k] * normal.z);
@@ -83,11 +83,11 @@ Vec3d sumCells(const Environment& environment, int level, std::uint32_t cell, co
     const double height = n.dot(Vec3d(Vec3f(m.axis[0][k], m.axis[1][k], m.axis[2][k])));
     const auto sine = static_cast<double>(m.sinRadius[k]);
     Vec3d sum(0, 0, 0);
-    if (height <= -sine || m.power[k] <= 0) return sum;
+    if (height <= -sine || m.luminanceIntegral[k] <= 0) return sum;
     if (height >= sine) {
         for (int c = 0; c < 3; ++c)
-            sum[c] = std::max(
-                0.0, n.dot(Vec3d(Vec3f(m.flux[c][0][k], m.flux[c][1][k], m.flux[c][2][k]))));
+            sum[c] = std::max(0.0, n.dot(Vec3d(Vec3f(m.firstMoment[c][0][k], m.firstMoment[c][1][k],
+                                                     m.firstMoment[c][2][k]))));
         return sum;
     }
     if (level == Environment::kLevel) return cut(environment, cell, n);

@@ -66,7 +66,7 @@ private:
     std::vector<std::uint32_t> group_;  ///< by triangle: where it is counted
     std::uint32_t groups_ = 0;
 
-    void gather(const ShadingPoint& point, PaperWorkspace& workspace) const override {
+    void lookUp(const ShadingPoint& point, PaperWorkspace& workspace) const override {
         auto& w = static_cast<ImageWorkspace&>(workspace);
         w.open.assign(groups_, 0.0f);
         w.counted.assign(groups_, 0.0f);

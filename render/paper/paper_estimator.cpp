@@ -46,9 +46,9 @@ std::unique_ptr<Workspace> Paper::makeWorkspace() const {
     return w;
 }
 
-void Paper::gather(const ShadingPoint& point, PaperWorkspace& w) const {
+void Paper::lookUp(const ShadingPoint& point, PaperWorkspace& w) const {
     if (!w.reader) return;
-    const int found = w.reader->gather(point.position, point.normal, w.items);
+    const int found = w.reader->lookUp(point.position, point.normal, w.items);
     w.pooled->pool(std::span(w.items).first(static_cast<std::size_t>(found)));
 }
 
@@ -103,7 +103,7 @@ Rgb Paper::prepare(const ShadingPoint& point, const SampleSlice& slice,
 
 /// W_i of all triangles, clipped to the hemisphere, and their running sum.
 void Paper::buildImportance(const ShadingPoint& point, PaperWorkspace& w) const {
-    gather(point, w);
+    lookUp(point, w);
     convolveAll(point.normal, w.convolution);
     w.pieces.clear();
     w.cdf.clear();

@@ -46,7 +46,7 @@ protected:
     const std::vector<MapTriangle>& triangles() const { return triangles_; }
 
     /// Brings what the cache knows around `point` to the workspace.
-    virtual void gather(const ShadingPoint& point, PaperWorkspace& w) const;
+    virtual void lookUp(const ShadingPoint& point, PaperWorkspace& w) const;
     /// What it knows of a triangle; all is open where nothing was counted.
     virtual CachedVisibility cached(const PaperWorkspace& w, std::uint32_t triangle) const;
 

@@ -39,7 +39,7 @@ Sums sumsOf(const Vec3d& direction, double luminance, double area) {
 /// Intervals along a side of the parts that a texel is divided into: many where it is brighter than
 /// the map in the mean, as what is missed of it is missed by the density.
 int intervalsOf(const Environment& environment, double luminance, double area, int finest) {
-    if (luminance > environment.totalPower() / (4 * kPi)) return kSubdivisions;
+    if (luminance > environment.luminanceIntegral() / (4 * kPi)) return kSubdivisions;
     return area > kPi / cellCount(finest) ? kSubdivisions / 2 : 1;
 }
 

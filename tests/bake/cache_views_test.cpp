@@ -124,8 +124,8 @@ TEST(SkyView, SeesTheBlockWhereItStands) {
     const double hidden = test::hiddenByConvex(mesh, 2, mesh.triangles.size(),
                                                test::pointAlong(scene, {0, 0.4f, 0}, {0, -1, 0}));
     EXPECT_NEAR(f.openCosine, 1 - hidden / kPi, 0.03);
-    EXPECT_LT(f.openDirection.x, -0.05);
-    EXPECT_NEAR(f.openDirection.z, 0, 0.05);
+    EXPECT_LT(f.bentNormal.x, -0.05);
+    EXPECT_NEAR(f.bentNormal.z, 0, 0.05);
 
     // +X is left of the middle, +Y at the top: the block is a dark spot there.
     const Image picture = view.picture(64);

@@ -55,7 +55,7 @@ std::vector<PartCode> partsOf(const CacheItems& items, const Vec3i& voxel) {
 float openAt(const ShadowCache& cache, double x, double z, double y = 0) {
     ShadowCache::Reader reader(cache);
     std::array<ItemView, ShadowCache::kMaxItems> items;
-    const int found = reader.gather({x, y, z}, {0, 1, 0}, items);
+    const int found = reader.lookUp({x, y, z}, {0, 1, 0}, items);
     float open = 0, sum = 0;
     for (int i = 0; i < found; ++i) {
         const ItemView& item = items[static_cast<std::size_t>(i)];

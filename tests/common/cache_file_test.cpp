@@ -109,7 +109,7 @@ TEST(CacheLookup, FindsTheItemsAround) {
     std::array<ItemView, ShadowCache::kMaxItems> found;
     for (std::size_t i = 0; i < items.size(); ++i) {
         const Vec3d position = (Vec3d(items.voxel[i]) + Vec3d(items.position[i])) * 0.25;
-        const int count = reader.gather(position, items.normal[i], found);
+        const int count = reader.lookUp(position, items.normal[i], found);
         ASSERT_GT(count, 0);
         float sum = 0;
         bool own = false;
@@ -126,7 +126,7 @@ TEST(CacheLookup, FindsTheItemsAround) {
         EXPECT_TRUE(own) << i;
         EXPECT_NEAR(sum, 1.0f, 1e-5f);
     }
-    EXPECT_EQ(reader.gather({50, 50, 50}, {0, 1, 0}, found), 0);
+    EXPECT_EQ(reader.lookUp({50, 50, 50}, {0, 1, 0}, found), 0);
 }
 
 TEST(CacheLookup, TellsTheSidesOfAThinWallApart) {
@@ -141,7 +141,7 @@ TEST(CacheLookup, TellsTheSidesOfAThinWallApart) {
     std::array<ItemView, ShadowCache::kMaxItems> found;
     const std::size_t cells = cache.cache().header().tiers().baseCells();
     const auto openShare = [&](const Vec3d& position, const Vec3f& normal) {
-        const int count = reader.gather(position, normal, found);
+        const int count = reader.lookUp(position, normal, found);
         EXPECT_GT(count, 0);
         double open = 0, counted = 0;
         for (int k = 0; k < count; ++k)

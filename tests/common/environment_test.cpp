@@ -50,7 +50,7 @@ void EnvironmentMaps::expectPower() {
                       (std::cos(kPi * y / map.height) - std::cos(kPi * (y + 1) / map.height)) *
                       static_cast<double>(environment_.luminance(
                           map.pixels[static_cast<std::size_t>(y * map.width + x)]));
-    EXPECT_NEAR(environment_.totalPower() / wanted, 1, 1e-6);
+    EXPECT_NEAR(environment_.luminanceIntegral() / wanted, 1, 1e-6);
 }
 
 /// Radiance is that of the map's texel along the turned direction.
@@ -90,17 +90,19 @@ void EnvironmentMaps::expectMoments(const Texels& texels) {
         for (std::uint32_t cell = 0; cell < cellCount(level); ++cell) {
             const CellMoments& m = environment_.cells(level, cell / 16);
             const std::size_t k = cell % 16;
-            sum += environment_.power(level, cell);
-            EXPECT_NEAR(environment_.power(level, cell), power[cell], 1e-3 * power[cell]);
-            EXPECT_NEAR(static_cast<double>(m.power[k]), environment_.power(level, cell),
-                        1e-7 * power[cell]);
+            sum += environment_.luminanceIntegral(level, cell);
+            EXPECT_NEAR(environment_.luminanceIntegral(level, cell), power[cell],
+                        1e-3 * power[cell]);
+            EXPECT_NEAR(static_cast<double>(m.luminanceIntegral[k]),
+                        environment_.luminanceIntegral(level, cell), 1e-7 * power[cell]);
             for (std::size_t c = 0; c < 3; ++c)
                 for (int axis = 0; axis < 3; ++axis)
-                    EXPECT_NEAR(static_cast<double>(m.flux[c][static_cast<std::size_t>(axis)][k]),
-                                flux[cell][c][axis], 1e-6 * flux[cell][c].length())
+                    EXPECT_NEAR(
+                        static_cast<double>(m.firstMoment[c][static_cast<std::size_t>(axis)][k]),
+                        flux[cell][c][axis], 1e-6 * flux[cell][c].length())
                         << level << " " << cell;
         }
-        EXPECT_NEAR(sum / environment_.totalPower(), 1, 1e-12);
+        EXPECT_NEAR(sum / environment_.luminanceIntegral(), 1, 1e-12);
         for (std::size_t cell = 0; cell < flux.size() / 4; ++cell) {
             power[cell] =
                 power[4 * cell] + power[4 * cell + 1] + power[4 * cell + 2] + power[4 * cell + 3];
@@ -159,12 +161,13 @@ void expectSharesMatch(const Texels& texels, int steps, double power, const Draw
 }
 
 void EnvironmentMaps::expectSample(const Texels& texels) {
-    expectSharesMatch(texels, 300000, environment_.totalPower(), [&](double u, float jitter) {
-        const EnvironmentSample s = environment_.sample(u, jitter, 1 - jitter);
-        EXPECT_EQ(environment_.radiance(s.direction), s.radiance);
-        EXPECT_NEAR(environment_.lookUp(s.direction).density / s.density, 1, 1e-5);
-        return s;
-    });
+    expectSharesMatch(
+        texels, 300000, environment_.luminanceIntegral(), [&](double u, float jitter) {
+            const EnvironmentSample s = environment_.sample(u, jitter, 1 - jitter);
+            EXPECT_EQ(environment_.radiance(s.direction), s.radiance);
+            EXPECT_NEAR(environment_.lookUp(s.direction).density / s.density, 1, 1e-5);
+            return s;
+        });
     double total = 0;
     for (std::size_t i = 0; i < texels.size(); ++i)
         total += texels.solidAngle(i) *
@@ -176,12 +179,12 @@ void EnvironmentMaps::expectSampleCell(const Texels& texels) {
     for (int level = 0; level <= Environment::kLevel; ++level) {
         std::vector<std::uint32_t> lit;
         for (std::uint32_t c = 0; c < cellCount(level); ++c)
-            if (environment_.power(level, c) > 0) lit.push_back(c);
+            if (environment_.luminanceIntegral(level, c) > 0) lit.push_back(c);
         ASSERT_FALSE(lit.empty());
         for (std::size_t k = 0; k < 5; ++k) {
             const std::uint32_t cell = lit[(lit.size() - 1) * k / 4];
             SCOPED_TRACE("level " + std::to_string(level) + " cell " + std::to_string(cell));
-            const double power = environment_.power(level, cell);
+            const double power = environment_.luminanceIntegral(level, cell);
             expectSharesMatch(texels, 16000 >> level, power, [&](double u, float jitter) {
                 const EnvironmentSample s =
                     environment_.sampleCell(level, cell, u, jitter, 1 - jitter);
@@ -234,7 +237,8 @@ double histogramPValue(const NamedMap& named, const Bend& bend) {
     const Texels texels(environment, named.rotation);
     std::vector<double> observed(cellCount(kLevel)), expected(cellCount(kLevel));
     for (std::uint32_t c = 0; c < cellCount(kLevel); ++c)
-        expected[c] = kSamples * environment.power(kLevel, c) / environment.totalPower();
+        expected[c] =
+            kSamples * environment.luminanceIntegral(kLevel, c) / environment.luminanceIntegral();
     std::mt19937_64 generator(7);
     std::uniform_real_distribution<double> uniform;
     for (int i = 0; i < kSamples; ++i) {
@@ -257,14 +261,14 @@ TEST_P(EnvironmentMaps, HistogramFollowsThePower) {
 
 TEST(Environment, OfABlackMapIsBlack) {
     const Environment environment = environmentOf({4, 2, std::vector<Rgb>(8, Rgb(0, 0, 0))});
-    EXPECT_EQ(environment.totalPower(), 0);
+    EXPECT_EQ(environment.luminanceIntegral(), 0);
     const EnvironmentSample s = environment.lookUp(Vec3f(0, 1, 0));
     EXPECT_EQ(s.radiance, Rgb(0, 0, 0));
     EXPECT_EQ(s.density, 0.0f);
     for (int level = 0; level <= Environment::kLevel; ++level)
         for (std::uint32_t c = 0; c < cellCount(level); ++c) {
-            EXPECT_EQ(environment.power(level, c), 0);
-            EXPECT_EQ(environment.cells(level, c / 16).power[c % 16], 0.0f);
+            EXPECT_EQ(environment.luminanceIntegral(level, c), 0);
+            EXPECT_EQ(environment.cells(level, c / 16).luminanceIntegral[c % 16], 0.0f);
         }
 }
 
@@ -280,13 +284,13 @@ TEST(Environment, TakesItsLuminanceWeights) {
     for (std::uint32_t c = 0; c < 20; ++c)
         for (int axis = 0; axis < 3; ++axis) {
             const CellMoments& m = red.cells(0, c / 16);
-            wanted += static_cast<double>(m.flux[0][axis][c % 16]) *
+            wanted += static_cast<double>(m.firstMoment[0][axis][c % 16]) *
                       static_cast<double>(m.axis[axis][c % 16]);
         }
     EXPECT_EQ(red.luminance(Rgb(2, 3, 4)), 2.0f);
     // Power along the cells' axes is all of the power but for the cells' width.
-    EXPECT_LT(wanted, red.totalPower());
-    EXPECT_GT(wanted, 0.8 * red.totalPower());
+    EXPECT_LT(wanted, red.luminanceIntegral());
+    EXPECT_GT(wanted, 0.8 * red.luminanceIntegral());
 }
 
 TEST(Environment, KnowsTheHighestLuminanceOfACone) {

@@ -38,8 +38,8 @@ void expectSameLookups(const ShadowCache& a, const ShadowCache& b, int places) {
         };
         const Vec3d position(2 * unit(0) - 1, i % 2 ? 0 : 0.25 * unit(1), 2 * unit(2) - 1);
         const Vec3f normal = i % 3 == 0 ? Vec3f(0, 1, 0) : Vec3f(i % 3 == 1, 0, i % 3 == 2);
-        const int count = one.gather(position, normal, foundOne);
-        ASSERT_EQ(two.gather(position, normal, foundTwo), count);
+        const int count = one.lookUp(position, normal, foundOne);
+        ASSERT_EQ(two.lookUp(position, normal, foundTwo), count);
         for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
             EXPECT_EQ(foundOne[k].weight, foundTwo[k].weight);
             EXPECT_EQ(foundOne[k].normal, foundTwo[k].normal);
@@ -76,7 +76,7 @@ TEST(MemoryBudget, OfACacheWithoutItems) {
     const ShadowCache cache(path, 1000);
     EXPECT_EQ(cache.itemCount(), 0u);
     std::array<ItemView, ShadowCache::kMaxItems> found;
-    EXPECT_EQ(ShadowCache::Reader(cache).gather({0, 0, 0}, {0, 1, 0}, found), 0);
+    EXPECT_EQ(ShadowCache::Reader(cache).lookUp({0, 0, 0}, {0, 1, 0}, found), 0);
 }
 
 class DamagedCache : public testing::Test {
@@ -96,7 +96,7 @@ protected:
         for (int x = -10; x <= 10; ++x)
             for (int z = -10; z <= 10; ++z)
                 for (const float y : {1.0f, -1.0f})
-                    reader.gather({0.1 * x, 0, 0.1 * z}, {0, y, 0}, found);
+                    reader.lookUp({0.1 * x, 0, 0.1 * z}, {0, y, 0}, found);
     }
 
     TemporaryFolder folder_;

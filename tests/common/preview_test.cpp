@@ -39,7 +39,7 @@ protected:
             if (outward.y < 0.1f) continue;
             const ShadingPoint point =
                 test::pointAlong(scene_, Vec3f(0, 0.5f, 0) + outward * 1.5f, -outward);
-            const int count = reader.gather(point.position, point.normal, found);
+            const int count = reader.lookUp(point.position, point.normal, found);
             all.push_back({{found.begin(), found.begin() + count}, point.normal});
         }
         return all;

@@ -150,7 +150,7 @@ TEST(MapOf16kBy8k, IsSampledByItsLight) {
     for (const double p : power) total += p;
     const Environment environment = test::environmentOf(loaded.image);
     loaded.image = {};
-    EXPECT_NEAR(environment.totalPower() / total, 1, 1e-6);
+    EXPECT_NEAR(environment.luminanceIntegral() / total, 1, 1e-6);
     EXPECT_EQ(environment.texelCount(), std::size_t{kWidth} * kHeight);
 
     const double density = parallelSum(environment.texelCount(), 1 << 16, [&](const Chunk& chunk) {

@@ -25,7 +25,7 @@ protected:
     RegionNumbers() {
         ShadowCache::Reader reader(cache_.cache());
         const ShadingPoint point = test::pointAlong(scene_, {0.45f, 1, 0.2f}, {0, -1, 0});
-        const int found = reader.gather(point.position, point.normal, items_);
+        const int found = reader.lookUp(point.position, point.normal, items_);
         pooled_.pool(std::span(items_).first(static_cast<std::size_t>(found)));
         normal_ = point.normal;
     }

@@ -51,7 +51,7 @@ TEST_P(Triangulation, CoversTheSphereOnceWithAllTheLight) {
     }
     EXPECT_EQ(next, cellCount(kMaxDirectionLevel));
     EXPECT_NEAR(area / (4 * kPi), 1, 1e-9);
-    EXPECT_NEAR(power / environment.totalPower(), 1, 1e-6);
+    EXPECT_NEAR(power / environment.luminanceIntegral(), 1, 1e-6);
 }
 
 TEST(TriangleCount, OutOfRangeIsRefused) {

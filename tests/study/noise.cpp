@@ -59,7 +59,7 @@ struct Rectangles {
 template <typename CellAlong>
 double noiseOf(const Environment& environment, std::size_t count, const CellAlong& cellAlong) {
     std::vector<Cell> cells(count);
-    const double mean = environment.totalPower() / (4 * kPi);
+    const double mean = environment.luminanceIntegral() / (4 * kPi);
     const int dullParts = environment.texelCount() < 200000 ? 4 : 1;
     for (std::size_t i = 0; i < environment.texelCount(); ++i) {
         const Environment::Texel texel = environment.texel(i);

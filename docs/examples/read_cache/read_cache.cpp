@@ -23,7 +23,7 @@ int main(int argc, char** argv) try {
     // A reader is one thread's; the items' weights sum to 1.
     ShadowCache::Reader reader(cache);
     std::array<ItemView, ShadowCache::kMaxItems> items;
-    const int found = reader.gather(position, normal, items);
+    const int found = reader.lookUp(position, normal, items);
 
     // Item by item n of d rays reached the sky in each region; here only the coarsest regions, by
     // their cosine. Finer counts stand in the items' blocks (docs/format.md).
