@@ -97,15 +97,15 @@ def samples(rows, folder):
 
 
 def conditions(rows, folder):
-    """How much more error pixels make than triangles: foretold from the map, and measured."""
+    """How much more error pixels make than triangles: predicted from the map, and measured."""
     figure, axis = plt.subplots(figsize=(8, 0.36 * len(rows) + 0.9))
     places = numpy.arange(len(rows))[::-1]
     ratio = lambda row, sequence: [a / b for a, b in zip(
         *(next(r["each"] for r in row["runs"] if (r["sequence"], r["method"]) == (sequence, m))
           for m in ("pixels", "triangles")))]
-    foretold = [[n["pixels"] / n["triangles"] for n in row["noise"]] for row in rows]
+    predicted = [[n["pixels"] / n["triangles"] for n in row["noise"]] for row in rows]
     for values, mark, color, label in (
-            (foretold, "|", "black", "foretold, independent samples"),
+            (predicted, "|", "black", "predicted, independent samples"),
             ([ratio(r, "random") for r in rows], "o", "tab:blue", "measured, independent samples"),
             ([ratio(r, "larcher-xor") for r in rows], "s", "tab:orange",
              "measured, randomised QMC")):

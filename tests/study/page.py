@@ -68,15 +68,15 @@ def conditions(rows):
         """On a plane of one brightness relMSE is over 1.01 of its square."""
         return 100 * math.sqrt(1.01 * of(row, method, "random")["relmse"])
 
-    def foretold(row, method):
+    def predicted(row, method):
         return 100 * statistics.fmean(n[method] for n in row["noise"]) / 165 ** 0.5
 
     def gain(row, sequence, over):
         return of(row, "pixels", sequence)["l2"] / of(row, over, sequence)["l2"]
 
-    return table(["map", "foretold: pixels", "triangles", "measured: pixels", "triangles",
+    return table(["map", "predicted: pixels", "triangles", "measured: pixels", "triangles",
                   "triangles win by", "with QMC by", "20,000 of level 7 by", "linear by"],
-                 [[r["label"], *(f"{foretold(r, m):.1f} %" for m in ("pixels", "triangles")),
+                 [[r["label"], *(f"{predicted(r, m):.1f} %" for m in ("pixels", "triangles")),
                    *(f"{relative(r, m):.1f} %" for m in ("pixels", "triangles")),
                    *(f"{gain(r, s, m):.2f}" for s, m in (
                        ("random", "triangles"), ("larcher-xor", "triangles"),
@@ -196,7 +196,7 @@ def main():
         if name in results:
             text = text.replace("{{" + name + "}}", make(results[name]["rows"]))
     any_result = next(iter(results.values()))
-    for key in ("date", "machine", "size", "picture_size"):
+    for key in ("date", "commit", "machine", "size", "picture_size"):
         text = text.replace("{{" + key + "}}", any_result[key])
     with open(os.path.join(arguments.docs, "paper.md"), "w", encoding="utf-8") as file:
         file.write(text)
