@@ -7,7 +7,7 @@
 #include <string>
 
 #include "bake/core/item_baker.h"
-#include "bake/core/quarters.h"
+#include "bake/core/subpatches.h"
 #include "common/base/parallel.h"
 #include "common/base/progress.h"
 #include "common/base/sequence.h"
@@ -100,19 +100,19 @@ private:
         return makePatches(scene_, frame_, voxels_.all[v], options_.seed);
     }
 
-    /// Finishes a patch, or its quarters where they see different things.
+    /// Finishes a patch, or its subpatches where they see different things.
     void finish(ItemBaker& baker, std::size_t v, const Patch& patch, const Probe& probe,
                 const std::bitset<Probe::kCells>& mixed, CacheItems& out) {
-        std::vector<Patch> quarters;
+        std::vector<Patch> subpatches;
         if (mixed.any())
-            quarters = makeQuarters(scene_, frame_.center(voxel(v)), frame_.spacing(), patch);
-        const std::vector<Probe> probes = baker.probeQuarters(quarters);
-        if (!seeDifferentSky(quarters, probes, base_)) {
-            baker.finish(patch, voxel(v), probe, mixed, areAlikeInSize(quarters), out);
+            subpatches = makeSubpatches(scene_, frame_.center(voxel(v)), frame_.spacing(), patch);
+        const std::vector<Probe> probes = baker.probeSubpatches(subpatches);
+        if (!seeDifferentSky(subpatches, probes, base_)) {
+            baker.finish(patch, voxel(v), probe, mixed, areAlikeInSize(subpatches), out);
             return;
         }
-        for (std::size_t k = 0; k < quarters.size(); ++k)
-            finish(baker, v, quarters[k], probes[k], mixed | (probes[k].open & probes[k].blocked),
+        for (std::size_t k = 0; k < subpatches.size(); ++k)
+            finish(baker, v, subpatches[k], probes[k], mixed | (probes[k].open & probes[k].blocked),
                    out);
     }
 
@@ -178,7 +178,7 @@ private:
             for (const Probe& p : probes_[other]) {
                 if (p.normal.dot(probe.normal) < 0.5f) continue;
                 if (std::any_of(probes_[other].begin(), probes_[other].end(), [&](const Probe& q) {
-                        return areLayers(p.normal, q.normal) && distance(q) < distance(p);
+                        return areDepthLayers(p.normal, q.normal) && distance(q) < distance(p);
                     }))
                     continue;
                 open |= p.open;

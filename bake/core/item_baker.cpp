@@ -102,23 +102,23 @@ Probe ItemBaker::probe(const Patch& patch) {
     return probe;
 }
 
-std::vector<Probe> ItemBaker::probeQuarters(std::span<const Patch> quarters) {
-    quarterFine_.assign(fine_.size(), Count{});
+std::vector<Probe> ItemBaker::probeSubpatches(std::span<const Patch> subpatches) {
+    subpatchFine_.assign(fine_.size(), Count{});
     std::vector<Probe> probes;
-    for (const Patch& quarter : quarters) {
-        probes.push_back(probe(quarter));
-        for (std::size_t i = 0; i < fine_.size(); ++i) quarterFine_[i] += fine_[i];
+    for (const Patch& subpatch : subpatches) {
+        probes.push_back(probe(subpatch));
+        for (std::size_t i = 0; i < fine_.size(); ++i) subpatchFine_[i] += fine_[i];
     }
     return probes;
 }
 
 void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, const Probe& probe,
-                       const std::bitset<Probe::kCells>& mixed, bool countQuarters,
+                       const std::bitset<Probe::kCells>& mixed, bool countSubpatches,
                        CacheItems& out) {
     rays_.start(patch, hashWords(patch.seed, kRayNumbers, 2));
     std::fill(baseCounts_.begin(), baseCounts_.end(), Count{});
-    if (countQuarters)
-        fine_ = quarterFine_;
+    if (countSubpatches)
+        fine_ = subpatchFine_;
     else
         std::fill(fine_.begin(), fine_.end(), Count{});
     refined_.clear();
@@ -129,7 +129,7 @@ void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, const Probe& prob
             rays_.add(tiers_.baseLevel(), c / kOctet, 1u << c % kOctet, options_.rays,
                       &baseCounts_[c - c % kOctet]);
     } else if (!options_.adaptive || mixed.any()) {
-        traceFine(mixed, countQuarters ? 4 : 0);
+        traceFine(mixed, countSubpatches ? 4 : 0);
     }
     rays_.flush();
     store(patch, voxel, out);

@@ -38,15 +38,15 @@ public:
     /// The first pass: one ray into every region of the first refinement.
     Probe probe(const Patch& patch);
 
-    /// The first pass of a patch's quarters.
-    std::vector<Probe> probeQuarters(std::span<const Patch> quarters);
+    /// The first pass of a patch's subpatches.
+    std::vector<Probe> probeSubpatches(std::span<const Patch> subpatches);
 
     /// Appends the finished item. Base cells in `mixed` get more rays, whatever the item's own
     /// first ones say; without any, the probe is all there is to know. With
-    /// `countQuarters` the rays of the quarters that were probed last, four of this patch, count
-    /// as well.
+    /// `countSubpatches` the rays of the subpatches that were probed last, four of this patch,
+    /// count as well.
     void finish(const Patch& patch, const Vec3i& voxel, const Probe& probe,
-                const std::bitset<Probe::kCells>& mixed, bool countQuarters, CacheItems& out);
+                const std::bitset<Probe::kCells>& mixed, bool countSubpatches, CacheItems& out);
 
     std::uint64_t raysTraced() const { return rays_.raysTraced(); }
 
@@ -86,8 +86,8 @@ private:
     float spacing_;
     std::vector<std::uint32_t> cells_;  ///< base cells not wholly below the patch's horizon
     std::vector<Count> baseCounts_;
-    std::vector<Count> fine_;         ///< of the first refinement
-    std::vector<Count> quarterFine_;  ///< the same of the quarters that were probed last
+    std::vector<Count> fine_;          ///< of the first refinement
+    std::vector<Count> subpatchFine_;  ///< the same of the subpatches that were probed last
     std::vector<Refined> refined_;
     std::vector<Candidates> candidates_;
 };

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/core/layers.h"
+#include "bake/core/depth_layers.h"
 #include "common/base/sequence.h"
 #include "common/cache/cache_items.h"
 #include "common/mesh/placed_mesh.h"
@@ -18,9 +18,9 @@ constexpr double kLeastArea = 0.3, kMostArea = 2.2;
 /// and the length of its normals' mean, by area.
 constexpr double kLeastAgreement = 0.97;
 
-/// Least area of a quarter, as a share of its box's: less is a sliver on the rim of a surface,
+/// Least area of a subpatch, as a share of its box's: less is a sliver on the rim of a surface,
 /// which is not like the rest of it.
-constexpr double kLeastQuarter = 0.05;
+constexpr double kLeastSubpatch = 0.05;
 
 /// Keeps the seeds of patches apart from the random numbers of origins and rays.
 constexpr std::uint64_t kPatchNumbers = 0x7061746368;
@@ -89,9 +89,9 @@ Patch makePatch(const Scene& scene, const Vec3d& voxelCenter, double spacing,
     return patch;
 }
 
-bool mayBeCut(const Patch& patch, double spacing) {
-    const int cuts = cutsOf(patch.code.part);
-    if (cuts == kMaxCuts) return false;
+bool maySubdivide(const Patch& patch, double spacing) {
+    const int cuts = subdivisionsOf(patch.code.subpatch);
+    if (cuts == kMaxSubdivisions) return false;
     const double width = spacing / (1 << cuts);
     double area = 0;
     Vec3d sum(0, 0, 0);
@@ -126,7 +126,7 @@ std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
     for (int side = 0; side < kSides; ++side) {
         const auto& pieces = sides[static_cast<std::size_t>(side)];
         if (pieces.empty()) continue;
-        auto layers = splitLayers(scene.mesh(), voxel, pieces);
+        auto layers = splitDepthLayers(scene.mesh(), voxel, pieces);
         for (std::size_t k = 0; k < layers.size(); ++k) {
             const PatchCode code{side, static_cast<int>(k), 0};
             patches.push_back(makePatch(scene, voxel.center, frame.spacing(), std::move(layers[k]),
@@ -136,13 +136,13 @@ std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
     return patches;
 }
 
-std::vector<Patch> makeQuarters(const Scene& scene, const Vec3d& voxelCenter, double spacing,
-                                const Patch& patch) {
-    std::vector<Patch> quarters;
-    if (!mayBeCut(patch, spacing)) return quarters;
+std::vector<Patch> makeSubpatches(const Scene& scene, const Vec3d& voxelCenter, double spacing,
+                                  const Patch& patch) {
+    std::vector<Patch> subpatches;
+    if (!maySubdivide(patch, spacing)) return subpatches;
     for (int q = 0; q < 4; ++q) {
         PatchCode code = patch.code;
-        code.part = quarterOf(code.part, q);
+        code.subpatch = subpatchOf(code.subpatch, q);
         Box box = patch.box;
         for (int k = 0; k < 2; ++k) {
             const int along = (patch.code.side / 2 + 1 + k) % 3;
@@ -158,11 +158,11 @@ std::vector<Patch> makeQuarters(const Scene& scene, const Vec3d& voxelCenter, do
             area += static_cast<double>(piece.area);
         }
         const double width = 2 * box.half[(patch.code.side / 2 + 1) % 3];
-        if (area > kLeastQuarter * width * width)
-            quarters.push_back(
+        if (area > kLeastSubpatch * width * width)
+            subpatches.push_back(
                 makePatch(scene, voxelCenter, spacing, std::move(pieces), box, code, patch.seed));
     }
-    return quarters;
+    return subpatches;
 }
 
 }  // namespace shadowcache

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "bake/core/layers.h"
+#include "bake/core/depth_layers.h"
 #include "bake/core/placement.h"
 #include "common/cache/patch_code.h"
 #include "common/trace/scene.h"
@@ -36,10 +36,10 @@ struct Patch {
 std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
                                std::span<const Fragment> fragments, std::uint64_t seed);
 
-/// The quarters of a patch of the voxel with the middle `voxelCenter` that hold any surface, in the
-/// order of their codes. None where the patch may not be cut: it is small, folded, or was cut too
-/// often.
-std::vector<Patch> makeQuarters(const Scene& scene, const Vec3d& voxelCenter, double spacing,
-                                const Patch& patch);
+/// The subpatches of a patch of the voxel with the middle `voxelCenter` that hold any surface, in
+/// the order of their codes. None where the patch may not be cut: it is small, folded, or was cut
+/// too often.
+std::vector<Patch> makeSubpatches(const Scene& scene, const Vec3d& voxelCenter, double spacing,
+                                  const Patch& patch);
 
 }  // namespace shadowcache

@@ -140,7 +140,7 @@ VolumeGrid makeDirection(const GridRequest& request, const Source& source) {
             const CountedRegion r = regions.along(cell);
             if (r.d == 0) continue;
             const double weight =
-                static_cast<double>(shareOf(PatchCode::of(source.items.patch[i]).part));
+                static_cast<double>(shareOf(PatchCode::of(source.items.patch[i]).subpatch));
             open += weight * r.share();
             counted += weight;
         }

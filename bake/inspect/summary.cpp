@@ -50,7 +50,7 @@ CacheSummary summarize(const CacheHeader& header, const CacheItems& items) {
     findBounds(header, items, summary);
     for (std::size_t i = 0; i < items.size(); ++i) {
         summary.voxels += i == 0 || items.voxel[i] != items.voxel[i - 1];
-        summary.parts += PatchCode::of(items.patch[i]).part != 0;
+        summary.parts += PatchCode::of(items.patch[i]).subpatch != 0;
         const double open = openShare(items, i, cells);
         ++summary.skyVisibility[std::min(static_cast<std::size_t>(open * CacheSummary::kBins),
                                          CacheSummary::kBins - 1)];

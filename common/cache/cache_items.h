@@ -90,7 +90,7 @@ int sideOf(const Vec3f& n);
 
 /// Whether two items of different layers of one voxel, with these unit normals, lie behind each
 /// other.
-inline bool areLayers(const Vec3f& a, const Vec3f& b) {
+inline bool areDepthLayers(const Vec3f& a, const Vec3f& b) {
     return a.dot(b) > 0.95f;
 }
 

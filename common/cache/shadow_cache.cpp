@@ -107,7 +107,7 @@ void keepNearestLayers(FoundItems& items, std::size_t begin) {
     for (std::size_t i = begin; i < items.count; ++i)
         for (std::size_t j = begin; j < items.count; ++j)
             farther[i] |= layerDistance[j] < layerDistance[i] && !sameLayer(i, j) &&
-                          areLayers(items.view[i].normal, items.view[j].normal);
+                          areDepthLayers(items.view[i].normal, items.view[j].normal);
     for (std::size_t i = begin; i < items.count; ++i) {
         if (farther[i]) continue;
         items.view[kept] = items.view[i];
@@ -124,7 +124,7 @@ void preferParts(FoundItems& items) {
     std::array<int, ShadowCache::kMaxItems> cutsAt;
     int most = 0;
     for (std::size_t i = 0; i < items.count; ++i) {
-        cutsAt[i] = cutsOf(items.about[i].code.part);
+        cutsAt[i] = subdivisionsOf(items.about[i].code.subpatch);
         most = std::max(most, cutsAt[i]);
     }
     std::array<float, ShadowCache::kMaxItems> left;
@@ -146,8 +146,8 @@ void preferParts(FoundItems& items) {
 /// patch: bilinear among parts of one size. Outside of its voxel it falls to zero across the patch,
 /// too. `fromMiddle`: of the voxel, in spacings.
 float partWeight(const PatchCode& code, const Vec3f& fromMiddle) {
-    const std::array<float, 2> middle = middleOf(code.part);
-    const auto inverse = static_cast<float>(1 << cutsOf(code.part));
+    const std::array<float, 2> middle = middleOf(code.subpatch);
+    const auto inverse = static_cast<float>(1 << subdivisionsOf(code.subpatch));
     float weight = std::clamp(2 - 2 * std::abs(fromMiddle[code.side / 2]), 0.0f, 1.0f);
     for (int k = 0; k < 2; ++k) {
         const int axis = (code.side / 2 + 1 + k) % 3;
@@ -294,8 +294,9 @@ void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& norm
             if (agreement <= 0) continue;
             const PatchCode code = PatchCode::of(view.patch[i]);
             // The small addend keeps a lone item in a far corner from losing its weight altogether.
-            const float near = code.part == 0 ? static_cast<float>(trilinear) + 1e-6f
-                                              : std::max(partWeight(code, fromMiddle), leastOfPart);
+            const float near = code.subpatch == 0
+                                   ? static_cast<float>(trilinear) + 1e-6f
+                                   : std::max(partWeight(code, fromMiddle), leastOfPart);
             if (near == 0) continue;
             const auto firstBlock = static_cast<std::uint32_t>(view.firstBlock[i]);
             const Vec3f toItem = view.position[i] - fromMiddle;

@@ -15,7 +15,7 @@ void forBaseRegions(const CacheHeader& header, const CacheItems& items, const Vo
     const std::size_t cells = header.tiers().baseCells();
     for (std::size_t v = 0; v < runs.voxels.size(); ++v)
         for (std::size_t i = runs.firstItem[v]; i < runs.firstItem[v + 1]; ++i) {
-            const float weight = shareOf(PatchCode::of(items.patch[i]).part);
+            const float weight = shareOf(PatchCode::of(items.patch[i]).subpatch);
             for (std::size_t c = 0; c < cells; ++c) {
                 const unsigned d = items.d[i * cells + c];
                 if (d > 0)

@@ -21,6 +21,7 @@
 #include "render/frame/integrator.h"
 #include "render/frame/target_error.h"
 #include "render/shot/camera_source.h"
+#include "render/shot/environment_loader.h"
 #include "render/shot/gltf_shot.h"
 #include "render/shot/light_plan.h"
 
@@ -130,7 +131,7 @@ private:
         Metadata metadata = frameMetadata(job_, entry_, cache_.get(), plan_.at(i), frame);
         if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
-        if (light_.turnTo(i)) {
+        if (light_.load(i)) {
             estimator_ = entry_.make({*scene_, light_.environment(), cache_.get(), job_.sequence},
                                      job_.estimatorOptions);
         }
@@ -204,7 +205,7 @@ private:
     const RenderJob& job_;
     const EstimatorEntry& entry_;
     LightPlan plan_;
-    LightSource light_;
+    EnvironmentLoader light_;
     TriangleMesh mesh_;
     std::optional<MovingSet> moving_;
     std::unique_ptr<ShadowCache> cache_;

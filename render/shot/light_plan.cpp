@@ -61,36 +61,6 @@ void LightPlan::requireFiles() const {
         if (!parseRadiance(light.environment)) requireReadableFile(light.environment);
 }
 
-LightSource::LightSource(const LightPlan& plan) : plan_(plan) {}
-
-LightSource::~LightSource() = default;
-
-bool LightSource::turnTo(std::size_t i) {
-    const LightPlan::Light& light = plan_.at(i);
-    if (environment_ && light == current_) return false;
-    environment_.reset();
-    if (light.environment != current_.environment || map_.image.pixels.empty()) load(light);
-    current_ = light;
-    environment_ = std::make_unique<Environment>(map_.image, light.rotation, map_.luminanceWeights);
-    return true;
-}
-
-void LightSource::load(const LightPlan::Light& light) {
-    if (const auto color = parseRadiance(light.environment)) {
-        map_ = {};
-        map_.image = {1, 1, {*color}};
-        return;
-    }
-    map_ = readRadiance(light.environment);
-    if (map_.image.width != 2 * map_.image.height)
-        std::fprintf(stderr,
-                     "shadowcache-render: warning: %s: %dx%d texels, a lat-long map is 2:1\n",
-                     light.environment.c_str(), map_.image.width, map_.image.height);
-    if (map_.notFinite + map_.negative > 0)
-        std::printf("map: %zu texels not finite and %zu negative, set to 0\n", map_.notFinite,
-                    map_.negative);
-}
-
 std::optional<Rgb> parseRadiance(const std::string& text) {
     Rgb c;
     char rest = 0;

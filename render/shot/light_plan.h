@@ -1,14 +1,11 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/image/image.h"
-#include "common/image/radiance.h"
-#include "common/light/environment.h"
 
 namespace shadowcache {
 
@@ -25,7 +22,7 @@ public:
     /// a sequence whose #### or %04d is the frame's number. `rotation` is an angle, or A-B: from A
     /// in the first frame to B in the last.
     ///
-    /// @throws Error if the two do not read so, or the maps are not as many as the frames
+    /// @throws Error if either is malformed, or the number of maps is not that of the frames
     LightPlan(const std::string& environments, const std::string& rotation,
               std::span<const int> frames);
 
@@ -37,28 +34,6 @@ public:
 
 private:
     std::vector<Light> lights_;
-};
-
-/// The light of one frame after the other; what stays the same is read and built once.
-class LightSource {
-public:
-    explicit LightSource(const LightPlan& plan);
-    ~LightSource();
-
-    /// Brings the light of the job's frame number i.
-    ///
-    /// @return whether environment() is another one than before
-    /// @throws Error if the map cannot be read
-    bool turnTo(std::size_t i);
-    const Environment& environment() const { return *environment_; }
-
-private:
-    void load(const LightPlan::Light& light);
-
-    const LightPlan& plan_;
-    LightPlan::Light current_;
-    RadianceImage map_;
-    std::unique_ptr<Environment> environment_;
 };
 
 /// "R,G,B" -> one colour. @throws Error on radiances below 0

@@ -290,8 +290,8 @@ TEST_F(BadCacheFiles, WithPatchesThatCannotBeAreRefused) {
         baked.items.patch.back() = static_cast<std::int16_t>(patch);
         writeCache(path, baked.header, baked.items);
     };
-    // Below all sides and above them; quarters of something that is not cut.
-    for (const int patch : {-1, kParts * kMaxLayers * kSides, 1, 5}) {
+    // Below all sides and above them; subpatches of something that is not cut.
+    for (const int patch : {-1, kSubpatchCodes * kMaxDepthLayers * kSides, 1, 5}) {
         write(patch);
         refuse(path, "patch does not exist");
     }

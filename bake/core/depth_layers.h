@@ -17,8 +17,8 @@ struct Piece {
 /// Parts the pieces of one side of `voxel` into layers: parallel sheets of surface that do not
 /// touch, such as a door and the wall behind it. What one sees, the next may not.
 ///
-/// @return 1 to kMaxLayers groups of pieces, the lowest along the normal first
-std::vector<std::vector<Piece>> splitLayers(const TriangleMesh& mesh, const Box& voxel,
-                                            const std::vector<Piece>& pieces);
+/// @return 1 to kMaxDepthLayers groups of pieces, the lowest along the normal first
+std::vector<std::vector<Piece>> splitDepthLayers(const TriangleMesh& mesh, const Box& voxel,
+                                                 const std::vector<Piece>& pieces);
 
 }  // namespace shadowcache

@@ -1,6 +1,6 @@
 // Parallel layers of surface in one voxel: they become items of their own.
 
-#include "bake/core/layers.h"
+#include "bake/core/depth_layers.h"
 
 #include <gtest/gtest.h>
 
@@ -30,10 +30,10 @@ std::vector<std::vector<Piece>> layersOf(const TriangleMesh& mesh) {
         const Vec3f n = scene.normal(f.triangle);
         pieces.push_back({f.triangle, f.area, n.y < 0 ? -n : n});
     }
-    return splitLayers(mesh, frame.box({0, 0, 0}), pieces);
+    return splitDepthLayers(mesh, frame.box({0, 0, 0}), pieces);
 }
 
-TEST(Layers, OfParallelSheetsAreAsManyAsTheSheets) {
+TEST(DepthLayers, OfParallelSheetsAreAsManyAsTheSheets) {
     EXPECT_EQ(layersOf(sheets({0.1f})).size(), 1u);
     const auto layers = layersOf(sheets({0.3f, -0.2f, 0.1f}));
     ASSERT_EQ(layers.size(), 3u);
@@ -45,21 +45,21 @@ TEST(Layers, OfParallelSheetsAreAsManyAsTheSheets) {
     }
 }
 
-TEST(Layers, OfMoreSheetsThanLayersKeepTheWidestGapsApart) {
+TEST(DepthLayers, OfMoreSheetsThanLayersKeepTheWidestGapsApart) {
     const auto layers = layersOf(sheets({-0.4f, -0.39f, -0.2f, 0, 0.01f, 0.3f}));
-    ASSERT_EQ(layers.size(), static_cast<std::size_t>(kMaxLayers));
+    ASSERT_EQ(layers.size(), static_cast<std::size_t>(kMaxDepthLayers));
     EXPECT_EQ(layers[0].size(), 4u);
     EXPECT_EQ(layers[1].size(), 2u);
     EXPECT_EQ(layers[2].size(), 4u);
     EXPECT_EQ(layers[3].size(), 2u);
 }
 
-TEST(Layers, SheetsNextToTouchingAreOne) {
+TEST(DepthLayers, SheetsNextToTouchingAreOne) {
     EXPECT_EQ(layersOf(sheets({0, 1e-3f})).size(), 1u);
     EXPECT_EQ(layersOf(sheets({0, 1e-2f})).size(), 2u);  // control
 }
 
-TEST(Layers, SmallPartsAreNone) {
+TEST(DepthLayers, SmallPartsAreNone) {
     for (const float side : {0.1f, 0.3f}) {
         TriangleMesh mesh = sheets({0});
         test::addFloor(mesh, 0.2f, 0, side, -0.5f, 0.5f);
@@ -68,7 +68,7 @@ TEST(Layers, SmallPartsAreNone) {
 }
 
 // A step is two sheets, unless something leads from the one to the other.
-TEST(Layers, ConnectedSurfaceIsOne) {
+TEST(DepthLayers, ConnectedSurfaceIsOne) {
     TriangleMesh step;
     test::addFloor(step, 0, -0.5f, -0.1f, -0.5f, 0.5f);
     test::addFloor(step, 0.2f, 0.1f, 0.5f, -0.5f, 0.5f);
@@ -78,7 +78,7 @@ TEST(Layers, ConnectedSurfaceIsOne) {
     EXPECT_EQ(layersOf(step).size(), 1u);
 }
 
-TEST(Layers, BecomeItemsThatKnowTheirOwnSky) {
+TEST(DepthLayers, BecomeItemsThatKnowTheirOwnSky) {
     TriangleMesh mesh = sheets({-0.2f, 0.2f});
     const Scene scene(mesh);
     BakeOptions options;
@@ -90,7 +90,7 @@ TEST(Layers, BecomeItemsThatKnowTheirOwnSky) {
     for (std::size_t i = 0; i < result.items.size(); ++i) {
         const PatchCode code = PatchCode::of(result.items.patch[i]);
         if (result.items.voxel[i] != Vec3i(0, 0, 0) || code.side != kUp) continue;
-        ASSERT_EQ(code.part, 0);
+        ASSERT_EQ(code.subpatch, 0);
         const std::size_t cells = result.header.tiers().baseCells();
         double n = 0, d = 0;
         for (std::size_t c = i * cells; c < (i + 1) * cells; ++c)

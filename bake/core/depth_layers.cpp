@@ -1,4 +1,4 @@
-#include "bake/core/layers.h"
+#include "bake/core/depth_layers.h"
 
 #include <algorithm>
 #include <limits>
@@ -78,15 +78,15 @@ std::vector<std::size_t> layerBegins(const std::vector<Extent>& extents, double 
         if (areaBefore[gap.after] - areaBefore[*(next - 1)] >= leastArea &&
             areaBefore[*next] - areaBefore[gap.after] >= leastArea)
             begins.insert(next, gap.after);
-        if (begins.size() > static_cast<std::size_t>(kMaxLayers)) break;
+        if (begins.size() > static_cast<std::size_t>(kMaxDepthLayers)) break;
     }
     return begins;
 }
 
 }  // namespace
 
-std::vector<std::vector<Piece>> splitLayers(const TriangleMesh& mesh, const Box& voxel,
-                                            const std::vector<Piece>& pieces) {
+std::vector<std::vector<Piece>> splitDepthLayers(const TriangleMesh& mesh, const Box& voxel,
+                                                 const std::vector<Piece>& pieces) {
     const Vec3d normal = pieces.size() > 1 ? commonNormal(pieces) : Vec3d(0, 0, 0);
     if (normal == Vec3d(0, 0, 0)) return {pieces};
     const std::vector<Extent> extents = extentsAlong(normal, mesh, voxel, pieces);

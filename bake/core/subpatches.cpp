@@ -1,4 +1,4 @@
-#include "bake/core/quarters.h"
+#include "bake/core/subpatches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,19 +8,19 @@ namespace shadowcache {
 
 namespace {
 
-/// Quarters differ where one of them sees this share more or less light than their mean,
+/// Subpatches differ where one of them sees this share more or less light than their mean,
 constexpr float kLeastChange = 0.1f;
 /// and chance does not explain it, by so many standard deviations.
 constexpr float kSignificance = 1;
 /// Rays of one octet start at one point, and so often agree: they count as a third of their number.
 constexpr float kRaysAlike = 3;
 
-/// Least area of a quarter, in areas of the largest, if their rays are to count together.
+/// Least area of a subpatch, in areas of the largest, if their rays are to count together.
 constexpr float kAlike = 0.7f;
 
 }  // namespace
 
-bool seeDifferentSky(std::span<const Patch> quarters, std::span<const Probe> probes,
+bool seeDifferentSky(std::span<const Patch> subpatches, std::span<const Probe> probes,
                      const BaseCells& base) {
     if (probes.size() < 2) return false;
     Vec3f normal(0, 0, 0);
@@ -43,8 +43,8 @@ bool seeDifferentSky(std::span<const Patch> quarters, std::span<const Probe> pro
     }
     float mean = 0, area = 0;
     for (std::size_t k = 0; k < probes.size(); ++k) {
-        mean += light[k] * quarters[k].area;
-        area += quarters[k].area;
+        mean += light[k] * subpatches[k].area;
+        area += subpatches[k].area;
     }
     mean /= area;
     const float openness = mean / std::max(all, 1e-30f);
@@ -56,10 +56,10 @@ bool seeDifferentSky(std::span<const Patch> quarters, std::span<const Probe> pro
                        [&](float l) { return std::abs(l - mean) > least; });
 }
 
-bool areAlikeInSize(std::span<const Patch> quarters) {
-    if (quarters.size() < 4) return false;
+bool areAlikeInSize(std::span<const Patch> subpatches) {
+    if (subpatches.size() < 4) return false;
     const auto [least, most] =
-        std::minmax_element(quarters.begin(), quarters.end(),
+        std::minmax_element(subpatches.begin(), subpatches.end(),
                             [](const Patch& a, const Patch& b) { return a.area < b.area; });
     return least->area > kAlike * most->area;
 }

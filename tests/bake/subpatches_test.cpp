@@ -1,7 +1,7 @@
 // Patches that see more of the sky on one half than on the other are cut, and the lookup goes by
-// the part that the place lies in.
+// the subpatch that the place lies in.
 
-#include "bake/core/quarters.h"
+#include "bake/core/subpatches.h"
 
 #include <gtest/gtest.h>
 
@@ -41,12 +41,12 @@ BakeResult baked(const TriangleMesh& mesh, bool adaptive = true) {
 }
 
 /// Parts of the floor's upper side in a voxel.
-std::vector<PartCode> partsOf(const CacheItems& items, const Vec3i& voxel) {
-    std::vector<PartCode> parts;
+std::vector<SubpatchCode> subpatchesOf(const CacheItems& items, const Vec3i& voxel) {
+    std::vector<SubpatchCode> parts;
     for (std::size_t i = 0; i < items.size(); ++i) {
         const PatchCode code = PatchCode::of(items.patch[i]);
         if (items.voxel[i] == voxel && code.side == kUp && items.position[i].y < 0.25f)
-            parts.push_back(code.part);
+            parts.push_back(code.subpatch);
     }
     return parts;
 }
@@ -74,16 +74,16 @@ float openAt(const ShadowCache& cache, double x, double z, double y = 0) {
 TEST(PatchCode, IsReadAsItWasPacked) {
     std::set<std::int16_t> seen;
     for (int side = 0; side < kSides; ++side)
-        for (int layer = 0; layer < kMaxLayers; ++layer)
-            for (PartCode part = 0; part < kParts; ++part) {
-                const PatchCode code{side, layer, part};
+        for (int layer = 0; layer < kMaxDepthLayers; ++layer)
+            for (SubpatchCode subpatch = 0; subpatch < kSubpatchCodes; ++subpatch) {
+                const PatchCode code{side, layer, subpatch};
                 const PatchCode read = PatchCode::of(code.packed());
                 EXPECT_EQ(read.side, side);
                 EXPECT_EQ(read.layer, layer);
-                EXPECT_EQ(read.part, part);
+                EXPECT_EQ(read.subpatch, subpatch);
                 seen.insert(code.packed());
             }
-    EXPECT_EQ(seen.size(), std::size_t{kSides * kMaxLayers * kParts});
+    EXPECT_EQ(seen.size(), std::size_t{kSides * kMaxDepthLayers * kSubpatchCodes});
     EXPECT_GE(*seen.begin(), 0);
 }
 
@@ -91,21 +91,21 @@ TEST(PatchCode, OfADamagedFileIsTold) {
     for (const PatchCode code : {PatchCode{0, 0, 0}, {5, 3, 124}, {2, 1, 25}, {2, 0, 30}})
         EXPECT_TRUE(PatchCode::isValid(code.packed()));
     EXPECT_FALSE(PatchCode::isValid(-1));
-    EXPECT_FALSE(PatchCode::isValid(kParts * kMaxLayers * kSides));
-    for (const PartCode hole : {1, 5, 26})
+    EXPECT_FALSE(PatchCode::isValid(kSubpatchCodes * kMaxDepthLayers * kSides));
+    for (const SubpatchCode hole : {1, 5, 26})
         EXPECT_FALSE(PatchCode::isValid(PatchCode{0, 0, hole}.packed()));
 }
 
-// The quarters of quarters lie side by side on a lattice, each once.
-TEST(PatchCode, QuartersTileTheirPart) {
-    std::vector<PartCode> parts{0};
-    for (int cuts = 0; cuts < kMaxCuts; ++cuts) {
-        std::vector<PartCode> finer;
+// The subpatches of one level lie side by side on a lattice, each once.
+TEST(PatchCode, SubpatchesTileTheirParent) {
+    std::vector<SubpatchCode> parts{0};
+    for (int cuts = 0; cuts < kMaxSubdivisions; ++cuts) {
+        std::vector<SubpatchCode> finer;
         std::set<std::array<float, 2>> middles;
-        for (const PartCode part : parts) {
-            EXPECT_EQ(cutsOf(part), cuts);
+        for (const SubpatchCode part : parts) {
+            EXPECT_EQ(subdivisionsOf(part), cuts);
             for (int q = 0; q < 4; ++q) {
-                finer.push_back(quarterOf(part, q));
+                finer.push_back(subpatchOf(part, q));
                 middles.insert(middleOf(finer.back()));
                 for (const std::size_t k : {0u, 1u})
                     EXPECT_EQ(std::abs(middleOf(finer.back())[k] - middleOf(part)[k]),
@@ -118,7 +118,7 @@ TEST(PatchCode, QuartersTileTheirPart) {
     }
 }
 
-TEST(Quarters, OfAPatchHoldAllOfIt) {
+TEST(Subpatches, OfAPatchHoldAllOfIt) {
     const TriangleMesh mesh = halfHidden(0.2f);
     const Scene scene(mesh);
     const VoxelFrame frame(mesh, kSpacing);
@@ -130,10 +130,10 @@ TEST(Quarters, OfAPatchHoldAllOfIt) {
     const auto floor = std::find_if(patches.begin(), patches.end(),
                                     [](const Patch& p) { return p.code.side == kUp; });
     ASSERT_NE(floor, patches.end());
-    const auto quarters = makeQuarters(scene, frame.center({0, 0, 0}), kSpacing, *floor);
-    ASSERT_EQ(quarters.size(), 4u);
+    const auto subpatches = makeSubpatches(scene, frame.center({0, 0, 0}), kSpacing, *floor);
+    ASSERT_EQ(subpatches.size(), 4u);
     double area = 0;
-    for (const Patch& q : quarters) {
+    for (const Patch& q : subpatches) {
         for (const Piece& piece : q.pieces) area += static_cast<double>(piece.area);
         for (const Vec3f& origin : q.origin)
             for (const int axis : {0, 2})
@@ -143,22 +143,23 @@ TEST(Quarters, OfAPatchHoldAllOfIt) {
     EXPECT_NEAR(area, kSpacing * kSpacing, 1e-5);
 }
 
-TEST(Quarters, AreMadeWhereTheSkyDiffers) {
-    const std::vector<PartCode> parts = partsOf(baked(halfHidden(0.2f)).items, {0, 0, 0});
+TEST(Subpatches, AreMadeWhereTheSkyDiffers) {
+    const std::vector<SubpatchCode> parts = subpatchesOf(baked(halfHidden(0.2f)).items, {0, 0, 0});
     // Down to the smallest along the edge, as coarse as it goes elsewhere.
-    EXPECT_EQ(
-        std::count_if(parts.begin(), parts.end(), [](PartCode p) { return cutsOf(p) == kMaxCuts; }),
-        std::ptrdiff_t{2 << kMaxCuts});
+    EXPECT_EQ(std::count_if(parts.begin(), parts.end(),
+                            [](SubpatchCode p) { return subdivisionsOf(p) == kMaxSubdivisions; }),
+              std::ptrdiff_t{2 << kMaxSubdivisions});
     EXPECT_LT(parts.size(), 32u);
     // Controls: a floor that all sees alike, and a bake that looks at no differences.
     TriangleMesh open;
     test::addFloor(open, 0, -1.5f, 1.5f, -1.5f, 1.5f);
     test::addFloor(open, 20, -1, 1, -1, 1);
-    EXPECT_EQ(partsOf(baked(open).items, {0, 0, 0}), std::vector<PartCode>{0});
-    EXPECT_EQ(partsOf(baked(halfHidden(0.2f), false).items, {0, 0, 0}), std::vector<PartCode>{0});
+    EXPECT_EQ(subpatchesOf(baked(open).items, {0, 0, 0}), std::vector<SubpatchCode>{0});
+    EXPECT_EQ(subpatchesOf(baked(halfHidden(0.2f), false).items, {0, 0, 0}),
+              std::vector<SubpatchCode>{0});
 }
 
-TEST(Quarters, OfFoldedSurfaceAreNone) {
+TEST(Subpatches, OfFoldedSurfaceAreNone) {
     TriangleMesh mesh = halfHidden(0.2f);
     // Blades across the voxel, almost as steep as the side lets them be; they touch the floor.
     for (int i = 0; i < 8; ++i) {
@@ -168,10 +169,10 @@ TEST(Quarters, OfFoldedSurfaceAreNone) {
         test::addQuad(mesh, {x, 0.09f, -0.5f}, {x, 0.09f, 0.5f}, {x + 0.1f, 0, 0.5f},
                       {x + 0.1f, 0, -0.5f});
     }
-    for (const PartCode part : partsOf(baked(mesh).items, {0, 0, 0})) EXPECT_EQ(part, 0);
+    for (const SubpatchCode part : subpatchesOf(baked(mesh).items, {0, 0, 0})) EXPECT_EQ(part, 0);
 }
 
-TEST(Quarters, AreTheSameInShardsAndInParts) {
+TEST(Subpatches, AreTheSameInShardsAndInParts) {
     const BakeResult whole = baked(halfHidden(0.2f));
     const TriangleMesh mesh = halfHidden(0.2f);
     const Scene scene(mesh);
@@ -184,7 +185,7 @@ TEST(Quarters, AreTheSameInShardsAndInParts) {
         options.shard = shard;
         sum = mergeItems(sum, bake(scene, options).items, whole.header.tiers());
     }
-    ASSERT_GT(partsOf(whole.items, {0, 0, 0}).size(), 1u);
+    ASSERT_GT(subpatchesOf(whole.items, {0, 0, 0}).size(), 1u);
     EXPECT_EQ(sum.voxel, whole.items.voxel);
     EXPECT_EQ(sum.patch, whole.items.patch);
     EXPECT_EQ(sum.n, whole.items.n);
@@ -201,7 +202,7 @@ TEST(Quarters, AreTheSameInShardsAndInParts) {
 }
 
 // A bake that cut a patch and one that did not make one cache, in which the parts count.
-TEST(Quarters, MergeWithWholePatches) {
+TEST(Subpatches, MergeWithWholePatches) {
     const BakeResult cut = baked(halfHidden(0.2f)), whole = baked(halfHidden(0.2f), false);
     const test::TestCache cache(cut.header, mergeItems(cut.items, whole.items, cut.header.tiers()));
     EXPECT_LT(openAt(cache.cache(), 0.0, 0.1), 0.06f);
