@@ -236,6 +236,9 @@ ExrFile readExr(const std::filesystem::path& path) {
         ExrFile result;
         result.width = window.max.x - window.min.x + 1;
         result.height = window.max.y - window.min.y + 1;
+        const Imath::Box2i display = header.displayWindow();
+        result.place = {window.min.x - display.min.x, window.min.y - display.min.y,
+                        display.max.x - display.min.x + 1, display.max.y - display.min.y + 1};
         const auto pixels =
             static_cast<std::size_t>(result.width) * static_cast<std::size_t>(result.height);
         std::vector<std::string> names;

@@ -20,11 +20,19 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 enum class PixelType { half, full };
 
-/// Writes a scan-line EXR (ZIP), beside the target first, then renamed: never half a file.
+/// Where a picture's pixels stand in the whole frame.
+struct ExrPlace {
+    int x = 0, y = 0;                     ///< of the upper left pixel
+    int frameWidth = 0, frameHeight = 0;  ///< 0: the picture is the whole frame
+};
+
+/// Writes a scan-line EXR (ZIP) whose data window is the picture and whose display window is the
+/// frame; beside the target first, then renamed: never half a file.
 ///
 /// @throws Error if it cannot be written (directory missing, disk full)
 void writeExr(const std::filesystem::path& path, int width, int height,
-              const std::vector<Channel>& channels, const Metadata& metadata, PixelType type);
+              const std::vector<Channel>& channels, const Metadata& metadata, PixelType type,
+              const ExrPlace& place = {});
 
 /// Reads back every channel and every string attribute of an EXR file.
 ///
@@ -32,6 +40,7 @@ void writeExr(const std::filesystem::path& path, int width, int height,
 struct ExrFile {
     int width = 0;
     int height = 0;
+    ExrPlace place;
     std::vector<Channel> channels;
     std::map<std::string, std::string> metadata;
 };

@@ -43,8 +43,12 @@ std::vector<half> toHalf(const std::vector<float>& values) {
 }
 
 Imf::Header makeHeader(int width, int height, const std::vector<Channel>& channels,
-                       const Metadata& metadata, PixelType type) {
-    Imf::Header header(width, height);
+                       const Metadata& metadata, PixelType type, const ExrPlace& place) {
+    const bool whole = place.frameWidth == 0;
+    const Imath::V2i corner(place.x, place.y);
+    const Imath::V2i frame(whole ? width : place.frameWidth, whole ? height : place.frameHeight);
+    Imf::Header header(Imath::Box2i({0, 0}, frame - Imath::V2i(1)),
+                       Imath::Box2i(corner, corner + Imath::V2i(width - 1, height - 1)));
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const Channel& channel : channels) {
         header.channels().insert(channel.name,
@@ -57,12 +61,14 @@ Imf::Header makeHeader(int width, int height, const std::vector<Channel>& channe
 }  // namespace
 
 void writeExr(const std::filesystem::path& path, int width, int height,
-              const std::vector<Channel>& channels, const Metadata& metadata, PixelType type) {
+              const std::vector<Channel>& channels, const Metadata& metadata, PixelType type,
+              const ExrPlace& place) {
     translated(path, [&] {
         AtomicFile target(path);
         {
             AtomicStream stream(target, path.string());
-            Imf::OutputFile output(stream, makeHeader(width, height, channels, metadata, type));
+            Imf::OutputFile output(stream,
+                                   makeHeader(width, height, channels, metadata, type, place));
             const auto columns = static_cast<std::size_t>(width);
             std::vector<std::vector<half>> halves;
             Imf::FrameBuffer frame;

@@ -45,6 +45,19 @@ std::array<int, 2> parsePair(const char* option, const std::string& text, const 
     return {std::stoi(match[1]), std::stoi(match[2])};
 }
 
+/// "X,Y,WxH".
+FilmRectangle parseCrop(const std::string& text) {
+    static const std::regex crop(R"((\d{1,5}),(\d{1,5}),(\d{1,5})x(\d{1,5}))");
+    std::smatch match;
+    if (!std::regex_match(text, match, crop))
+        throw Error("--crop " + text + ": wanted X,Y,WxH, as in 100,50,320x180");
+    return {std::stoi(match[1]), std::stoi(match[2]), std::stoi(match[3]), std::stoi(match[4])};
+}
+
+std::ptrdiff_t placeOf(const std::string& name, const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) - names.begin();
+}
+
 }  // namespace
 
 const std::vector<std::string>& sequenceNames() {
@@ -64,6 +77,8 @@ RenderJob jobOf(const Arguments& arguments) {
     const auto [width, height] = parsePair("--size", arguments.size, "WxH, as in 960x540");
     job.render.width = width;
     job.render.height = height;
+    if (!arguments.crop.empty()) job.render.crop = parseCrop(arguments.crop);
+    job.render.filter = static_cast<FilterKind>(placeOf(arguments.filter, filterNames()));
     const bool grey = arguments.albedo.find(',') == std::string::npos;
     job.render.albedo =
         Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])
@@ -71,9 +86,7 @@ RenderJob jobOf(const Arguments& arguments) {
     if (!arguments.debug.empty())
         job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
     job.mesh.zUp = arguments.up == "z";
-    const auto& names = sequenceNames();
-    job.sequence = static_cast<Sequence>(std::find(names.begin(), names.end(), arguments.sequence) -
-                                         names.begin());
+    job.sequence = static_cast<Sequence>(placeOf(arguments.sequence, sequenceNames()));
     job.estimatorOptions.paper.exactConvolution = arguments.convolution == "exact";
     const auto [pixelWidth, pixelHeight] =
         parsePair("--pixel-map", arguments.pixelMap, "WxH, as in 200x100");

@@ -76,6 +76,19 @@ void defineCamera(CLI::App& app, Arguments& arguments) {
     app.add_option("--size", arguments.size, "Picture in pixels: WxH")
         ->capture_default_str()
         ->group(group);
+    app.add_option("--crop", arguments.crop,
+                   "Render only this part of the picture: X,Y,WxH from the upper left pixel X,Y; "
+                   "the same pixels as in the whole picture")
+        ->group(group);
+    app.add_option("--filter", arguments.filter,
+                   "Pixel filter of several camera rays: box, gaussian or blackman-harris")
+        ->check(CLI::IsMember(filterNames()))
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--filter-width", job.render.filterWidth,
+                   "Its width in pixels as in Blender; 0: 1 for the box, 1.5 for the others")
+        ->capture_default_str()
+        ->group(group);
 }
 
 void definePaper(CLI::App& app, Arguments& arguments) {

@@ -89,8 +89,11 @@ std::string explain(const FrameRequest& frame, const Forecast& forecast) {
     runPilot(frame, pilot);
     FrameRequest smaller = frame;
     RenderOptions& small = smaller.options;
-    const double pixels = static_cast<double>(options.width) * options.height;
-    const double shrink = std::min(1.0, std::sqrt(kPixels / pixels));
+    const FilmRectangle region = options.region();
+    const double pixels = static_cast<double>(region.width) * region.height;
+    const double shrink =
+        std::min(1.0, std::sqrt(kPixels / (static_cast<double>(options.width) * options.height)));
+    small.crop.reset();
     small.width = std::max(1, static_cast<int>(std::lround(options.width * shrink)));
     small.height = std::max(1, static_cast<int>(std::lround(options.height * shrink)));
     const Film plain = render(smaller, picture);

@@ -102,7 +102,8 @@ void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, doubl
     const auto path = frameFile(job, frame);
     metadata.emplace_back("shadowcache:seconds", std::to_string(seconds));
     writeExr(path, film.width, film.height, channels(film, job.aovs), metadata,
-             job.half ? PixelType::half : PixelType::full);
+             job.half ? PixelType::half : PixelType::full,
+             {film.x, film.y, film.frameWidth, film.frameHeight});
     if (!job.png) return;
     auto png = path;
     writePng(png.replace_extension(".png"), colorImage(film), job.exposure);
@@ -126,6 +127,8 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
     out.set("seconds.trace", stats.traceSeconds);
     out.set("rays.camera", stats.cameraRays);
     out.set("rays.shadow", stats.shadowRays);
+    out.set("rays.own", stats.shadowRays - stats.reusedRays);
+    out.set("rays.reused", stats.reusedRays);
     out.set("cache.items", std::uint64_t{cache ? cache->itemCount() : 0});
     out.set("cache.bytes", std::uint64_t{cache ? cache->memoryBytes() : 0});
     if (cache) addMemoryUse(out, cache->memoryUse());

@@ -98,8 +98,7 @@ public:
         std::vector<GltfShot> shots = openShots(job_);
         const CameraSource camera(job_.camera, shots);
         for (const int frame : job_.frames) camera.at(frame);
-        if (!job_.reference.empty())
-            reference_ = readReference(job_.reference, job_.render.width, job_.render.height);
+        if (!job_.reference.empty()) reference_ = readReference(job_.reference, job_.render);
         mesh_ = loadMesh(job_.files, job_.mesh);
         std::printf("set: %s\n", describe(mesh_.report).c_str());
         moving_.emplace(shots, job_.dynamic, job_.mesh, mesh_.origin, job_.fps);
@@ -194,9 +193,15 @@ private:
         std::printf("%s: %zu frame%s", entry_.name, rendered_, rendered_ == 1 ? "" : "s");
         if (job_.resume)
             std::printf(" (%zu more %s done)", skipped_, skipped_ == 1 ? "was" : "were");
-        std::printf(", %d samples, %.1f M shadow rays in %.2f s",
+        std::printf(", %d x %d samples, %.1f M camera rays, %.1f M shadow rays",
+                    job_.render.cameraRays,
                     job_.targetError > 0 ? stats_.samples : job_.render.samples,
-                    static_cast<double>(stats_.shadowRays) * 1e-6, stats_.seconds);
+                    static_cast<double>(stats_.cameraRays) * 1e-6,
+                    static_cast<double>(stats_.shadowRays) * 1e-6);
+        if (stats_.reusedRays > 0)
+            std::printf(" (%.1f M of them reuse neighbours' samples)",
+                        static_cast<double>(stats_.reusedRays) * 1e-6);
+        std::printf(" in %.2f s", stats_.seconds);
         if (error_) std::printf(", relMSE %.3g", error_->mean);
         std::printf(" -> %s\n", job_.output.c_str());
         if (cache_) printMemoryUse(cache_->memoryUse());

@@ -66,15 +66,18 @@ std::vector<Rgb> tileMeans(const Image& image, int tile) {
     return means;
 }
 
-Image readReference(const std::filesystem::path& path, int width, int height) {
+Image readReference(const std::filesystem::path& path, const RenderOptions& options) {
     const ExrFile file = readExr(path);
-    if (file.width != width || file.height != height)
+    const FilmRectangle region = options.region();
+    const bool whole = file.width == options.width && file.height == options.height;
+    if (!whole && (file.width != region.width || file.height != region.height))
         throwFileError(path, std::to_string(file.width) + "x" + std::to_string(file.height) +
-                                 " pixels, wanted " + std::to_string(width) + "x" +
-                                 std::to_string(height) + " as rendered");
-    Image image{file.width, file.height, {}};
-    image.pixels.resize(static_cast<std::size_t>(file.width) *
-                        static_cast<std::size_t>(file.height));
+                                 " pixels, wanted " + std::to_string(region.width) + "x" +
+                                 std::to_string(region.height) + " as rendered");
+    const int left = whole ? region.x : 0, top = whole ? region.y : 0;
+    Image image{region.width, region.height, {}};
+    image.pixels.resize(static_cast<std::size_t>(region.width) *
+                        static_cast<std::size_t>(region.height));
     const std::string names = "RGB";
     for (int k = 0; k < 3; ++k) {
         const auto found =
@@ -83,7 +86,12 @@ Image readReference(const std::filesystem::path& path, int width, int height) {
             });
         if (found == file.channels.end())
             throwFileError(path, "no channels R, G and B to compare with");
-        for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i][k] = found->values[i];
+        std::size_t i = 0;
+        for (int y = 0; y < region.height; ++y)
+            for (int x = 0; x < region.width; ++x)
+                image.pixels[i++][k] = found->values[static_cast<std::size_t>(top + y) *
+                                                         static_cast<std::size_t>(file.width) +
+                                                     static_cast<std::size_t>(left + x)];
     }
     return image;
 }

@@ -4,13 +4,15 @@
 #include <vector>
 
 #include "common/image/image.h"
+#include "render/frame/options.h"
 
 namespace shadowcache {
 
-/// The R, G and B of a rendered image, negative estimates included.
+/// The R, G and B of a rendered image, negative estimates included: of the region of `options`,
+/// from an image of the whole frame or of the region.
 ///
 /// @throws Error if it cannot be read, or is of another size
-Image readReference(const std::filesystem::path& path, int width, int height);
+Image readReference(const std::filesystem::path& path, const RenderOptions& options);
 
 /// Squared relative error of an image: (x - ref)^2 / (ref^2 + 0.01 mean(ref)^2) over pixels and
 /// RGB.

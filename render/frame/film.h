@@ -17,8 +17,12 @@ struct Pixel {
     Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
     Vec3f position{0, 0, 0};  ///< world space
     float depth = 0;          ///< distance from the camera; 0: the sky
-    float variance = 0;       ///< of the irradiance's luminance, estimated from the samples
+    float variance = 0;       ///< of the irradiance's luminance, as the camera rays' spread tells;
+                              ///< of one camera ray, as its samples tell
+    float colorVariance = 0;  ///< of the colour's luminance: edges, albedo and sky included
     float rays = 0;           ///< shadow rays traced
+    float reusedRays = 0;     ///< those of them that reuse what other pixels found
+    float cameraRays = 0;
     // What the cache says before any ray, if RenderOptions::insight.
     float openness = 0;       ///< open share of the sky, weighted by the cosine
     float expectedNoise = 0;  ///< standard deviation of the irradiance's luminance
@@ -31,6 +35,8 @@ struct Film {
     int width = 0;
     int height = 0;
     std::vector<Pixel> pixels;
+    int x = 0, y = 0;  ///< of its first pixel in the frame
+    int frameWidth = 0, frameHeight = 0;
 };
 
 /// Whether colour, irradiance and variance are finite numbers.

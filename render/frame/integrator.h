@@ -17,8 +17,9 @@ struct RenderStats {
     double traceSeconds = 0;  ///< of it in tracing shadow rays and adding them up, likewise
     std::uint64_t cameraRays = 0;
     std::uint64_t shadowRays = 0;
-    int samples = 0;      ///< of a camera ray, in the last frame
-    double ownError = 0;  ///< relMSE of the last frame as its own samples tell it
+    std::uint64_t reusedRays = 0;  ///< those of shadowRays that reuse what other pixels found
+    int samples = 0;               ///< of a camera ray, in the last frame
+    double ownError = 0;           ///< relMSE of the last frame as its own samples tell it
 };
 
 /// A frame to render.
@@ -37,12 +38,13 @@ std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraR
 void runPilot(const FrameRequest& frame, RenderStats& stats);
 
 /// Renders one frame: direct light of the environment on Lambertian surfaces, the sky where nothing
-/// is hit. The same bits for any number of threads. Shows progress; Ctrl-C ends it with Error.
+/// is hit. The same bits for any number of threads, and for a crop as for the whole frame. Shows
+/// progress; Ctrl-C ends it with Error.
 ///
 /// @throws Error on non-finite estimates, with their number and the options that replay the first
 Film render(const FrameRequest& frame, RenderStats& stats);
 
-/// The pixels of one tile in `apart` of the frame, chosen by the seed.
+/// The pixels of one tile in `apart` of the region, chosen by the seed.
 std::vector<Pixel> renderSomeTiles(const FrameRequest& frame, int apart, RenderStats& stats);
 
 /// One camera ray's place on the set and the estimate there; `samples` are those it was made of.

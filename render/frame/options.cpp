@@ -11,15 +11,29 @@ namespace shadowcache {
 // 20 GB of film.
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
+const std::vector<std::string>& filterNames() {
+    static const std::vector<std::string> names{"box", "gaussian", "blackman-harris"};
+    return names;
+}
+
 void validate(const RenderOptions& options) {
     requireRange("size (width)", options.width, 1, 65536);
     requireRange("size (height)", options.height, 1, 65536);
-    if (std::int64_t{options.width} * options.height > kMaxPixels)
-        throw Error("--size " + std::to_string(options.width) + "x" +
-                    std::to_string(options.height) + ": wanted at most " +
-                    std::to_string(kMaxPixels) + " pixels");
+    const std::string size =
+        "--size " + std::to_string(options.width) + "x" + std::to_string(options.height);
+    const FilmRectangle region = options.region();
+    const auto& [x, y, width, height] = region;
+    if (width < 1 || height < 1 || x < 0 || y < 0 || width > options.width - x ||
+        height > options.height - y)
+        throw Error("--crop " + std::to_string(x) + "," + std::to_string(y) + "," +
+                    std::to_string(width) + "x" + std::to_string(height) +
+                    ": wanted a part of the frame, " + size);
+    if (std::int64_t{width} * height > kMaxPixels)
+        throw Error(size + ": wanted at most " + std::to_string(kMaxPixels) + " pixels");
     requireRange("samples", options.samples, 0, kMostSamples);
-    requireRange("camera-rays", options.cameraRays, 1, 65536);
+    requireRange("camera-rays", options.cameraRays, 1, kMostCameraRays);
+    requireRange("pass-rays", options.passRays, 1, kMostCameraRays);
+    requireRange("filter-width", options.filterWidth, 0.0, 16.0);
     for (int k = 0; k < 3; ++k) requireRange("albedo", options.albedo[k], 0.0f, 1.0f);
 }
 

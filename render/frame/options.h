@@ -1,22 +1,44 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "common/math/vec.h"
 
 namespace shadowcache {
 
 inline constexpr int kMostSamples = 1 << 20;
+inline constexpr int kMostCameraRays = 65536;
+
+/// How the light that reaches a pixel is weighted around its centre.
+enum class FilterKind { box, gaussian, blackmanHarris };
+
+/// Pixels of a film; x and y are those of the upper left one.
+struct FilmRectangle {
+    int x = 0, y = 0, width = 0, height = 0;
+};
 
 struct RenderOptions {
     int width = 960;
     int height = 540;
     int samples = 64;    ///< shadow rays a camera ray
     int cameraRays = 1;  ///< camera rays a pixel; one goes through the pixel's centre
+    int passRays = 64;   ///< camera rays of a pixel that are lit together, at most
+    FilterKind filter = FilterKind::blackmanHarris;
+    double filterWidth = 0;             ///< in pixels; 0: 1 for the box, 1.5 for the others
+    std::optional<FilmRectangle> crop;  ///< the part of the frame to render; none: all of it
     std::uint64_t seed = 1;
     bool insight = false;  ///< keep what the cache says of each place, for the AOVs that show it
     Rgb albedo{0.5f, 0.5f, 0.5f};  ///< where the set has no vertex colours
+
+    /// What is rendered of the frame.
+    FilmRectangle region() const { return crop.value_or(FilmRectangle{0, 0, width, height}); }
 };
+
+/// Names of the filters, in the order of FilterKind.
+const std::vector<std::string>& filterNames();
 
 /// @throws Error naming the option, the value and the range allowed
 void validate(const RenderOptions& options);

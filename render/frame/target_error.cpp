@@ -29,9 +29,7 @@ double measuredError(std::span<const Pixel> pixels, const Rgb& luminanceWeights)
     for (const Pixel& p : pixels) {
         const double value = luminance(p.color);
         const double scale = value * value + 0.01 * mean * mean;
-        const double reflectance = luminance(p.albedo) / kPi;
-        if (scale > 0)
-            error += reflectance * reflectance * static_cast<double>(p.variance) / scale / count;
+        if (scale > 0) error += static_cast<double>(p.colorVariance) / scale / count;
     }
     return error;
 }

@@ -44,6 +44,7 @@ Film renderFilm(const EstimatorContext& context, const Set& set, const std::stri
     options.height = size.height;
     options.samples = std::max(1, samples);
     options.cameraRays = kCameraRays;
+    options.filter = FilterKind::box;
     RenderStats stats;
     const Camera& camera = cameraAtFrame(set.cameras, frame);
     runPilot({*made, camera, frame, options}, stats);

@@ -198,6 +198,11 @@ TEST_F(CliRefusal, ImpossibleOptions) {
     refuses("render", view + "--size 0x8", "--size", "wanted 1 to 65536");
     refuses("render", view + "--size 65536x65536", "--size", "pixels");
     refuses("render", view + "--size 12", "--size", "wanted WxH");
+    refuses("render", view + "--size 8x8 --crop 4,4", "--crop", "wanted X,Y,WxH");
+    refuses("render", view + "--size 8x8 --crop 4,4,5x4", "--crop", "a part of the frame");
+    refuses("render", view + "--size 8x8 --crop 8,0,1x1", "--crop", "a part of the frame");
+    refuses("render", view + "--size 8x8 --crop 0,0,0x1", "--crop", "a part of the frame");
+    refuses("render", view + "--filter-width -1", "filter-width", "wanted 0 to 16");
     refuses("render", "set.obj --env 1,-1,1 -o new.exr --eye 1,1,2 --look-at 0,0,0", "--env",
             "0 or more");
     refuses("render", "set.obj --env map.exr -o new.exr --eye 1,1 --look-at 0,0,0", "--eye",

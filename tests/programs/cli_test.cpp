@@ -258,6 +258,23 @@ TEST_F(Cli, ReferenceGivesTheError) {
     expectNumbers(readJson(path("s.json")), {"error.relmse", "error.p99", "error.max"});
 }
 
+TEST_F(Cli, CropWritesAPartOfTheFrame) {
+    const std::string picture = still("--camera-rays 3 --reference whole.exr --png -o ", "32x20");
+    runWell("render", still("--camera-rays 3 -o whole.exr", "32x20"));
+    const auto run = runWell("render", picture + "part.exr --crop 5,3,20x11");
+    EXPECT_NE(run.out.find("relMSE 0 "), std::string::npos) << run.out;
+    const ExrFile part = readExr(path("part.exr"));
+    EXPECT_EQ(part.width, 20);
+    EXPECT_EQ(part.height, 11);
+    EXPECT_EQ(part.place.x, 5);
+    EXPECT_EQ(part.place.y, 3);
+    EXPECT_EQ(part.place.frameWidth, 32);
+    EXPECT_EQ(part.place.frameHeight, 20);
+    // Control: with another filter the pixels are others.
+    const auto box = runWell("render", picture + "box.exr --crop 5,3,20x11 --filter box");
+    EXPECT_EQ(box.out.find("relMSE 0 "), std::string::npos) << box.out;
+}
+
 TEST_F(Cli, DebugTellsOfAPixelAndWritesNothing) {
     bake();
     runWell("render", still("--cache set.vdb -o a.exr"));

@@ -1,0 +1,51 @@
+#include "render/frame/pixel_sum.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shadowcache {
+
+double RunSpread::varianceOfMean(int runLength, int count) const {
+    if (runs_ < 2) return 0;
+    const double mean = sum_ / runs_;
+    const double ofRun = std::max(0.0, squares_ - sum_ * mean) / (runs_ - 1);
+    // A run's sum has `runLength` values: ofRun / (runLength^2 runs) is of the mean of all in runs.
+    return ofRun / (static_cast<double>(runLength) * count);
+}
+
+int spreadRunLength(int passRays) {
+    int length = 1;
+    while (4 * length * length <= passRays) length *= 2;
+    return length;
+}
+
+Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights) {
+    Pixel pixel = sum.sum;
+    const float scale = 1.0f / static_cast<float>(std::max(1, sum.cameraRays));
+    pixel.color *= scale;
+    pixel.irradiance *= scale;
+    pixel.albedo *= scale;
+    pixel.normal *= scale;
+    pixel.position *= scale;
+    pixel.depth *= scale;
+    pixel.openness *= scale;
+    // Errors of camera rays are independent.
+    pixel.expectedNoise = std::sqrt(pixel.expectedNoise) * scale;
+    pixel.items *= scale;
+    pixel.regions *= scale;
+    pixel.misses *= scale;
+    pixel.cameraRays = static_cast<float>(sum.cameraRays);
+    if (sum.cameraRays < 2) {
+        const double reflectance = static_cast<double>(pixel.albedo.dot(luminanceWeights)) / kPi;
+        pixel.colorVariance =
+            static_cast<float>(reflectance * reflectance * static_cast<double>(pixel.variance));
+    } else {
+        pixel.variance =
+            static_cast<float>(sum.irradiance.varianceOfMean(runLength, sum.cameraRays));
+        pixel.colorVariance =
+            static_cast<float>(sum.color.varianceOfMean(runLength, sum.cameraRays));
+    }
+    return pixel;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,88 @@
+#include "render/frame/tile_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "common/base/parallel.h"
+#include "common/base/progress.h"
+
+namespace shadowcache {
+
+void RayCounts::add(const Pixel& pixel) {
+    camera += static_cast<std::uint64_t>(pixel.cameraRays);
+    shadow += static_cast<std::uint64_t>(pixel.rays);
+    reused += static_cast<std::uint64_t>(pixel.reusedRays);
+}
+
+void RayCounts::addTo(RenderStats& stats) const {
+    stats.cameraRays += camera;
+    stats.shadowRays += shadow;
+    stats.reusedRays += reused;
+}
+
+std::unique_ptr<Workspace> Workspaces::take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) return estimator_.makeWorkspace();
+    std::unique_ptr<Workspace> workspace = std::move(free_.back());
+    free_.pop_back();
+    return workspace;
+}
+
+void Workspaces::giveBack(std::unique_ptr<Workspace> workspace) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(workspace));
+}
+
+void Workspaces::addTimes(RenderStats& stats) {
+    std::uint64_t setup = 0, trace = 0;
+    for (const auto& workspace : free_) {
+        setup += std::exchange(workspace->setupNanoseconds, 0);
+        trace += std::exchange(workspace->traceNanoseconds, 0);
+    }
+    stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
+    stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();
+}
+
+void forEachTile(const FrameRequest& frame, std::span<const std::size_t> tiles,
+                 Workspaces& workspaces, RenderStats& stats,
+                 const std::function<void(const TileTurn&)>& work) {
+    const auto start = std::chrono::steady_clock::now();
+    const Tiles all(frame.options);
+    const std::size_t run = frame.estimator.inOrder() ? std::max<std::size_t>(1, tiles.size()) : 4;
+    parallelFor(tiles.size(), run, [&](const Chunk& chunk) {
+        std::unique_ptr<Workspace> workspace = workspaces.take();
+        TileScratch scratch;
+        std::vector<FilmPlace> places;
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            throwIfInterrupted();
+            all.findPlaces(tiles[i], places);
+            work({i, places, scratch, *workspace});
+        }
+        workspaces.giveBack(std::move(workspace));
+    });
+    workspaces.addTimes(stats);
+    stats.seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, RenderStats& stats,
+                 const std::function<void(const TileTurn&, std::span<const Pixel>)>& take) {
+    const TileRenderer renderer(frame);
+    Workspaces workspaces(frame.estimator);
+    std::vector<RayCounts> counts(tiles.size());
+    forEachTile(frame, tiles, workspaces, stats, [&](const TileTurn& turn) {
+        std::vector<PixelSum> sums(turn.places.size());
+        renderer.renderTile(turn.places, turn.scratch, turn.workspace, sums);
+        std::vector<Pixel> pixels;
+        pixels.reserve(sums.size());
+        for (const PixelSum& sum : sums) {
+            pixels.push_back(renderer.average(sum));
+            counts[turn.index].add(pixels.back());
+        }
+        take(turn, pixels);
+    });
+    for (const RayCounts& count : counts) count.addTo(stats);
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "render/frame/tile_renderer.h"
+
+namespace shadowcache {
+
+/// Workspaces that go from one chunk of a frame to the next: what one has met is kept.
+class Workspaces {
+public:
+    explicit Workspaces(const Estimator& estimator) : estimator_(estimator) {}
+
+    std::unique_ptr<Workspace> take();
+    void giveBack(std::unique_ptr<Workspace> workspace);
+
+    /// Adds the time of all that were given back since the last call.
+    void addTimes(RenderStats& stats);
+
+private:
+    const Estimator& estimator_;
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<Workspace>> free_;
+};
+
+/// Rays that pixels took.
+struct RayCounts {
+    std::uint64_t camera = 0, shadow = 0, reused = 0;
+
+    void add(const Pixel& pixel);
+    void addTo(RenderStats& stats) const;
+};
+
+/// A tile whose turn it is.
+struct TileTurn {
+    std::size_t index;  ///< in the list of tiles
+    std::span<const FilmPlace> places;
+    TileScratch& scratch;
+    Workspace& workspace;
+};
+
+/// The tile loop: has `work` done for each of `tiles`, in parallel, and keeps the time.
+void forEachTile(const FrameRequest& frame, std::span<const std::size_t> tiles,
+                 Workspaces& workspaces, RenderStats& stats,
+                 const std::function<void(const TileTurn&)>& work);
+
+/// Renders `tiles` to their end, in parallel; `take` has the pixels of each as it is done, in no
+/// stated order.
+void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, RenderStats& stats,
+                 const std::function<void(const TileTurn&, std::span<const Pixel>)>& take);
+
+}  // namespace shadowcache

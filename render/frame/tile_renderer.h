@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/frame/integrator.h"
+#include "render/frame/pixel_filter.h"
+#include "render/frame/pixel_sum.h"
+#include "render/frame/tiles.h"
+
+namespace shadowcache {
+
+/// What a camera ray meets.
+struct View {
+    Vec3f direction;
+    Hit hit;
+};
+
+/// What the camera rays of a batch meet; reused from one to the next.
+struct TileScratch {
+    /// A camera ray, in the order of pixels and of rays in a pixel.
+    struct Ray {
+        std::uint32_t pixel;  ///< number in the tile
+        Hit hit;              ///< not found: the sky
+        double skyLuminance;
+    };
+    std::vector<Ray> rays;
+    std::vector<ShadingPoint> points;  ///< of the rays that meet the set
+    std::vector<Estimate> estimates;
+};
+
+/// Renders the pixels of one tile: sends their camera rays and has the places that these meet lit
+/// together.
+class TileRenderer {
+public:
+    explicit TileRenderer(const FrameRequest& request);
+
+    /// What the camera sees at a place of the film; the film's is [0, 1).
+    View look(double filmX, double filmY) const;
+
+    /// The place that a camera ray met.
+    ShadingPoint shadingPoint(const View& view, std::uint64_t seed, int filmX, int filmY) const;
+
+    /// Adds camera rays `first` to `first + count - 1` of each pixel of a tile: those of places[i]
+    /// to sums[i].
+    void addCameraRays(std::span<const FilmPlace> places, int first, int count,
+                       TileScratch& scratch, Workspace& workspace, std::span<PixelSum> sums) const;
+
+    /// All camera rays of a tile, pass by pass.
+    void renderTile(std::span<const FilmPlace> places, TileScratch& scratch, Workspace& workspace,
+                    std::span<PixelSum> sums) const;
+
+    /// The pixel so far.
+    Pixel average(const PixelSum& sum) const;
+
+    /// Has `observer` see each camera ray of the pixel (x, y) that meets the set.
+    void observe(int x, int y, const CameraSampleObserver& observer);
+
+private:
+    View lookThrough(const FilmPlace& place, int cameraRay) const;
+    void addBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
+                  Workspace& workspace, std::span<PixelSum> sums) const;
+    void sendCameraRays(std::span<const FilmPlace> places, int first, int count,
+                        TileScratch& scratch, std::span<PixelSum> sums) const;
+    void addToPixel(const ShadingPoint& point, const Hit& hit, const Estimate& estimate,
+                    Workspace& workspace, PixelSum& pixel) const;
+
+    const Estimator& estimator_;
+    const EstimatorContext& context_;
+    const Camera& camera_;
+    const int number_;
+    const RenderOptions& options_;
+    const PixelFilter filter_;
+    const int runLength_;
+    const CameraSampleObserver* observer_ = nullptr;
+    FilmPlace observed_{-1, -1};  ///< pixel that the observer sees
+};
+
+}  // namespace shadowcache
