@@ -12,14 +12,12 @@
 #include "common/base/parallel.h"
 #include "common/base/sequence.h"
 #include "common/predict/cache_preview.h"
-#include "common/predict/horizon.h"
 #include "common/predict/item_irradiance.h"
 #include "render/cached/cache_insight.h"
-#include "render/cached/cache_survey.h"
-#include "render/cached/region_sampler.h"
-#include "render/cached/region_weights.h"
+#include "render/cached/cache_pilot.h"
+#include "render/cached/cluster_lighting.h"
+#include "render/cached/control_variate.h"
 #include "render/cached/sample_budget.h"
-#include "render/cached/surprise_exchange.h"
 
 namespace shadowcache {
 
@@ -33,40 +31,36 @@ constexpr double kDarkest = 0.1;
 /// out dark.
 constexpr double kUnsureShare = 0.4, kUnsureShareUniform = 0.2;
 
-/// With more samples than this a camera ray, the same regions are shared as with so many: what
-/// stays unshared falls as all the noise does.
+/// Whatever number of samples is asked for, the same regions are reused as with so many: what stays
+/// unshared falls as all the noise does.
 constexpr double kJudgedSamples = 64;
 
-/// Places of a survey that one thread takes at a time.
-constexpr std::size_t kSurveyChunk = 32;
-
-/// A sample of a region whose surprises are shared.
-struct SharedSample {
-    std::size_t index;  ///< in Workspace::samples
-    Surprise surprise;
-};
+/// Places of a pilot that one thread takes at a time.
+constexpr std::size_t kPilotChunk = 32;
 
 struct CacheWorkspace final : Workspace {
     CacheWorkspace(const ShadowCache& cache, const Environment& environment)
         : reader(cache),
+          items(ShadowCache::kMaxItems),
           pooled(cache.header().tiers()),
-          weights(environment, cache.header().tiers()),
           preview(environment, cache.header().tiers()),
           itemIrradiance(preview),
-          items(ShadowCache::kMaxItems),
           sampler(environment),
-          exchange(cache.header().tiers()) {}
+          reuse(environment, cache.header().tiers()) {}
 
     ShadowCache::Reader reader;
+    std::vector<ItemView> items;
     PooledVisibility pooled;
-    RegionWeights weights;
     CachePreview preview;
     ItemIrradiance itemIrradiance;
-    std::vector<ItemView> items;
-    CacheSurvey survey;
-    RegionSampler sampler;
-    SurpriseExchange exchange;
-    std::vector<SharedSample> shared;
+    PilotRays pilotRays;
+    Regions regions;
+    SamplingPlan plan;
+    std::vector<PointShare> shares;
+    PointClusters clusters;
+    ClusterSampler sampler;
+    NeighborReuse reuse;
+    ClusterLighting lighting;
 };
 
 class CacheEstimator final : public Estimator, private FramePilot, private InsightSource {
@@ -84,58 +78,50 @@ public:
     using Estimator::estimate;
     void estimate(const PointBatch& batch, Workspace& workspace,
                   std::span<Estimate> estimates) const override {
-        std::vector<ShadingPoint> points;
-        std::vector<Estimate> found;
-        for (std::uint32_t k = batch.firstRay; k < batch.firstRay + batch.cameraRays; ++k) {
-            points.clear();
-            for (const ShadingPoint& p : batch.points)
-                if (p.cameraRay == k) {
-                    points.push_back(p);
-                    points.back().seed = hashWords(p.seed, 90, k);
-                }
-            found.resize(points.size());
-            light(points, batch.samples, static_cast<CacheWorkspace&>(workspace), found);
-            std::size_t next = 0;
-            for (std::size_t i = 0; i < batch.points.size(); ++i)
-                if (batch.points[i].cameraRay == k) estimates[i] = found[next++];
-        }
-    }
-
-private:
-    void light(std::span<const ShadingPoint> points, int samples, CacheWorkspace& w,
-               std::span<Estimate> estimates) const {
+        auto& w = static_cast<CacheWorkspace&>(workspace);
+        std::fill(estimates.begin(), estimates.end(), Estimate{});
         Stopwatch watch;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            w.samples.clear();
-            estimates[i] = {};
-            estimates[i].irradiance = prepare(points[i], samples, w);
+        if (batch.samples == 0) {
+            for (std::size_t i = 0; i < batch.points.size(); ++i)
+                estimates[i].irradiance = preview(batch.points[i], w);
             w.setupNanoseconds += watch.sinceLast();
-            if (w.samples.size() == 0) continue;
-            w.samples.trace(context_.scene, points[i], context_.environment, estimates[i]);
-            for (const SharedSample& s : w.shared)
-                if (w.samples.open(s.index) == s.surprise.open) w.exchange.add(s.surprise);
+            return;
+        }
+        w.clusters.build(batch.points, context_.cache->header().spacing);
+        w.reuse.begin(batch, w.clusters);
+        for (const PointCluster& cluster : w.clusters.clusters()) {
+            const std::span<const ClusterSample> samples = prepare(batch, cluster, w, estimates);
+            w.setupNanoseconds += watch.sinceLast();
+            w.lighting.trace(context_, batch, w.regions, w.plan, samples, w.reuse, estimates);
             w.traceNanoseconds += watch.sinceLast();
         }
-        w.exchange.exchange(context_.scene, context_.environment, points, estimates);
-        w.exchange.clear();
+        w.reuse.run(context_.scene, estimates);
         w.traceNanoseconds += watch.sinceLast();
     }
 
+private:
+    const CacheOptions options_;
+    const OpennessMeter openness_{context_.cache->header().tiers()};
+    const RegionBuilder regionBuilder_{context_.environment, context_.cache->header().tiers()};
+    Calibration calibration_;
+    std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
+    double darkest_ = 0;  ///< irradiance below which errors count no more [luminance]
+
     std::uint64_t run(std::span<const ShadingPoint> points, int samples) override {
-        reliability_ = Reliability();
-        std::vector<Reliability> found((points.size() + kSurveyChunk - 1) / kSurveyChunk);
+        calibration_ = Calibration();
+        std::vector<Calibration> found((points.size() + kPilotChunk - 1) / kPilotChunk);
         std::vector<std::uint64_t> rays(found.size());
-        parallelFor(points.size(), kSurveyChunk, [&](const Chunk& chunk) {
+        parallelFor(points.size(), kPilotChunk, [&](const Chunk& chunk) {
             const auto workspace = makeWorkspace();
             auto& w = static_cast<CacheWorkspace&>(*workspace);
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                weigh(points[i], w);
-                rays[chunk.index] += w.survey.look(context_.scene, context_.environment, points[i],
-                                                   w.weights, w.samples, found[chunk.index]);
+                lookAt(points[i], w);
+                rays[chunk.index] += w.pilotRays.trace(context_, points[i], w.regions, w.samples,
+                                                       found[chunk.index]);
             }
         });
-        for (const Reliability& part : found) reliability_.add(part);
-        reliability_.update();
+        for (const Calibration& part : found) calibration_.add(part);
+        calibration_.update();
         const std::vector<PredictedNoise> noise = predictNoise(points);
         double brightness = 0;
         for (const PredictedNoise& n : noise) brightness += n.value;
@@ -148,39 +134,38 @@ private:
                          Workspace& workspace) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
         CacheInsight insight;
-        insight.items = weigh(point, w);
+        insight.items = lookAt(point, w);
         insight.openness = openness_.measure(w.pooled, point.normal);
-        for (std::size_t g = 0; g < w.weights.size(); ++g)
-            insight.regions += static_cast<int>(
-                std::count_if(w.weights.spread(g), w.weights.spread(g) + kBlockCells,
-                              [](float spread) { return spread > 0; }));
-        if (samples > 0 && budget_) samples = budget_->samplesOf(predictedNoise(w), point.seed);
+        for (const RegionGroup& group : w.regions.groups)
+            insight.regions +=
+                static_cast<int>(std::count_if(group.deviation, group.deviation + kBlockCells,
+                                               [](float deviation) { return deviation > 0; }));
         if (samples > 0)
-            insight.expectedNoise = static_cast<float>(w.weights.spreadSum() / std::sqrt(samples));
+            insight.expectedNoise =
+                static_cast<float>(deviationOf(w.regions) / std::sqrt(shareOf(w.regions, samples)));
         return insight;
     }
 
-    const CacheOptions options_;
-    const OpennessMeter openness_{context_.cache->header().tiers()};
-    Reliability reliability_;
-    std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
-    double darkest_ = 0;  ///< irradiance below which errors count no more [luminance]
-
     std::vector<PredictedNoise> predictNoise(std::span<const ShadingPoint> points) const {
         std::vector<PredictedNoise> noise(points.size());
-        parallelFor(points.size(), kSurveyChunk, [&](const Chunk& chunk) {
+        parallelFor(points.size(), kPilotChunk, [&](const Chunk& chunk) {
             const auto workspace = makeWorkspace();
             auto& w = static_cast<CacheWorkspace&>(*workspace);
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                weigh(points[i], w);
-                noise[i] = predictedNoise(w);
+                lookAt(points[i], w);
+                noise[i] = predictedNoise(w.regions);
             }
         });
         return noise;
     }
 
-    static PredictedNoise predictedNoise(const CacheWorkspace& w) {
-        return {w.weights.spreadSum(), w.weights.predictedLuminance()};
+    static PredictedNoise predictedNoise(const Regions& regions) {
+        return {deviationOf(regions), regions.predictedLuminance};
+    }
+
+    /// Samples of a point with these regions, where `samples` are the mean.
+    double shareOf(const Regions& regions, int samples) const {
+        return budget_ ? budget_->shareOf(predictedNoise(regions)) : samples;
     }
 
     std::span<const ItemView> lookUp(const ShadingPoint& point, CacheWorkspace& w) const {
@@ -188,18 +173,23 @@ private:
         return std::span(w.items).first(static_cast<std::size_t>(found));
     }
 
+    /// Pools the counts around a point, for it and all points within `radius`.
+    ///
     /// @return number of items found
-    int pool(const ShadingPoint& point, CacheWorkspace& w) const {
+    int pool(const ShadingPoint& point, float radius, CacheWorkspace& w) const {
         const std::span<const ItemView> found = lookUp(point, w);
         w.pooled.pool(found);
         for (const Ball& ball : context_.scene.movingBalls())
-            addOccluderCone(ball, point, w.pooled);
+            addOccluderCone({ball.center, ball.radius + radius}, point, w.pooled);
         return static_cast<int>(found.size());
     }
 
-    int weigh(const ShadingPoint& point, CacheWorkspace& w) const {
-        const int found = pool(point, w);
-        w.weights.weigh(w.pooled, point.normal, reliability_);
+    /// Brings the regions of one point to the workspace.
+    ///
+    /// @return number of items found
+    int lookAt(const ShadingPoint& point, CacheWorkspace& w) const {
+        const int found = pool(point, 0, w);
+        regionBuilder_.build(w.pooled, point.normal, 0, calibration_, w.regions);
         return found;
     }
 
@@ -207,7 +197,7 @@ private:
     /// items can be summed up once for all pixels.
     Rgb preview(const ShadingPoint& point, CacheWorkspace& w) const {
         if (!context_.scene.movingBalls().empty()) {
-            pool(point, w);
+            pool(point, 0, w);
             return w.preview.irradiance(w.pooled, point.normal);
         }
         return w.itemIrradiance.mean(lookUp(point, w), point.normal);
@@ -224,65 +214,28 @@ private:
             pooled.addOccluderCone(point.normal, static_cast<float>(kPi));
     }
 
-    /// Fills w.samples, decided before any ray is traced.
-    ///
-    /// @return the part of the irradiance that needs no ray
-    Rgb prepare(const ShadingPoint& point, int samples, CacheWorkspace& w) const {
-        if (samples == 0) return preview(point, w);
-        w.exchange.addPoint();
-        w.shared.clear();
-        weigh(point, w);
-        if (w.weights.spreadSum() > 0) {
-            const double judged = std::min(1.0, kJudgedSamples / samples);
-            if (budget_) samples = budget_->samplesOf(predictedNoise(w), point.seed);
-            w.weights.shareSurprises(judged * samples, darkest_,
-                                     budget_ ? kUnsureShare : kUnsureShareUniform);
-            w.sampler.draw(w.weights, samples,
-                           w.numbers(context_.sequence, point.seed, 0, 0, samples,
-                                     static_cast<std::uint32_t>(samples)),
-                           point.seed);
-            w.exchange.offer(w.weights);
-            for (std::size_t i = 0; i < w.sampler.size(); ++i)
-                addSample(point, w.sampler.drawn(i), w);
+    /// All that is decided of a cluster before any ray: its regions, the plan, its samples; and
+    /// what the cache predicts of its points.
+    std::span<const ClusterSample> prepare(const PointBatch& batch, const PointCluster& cluster,
+                                           CacheWorkspace& w, std::span<Estimate> estimates) const {
+        const ShadingPoint& centre = batch.points[cluster.centre];
+        pool(centre, cluster.radius, w);
+        regionBuilder_.build(w.pooled, centre.normal, cluster.tilt, calibration_, w.regions);
+        const double share = shareOf(w.regions, batch.samples);
+        planSampling(w.regions, kJudgedSamples * share / batch.samples,
+                     {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform}, w.plan);
+        const auto members = w.clusters.order().subspan(cluster.begin, cluster.end - cluster.begin);
+        const ControlVariate predicted(context_.environment, w.regions, w.plan);
+        sharePoints(members.size(), share,
+                    toUnit(hashWords(batch.points[members.front()].seed, 82,
+                                     batch.points[members.front()].cameraRay)),
+                    w.shares);
+        w.reuse.addCluster(w.regions, w.plan);
+        for (std::size_t i = 0; i < members.size(); ++i) {
+            estimates[members[i]].irradiance = predicted.integral(batch.points[members[i]].normal);
+            w.reuse.setSamples(members[i], w.shares[i].expected);
         }
-        const double* predicted = w.weights.predicted();
-        return Rgb(static_cast<float>(predicted[0]), static_cast<float>(predicted[1]),
-                   static_cast<float>(predicted[2]));
-    }
-
-    /// The cosine that the control variate takes for a direction of region `r`.
-    float assumedCosine(const ShadingPoint& point, const Region& r, float cosine) const {
-        const CellMoments& m = context_.environment.cells(r.level, r.cell / kBlockCells);
-        const std::size_t i = r.cell % kBlockCells;
-        const float height = point.normal.dot(Vec3f(m.axis[0][i], m.axis[1][i], m.axis[2][i]));
-        if (height >= m.sinRadius[i]) return cosine;
-        return HorizonFit(height, m.sinRadius[i])(cosine);
-    }
-
-    void addSample(const ShadingPoint& point, const RegionSampler::Drawn& drawn,
-                   CacheWorkspace& w) const {
-        const Region& r = drawn.region;
-        const EnvironmentSample& s = drawn.light;
-        const float cosine = s.direction.dot(point.normal);
-        const Rgb light = s.radiance * (static_cast<float>(drawn.share) / s.density);
-        const float assumed = r.visibility * assumedCosine(point, r, cosine);
-        if (r.shared != 0 && cosine > 0)
-            addShared(r, s, w);
-        else if (r.shared == 0 && cosine > 0)
-            w.samples.add(s.direction, light * (cosine - assumed), light * -assumed);
-        else if (r.shared == 0)
-            w.samples.add(Vec3f(0, 0, 0), light * -assumed, light * -assumed);
-        if (drawn.endsGroup) w.samples.endGroup();
-    }
-
-    /// A sample whose contribution is zero unless it is a surprise, and then shared.
-    void addShared(const Region& r, const EnvironmentSample& s, CacheWorkspace& w) const {
-        const double luminance = context_.environment.luminanceIntegral(r.level, r.cell);
-        w.shared.push_back(
-            {w.samples.size(),
-             {s.direction, s.radiance, s.cell, static_cast<double>(s.density) * luminance,
-              w.exchange.lastPoint(), r.shared > 0}});
-        w.samples.add(s.direction, Rgb(0, 0, 0));
+        return w.sampler.draw(batch, members, w.shares, w.regions, w.plan, context_.sequence);
     }
 };
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/sequence.h"
-
 namespace shadowcache {
 
 namespace {
@@ -26,7 +24,7 @@ double SampleBudget::share(double need) const {
 
 SampleBudget::SampleBudget(std::span<const PredictedNoise> places, int samples) {
     const double wanted = samples;
-    least_ = std::max(1.0, wanted / kRange);
+    least_ = wanted / kRange;
     most_ = wanted * kRange;
     const auto count = static_cast<double>(std::max<std::size_t>(places.size(), 1));
     double mean = 0;
@@ -51,8 +49,8 @@ SampleBudget::SampleBudget(std::span<const PredictedNoise> places, int samples) 
         predictedError_ += need(p) * need(p) / share(need(p)) / count;
 }
 
-int SampleBudget::samplesOf(const PredictedNoise& noise, std::uint64_t seed) const {
-    return static_cast<int>(share(need(noise)) + toUnit(hashWords(seed, 82)));
+double SampleBudget::shareOf(const PredictedNoise& noise) const {
+    return share(need(noise));
 }
 
 }  // namespace shadowcache

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <span>
 
 namespace shadowcache {
@@ -19,8 +18,8 @@ public:
     /// quarter or more than four times that.
     SampleBudget(std::span<const PredictedNoise> places, int samples);
 
-    /// Samples of a place: a whole number, by chance above or below the share of `noise`.
-    int samplesOf(const PredictedNoise& noise, std::uint64_t seed) const;
+    /// Samples of a place; below 1, the chance of one.
+    double shareOf(const PredictedNoise& noise) const;
 
     /// relMSE that the plan leads to on the places it was made for.
     double predictedError() const { return predictedError_; }

@@ -1,4 +1,4 @@
-#include "render/cached/reliability.h"
+#include "render/cached/calibration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,19 +19,19 @@ constexpr double kSignificance = 4;
 
 }  // namespace
 
-Reliability::Reliability() {
+Calibration::Calibration() {
     factor_.fill(1);
     correction_.fill(0);
 }
 
-void Reliability::add(float a, bool open) {
-    const std::uint32_t bin = binOf(a, doubtOf(a));
+void Calibration::add(float a, bool open) {
+    const std::uint32_t bin = binOf(a, uncertaintyOf(a));
     open_[bin] += open;
     ++rays_[bin];
-    sum_[bin] += static_cast<double>(a > 0.5f ? 1 - doubtOf(a) : doubtOf(a));
+    sum_[bin] += static_cast<double>(a > 0.5f ? 1 - uncertaintyOf(a) : uncertaintyOf(a));
 }
 
-void Reliability::add(const Reliability& other) {
+void Calibration::add(const Calibration& other) {
     for (std::size_t i = 0; i < kBins; ++i) {
         open_[i] += other.open_[i];
         rays_[i] += other.rays_[i];
@@ -39,20 +39,21 @@ void Reliability::add(const Reliability& other) {
     }
 }
 
-void Reliability::update() {
+void Calibration::update() {
     for (std::size_t i = 0; i < kBins; ++i) {
         if (rays_[i] == 0) continue;
         const auto rays = static_cast<double>(rays_[i]);
         const auto open = static_cast<double>(open_[i]);
-        const double said = sum_[i] / rays;
-        const double found = (open + kPriorRays * said) / (rays + kPriorRays);
-        const double least = static_cast<double>(kLeastDoubt);
-        const double doubt = i < kBinsPerSide ? found : 1 - found;
-        const double saidDoubt = i < kBinsPerSide ? said : 1 - said;
-        factor_[i] = static_cast<float>(std::clamp(doubt, least, 1 - least) / saidDoubt);
+        const double predicted = sum_[i] / rays;
+        const double found = (open + kPriorRays * predicted) / (rays + kPriorRays);
+        const double least = static_cast<double>(kLeastUncertainty);
+        const double uncertainty = i < kBinsPerSide ? found : 1 - found;
+        const double predictedUncertainty = i < kBinsPerSide ? predicted : 1 - predicted;
+        factor_[i] =
+            static_cast<float>(std::clamp(uncertainty, least, 1 - least) / predictedUncertainty);
         const double share = std::clamp(open / rays, 1 / (rays + 2), 1 - 1 / (rays + 2));
         const double error = std::sqrt(share * (1 - share) / rays);
-        const double off = found - said;
+        const double off = found - predicted;
         correction_[i] = std::abs(off) > std::max(kTolerance, kSignificance * error)
                              ? static_cast<float>(off)
                              : 0.0f;

@@ -1,4 +1,4 @@
-#include "render/cached/cache_survey.h"
+#include "render/cached/cache_pilot.h"
 
 #include "common/base/sequence.h"
 
@@ -11,34 +11,32 @@ constexpr int kRays = 64;
 
 }  // namespace
 
-std::uint64_t CacheSurvey::look(const Scene& scene, const Environment& environment,
-                                const ShadingPoint& point, const RegionWeights& weights,
-                                LightSamples& samples, Reliability& found) {
+std::uint64_t PilotRays::trace(const EstimatorContext& context, const ShadingPoint& point,
+                               const Regions& regions, LightSamples& samples, Calibration& found) {
     regions_.clear();
     double sums[2] = {0, 0};
-    for (std::size_t g = 0; g < weights.size(); ++g)
-        for (int i = 0; i < kBlockCells; ++i) {
-            const float spread = weights.spread(g)[i];
-            if (!(spread > 0)) continue;
-            const RegionGroup& group = weights.group(g);
+    for (const RegionGroup& group : regions.groups)
+        for (std::uint32_t i = 0; i < kBlockCells; ++i) {
+            if (!(group.deviation[i] > 0)) continue;
             regions_.push_back({group.level,
-                                group.firstCell + static_cast<std::uint32_t>(i),
-                                weights.posterior(g)[i],
-                                {spread, weights.light(g)[i]}});
+                                group.firstCell + i,
+                                group.posterior[i],
+                                {group.deviation[i], group.light[i]}});
             for (int k = 0; k < 2; ++k) sums[k] += static_cast<double>(regions_.back().weight[k]);
         }
     samples.clear();
     posteriors_.clear();
-    for (int k = 0; k < 2 && sums[k] > 0; ++k) draw(environment, point, k, sums[k], samples);
+    for (int k = 0; k < 2 && sums[k] > 0; ++k)
+        draw(context.environment, point, k, sums[k], samples);
     Estimate unused;
-    samples.trace(scene, point, environment, unused);
+    samples.trace(context.scene, point, context.environment, unused);
     for (std::size_t i = 0; i < samples.size(); ++i) found.add(posteriors_[i], samples.open(i));
     return unused.rays;
 }
 
 /// Queues half of the rays, in proportion to weight[k] of the regions.
-void CacheSurvey::draw(const Environment& environment, const ShadingPoint& point, int k, double sum,
-                       LightSamples& samples) {
+void PilotRays::draw(const Environment& environment, const ShadingPoint& point, int k, double sum,
+                     LightSamples& samples) {
     constexpr int kHalf = kRays / 2;
     double below = 0;
     int j = 0;

@@ -9,39 +9,40 @@ namespace shadowcache {
 /// How far the cache's word about a region can be trusted, measured: of the regions that the counts
 /// call open with probability a, which share was open? Before the first ray is added it is a
 /// itself. [docs/estimator.md]
-class Reliability {
+class Calibration {
 public:
-    /// Least doubt that any counts leave: a probability is at least this far from 0 and from 1.
-    static constexpr float kLeastDoubt = 1e-6f;
+    /// Least uncertainty that any counts leave: a probability is at least this far from 0 and
+    /// from 1.
+    static constexpr float kLeastUncertainty = 1e-6f;
 
-    Reliability();
+    Calibration();
 
     /// Notes a ray into a region that the counts call open with probability `a`. Not thread-safe.
     void add(float a, bool open);
     /// Adds what another one noted.
-    void add(const Reliability& other);
-    /// Brings judge() up to date with what was added.
+    void add(const Calibration& other);
+    /// Brings apply() up to date with what was added.
     void update();
 
     /// What is known of a region that the counts call open with probability `a`.
-    struct Verdict {
+    struct Calibrated {
         float posterior;   ///< probability that its light is seen, in (0, 1)
         float correction;  ///< to add to the visibility the counts give, where they are wrong by
                            ///< more than chance and rounding explain; else 0
     };
-    Verdict judge(float a) const {
-        Verdict verdict;
-        judge<1>(&a, &verdict.posterior, &verdict.correction);
+    Calibrated apply(float a) const {
+        Calibrated verdict;
+        apply<1>(&a, &verdict.posterior, &verdict.correction);
         return verdict;
     }
     /// The same of `count` regions at once: loops that become vectors.
     template <int count>
-    void judge(const float* a, float* posterior, float* correction) const {
-        float doubt[count], factor[count];
+    void apply(const float* a, float* posterior, float* correction) const {
+        float uncertainty[count], factor[count];
         std::uint32_t bin[count];
         for (int i = 0; i < count; ++i) {
-            doubt[i] = doubtOf(a[i]);
-            bin[i] = binOf(a[i], doubt[i]);
+            uncertainty[i] = uncertaintyOf(a[i]);
+            bin[i] = binOf(a[i], uncertainty[i]);
         }
         for (int i = 0; i < count; ++i) {
             factor[i] = factor_[bin[i]];
@@ -49,25 +50,25 @@ public:
         }
         for (int i = 0; i < count; ++i) {
             // Doubts of one bin differ by half an octave: what is right for their mean may pass 1.
-            const float moved = doubt[i] * factor[i];
-            const float corrected = moved < 1 - kLeastDoubt ? moved : 1 - kLeastDoubt;
+            const float moved = uncertainty[i] * factor[i];
+            const float corrected = moved < 1 - kLeastUncertainty ? moved : 1 - kLeastUncertainty;
             posterior[i] = a[i] > 0.5f ? 1 - corrected : corrected;
         }
     }
 
 private:
-    /// Half octaves of doubt, from 2^-20 to 1/2, once for a <= 1/2 and once for a > 1/2.
+    /// Half octaves of uncertainty, from 2^-20 to 1/2, once for a <= 1/2 and once for a > 1/2.
     static constexpr int kBinsPerSide = 40;
     static constexpr int kBins = 2 * kBinsPerSide;
 
-    static float doubtOf(float a) {
-        const float doubt = a > 0.5f ? 1 - a : a;
-        return doubt > kLeastDoubt ? doubt : kLeastDoubt;
+    static float uncertaintyOf(float a) {
+        const float uncertainty = a > 0.5f ? 1 - a : a;
+        return uncertainty > kLeastUncertainty ? uncertainty : kLeastUncertainty;
     }
-    static std::uint32_t binOf(float a, float doubt) {
+    static std::uint32_t binOf(float a, float uncertainty) {
         // Exponent and first bit of the mantissa: half octaves above 2^-20.
         constexpr std::uint32_t kFirst = (127 - 20) << 1;
-        const std::uint32_t bin = (std::bit_cast<std::uint32_t>(doubt) >> 22) - kFirst;
+        const std::uint32_t bin = (std::bit_cast<std::uint32_t>(uncertainty) >> 22) - kFirst;
         const std::uint32_t last = kBinsPerSide - 1;
         return (bin < last ? bin : last) + kBinsPerSide * static_cast<std::uint32_t>(a > 0.5f);
     }

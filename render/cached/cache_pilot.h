@@ -1,23 +1,23 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include "render/cached/region_weights.h"
-#include "render/cached/reliability.h"
+#include "render/cached/calibration.h"
+#include "render/cached/regions.h"
 #include "render/estimators/estimator.h"
 
 namespace shadowcache {
 
 /// Compares the counts at one place after another with a few rays, half of them where the counts
 /// are unsure and half where the light is. Arrays are reused from place to place.
-class CacheSurvey {
+class PilotRays {
 public:
-    /// Notes in `found` what rays from `point`, whose regions are in `weights`, say of the counts.
+    /// Notes in `found` what rays from `point`, whose regions are given, say of the counts.
     ///
     /// @return number of rays
-    std::uint64_t look(const Scene& scene, const Environment& environment,
-                       const ShadingPoint& point, const RegionWeights& weights,
-                       LightSamples& samples, Reliability& found);
+    std::uint64_t trace(const EstimatorContext& context, const ShadingPoint& point,
+                        const Regions& regions, LightSamples& samples, Calibration& found);
 
 private:
     struct Region {

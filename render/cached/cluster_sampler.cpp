@@ -1,0 +1,106 @@
+#include "render/cached/cluster_sampler.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace shadowcache {
+
+namespace {
+
+constexpr double kBelowOne = 0x1.fffffffffffffp-1;
+
+}  // namespace
+
+void sharePoints(std::size_t points, double share, double offset, std::vector<PointShare>& out) {
+    out.clear();
+    double before = std::floor(offset);
+    for (std::size_t i = 0; i < points; ++i) {
+        const double after = std::floor(static_cast<double>(i + 1) * share + offset);
+        const auto count = static_cast<int>(after - std::exchange(before, after));
+        out.push_back({count, share < 1 ? share : count});
+    }
+}
+
+std::span<const ClusterSample> ClusterSampler::draw(const PointBatch& batch,
+                                                    std::span<const std::uint32_t> members,
+                                                    std::span<const PointShare> shares,
+                                                    const Regions& regions,
+                                                    const SamplingPlan& plan, Sequence sequence) {
+    samples_.clear();
+    if (!(plan.weightSum > 0)) return samples_;
+    drawNumbers(batch, members, shares, sequence);
+    if (numbers_.empty()) return samples_;
+    sortNumbers();
+    std::size_t g = 0, last = plan.groups.size() - 1;
+    while (!(plan.groups[last].weightSum > 0)) --last;
+    int lane = 0;
+    double below = 0;      // sum of the weights before group g
+    double belowLane = 0;  // and before its lane
+    for (const Number& number : numbers_) {
+        const double x = static_cast<double>(number.key) * 0x1p-64 * plan.weightSum;
+        while (g < last && x >= below + plan.groups[g].weightSum) {
+            below += plan.groups[g++].weightSum;
+            belowLane = below;
+            lane = 0;
+        }
+        const PlannedGroup& group = plan.groups[g];
+        int lastLane = kBlockCells - 1;
+        while (lastLane > 0 && !(group.weight[lastLane] > 0)) --lastLane;
+        while (lane < lastLane && x >= belowLane + static_cast<double>(group.weight[lane]))
+            belowLane += static_cast<double>(group.weight[lane++]);
+        const auto weight = static_cast<double>(group.weight[lane]);
+        const double place = std::clamp((x - belowLane) / weight, 0.0, kBelowOne);
+        const RegionGroup& region = regions.groups[g];
+        samples_.push_back(
+            {members[number.member], static_cast<std::uint32_t>(g), lane,
+             static_cast<float>(plan.weightSum / (weight * shares[number.member].expected)),
+             environment_.startDraw(region.level,
+                                    region.firstCell + static_cast<std::uint32_t>(lane), place),
+             number.jitter});
+    }
+    for (ClusterSample& sample : samples_) environment_.findTexel(sample.draw);
+    return samples_;
+}
+
+void ClusterSampler::drawNumbers(const PointBatch& batch, std::span<const std::uint32_t> members,
+                                 std::span<const PointShare> shares, Sequence sequence) {
+    numbers_.clear();
+    for (std::size_t i = 0; i < members.size(); ++i) {
+        const ShadingPoint& point = batch.points[members[i]];
+        const int count = shares[i].count;
+        const std::uint64_t base = hashWords(point.seed, 83, point.cameraRay);
+        for (int j = 0; j < count; ++j)
+            numbers_.push_back(
+                {0, static_cast<std::uint32_t>(i),
+                 mixBits(base + static_cast<std::uint64_t>(j) * 0x9e3779b97f4a7c15ull)});
+    }
+    words_.resize(numbers_.size());
+    const ShadingPoint& first = batch.points[members.front()];
+    fillSequence(sequence, 0, hashWords(first.seed, 85, first.cameraRay), 0,
+                 static_cast<std::uint32_t>(words_.size()), words_);
+    for (std::size_t k = 0; k < numbers_.size(); ++k)
+        numbers_[k].key = std::uint64_t{words_[k]} << 32 | mixBits(numbers_[k].jitter) >> 32;
+}
+
+/// By key. The first 2^b words of a (0, 1)-sequence fall into 2^b intervals, one into each, so
+/// buckets leave next to nothing to sort.
+void ClusterSampler::sortNumbers() {
+    const int bits = static_cast<int>(std::bit_width(numbers_.size()));
+    const int shift = 64 - bits;
+    bucketEnd_.assign((std::size_t{1} << bits) + 1, 0);
+    for (const Number& number : numbers_) ++bucketEnd_[(number.key >> shift) + 1];
+    for (std::size_t b = 1; b < bucketEnd_.size(); ++b) bucketEnd_[b] += bucketEnd_[b - 1];
+    sorted_.resize(numbers_.size());
+    for (const Number& number : numbers_) sorted_[bucketEnd_[number.key >> shift]++] = number;
+    for (std::size_t i = 1; i < sorted_.size(); ++i) {
+        const Number number = sorted_[i];
+        std::size_t j = i;
+        for (; j > 0 && sorted_[j - 1].key > number.key; --j) sorted_[j] = sorted_[j - 1];
+        sorted_[j] = number;
+    }
+    std::swap(numbers_, sorted_);
+}
+
+}  // namespace shadowcache

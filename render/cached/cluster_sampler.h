@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/sequence.h"
+#include "render/cached/sampling_plan.h"
+#include "render/estimators/estimator.h"
+
+namespace shadowcache {
+
+/// A sample of a cluster: for which point, and where in which region.
+struct ClusterSample {
+    std::uint32_t point;  ///< number in the batch
+    std::uint32_t group;  ///< of Regions::groups
+    int lane;             ///< region of the group
+    float share;          ///< 1 / (number of samples expected of the point in the region)
+    Environment::Draw draw;
+    std::uint64_t jitter;
+
+    EnvironmentSample finish(const Environment& environment) const {
+        return environment.finishDraw(draw, toUnitFloat(static_cast<std::uint32_t>(jitter)),
+                                      toUnitFloat(static_cast<std::uint32_t>(jitter >> 32)));
+    }
+};
+
+/// Samples of a point.
+struct PointShare {
+    int count;        ///< drawn
+    double expected;  ///< what they are divided by: their number, or the chance of the only one
+};
+
+/// Shares of `points` points of a cluster, on average `share` (> 0, perhaps below 1) samples each.
+///
+/// @param offset  in [0, 1), by chance: which points get one more
+/// @param out     reused from call to call
+void sharePoints(std::size_t points, double share, double offset, std::vector<PointShare>& out);
+
+/// Draws the samples of a cluster in proportion to the plan's weights and, in a region, to the
+/// light. All points draw from one sequence, one after the other, so that the samples of a point,
+/// of a pixel and of the cluster are stratified over the regions. Decided by the plan alone.
+class ClusterSampler {
+public:
+    explicit ClusterSampler(const Environment& environment) : environment_(environment) {}
+
+    /// @param members  numbers of the cluster's points, in the order of their pixels
+    /// @param shares   of the members
+    /// @return in the order of regions, so that neighbours are coherent; valid until the next call
+    std::span<const ClusterSample> draw(const PointBatch& batch,
+                                        std::span<const std::uint32_t> members,
+                                        std::span<const PointShare> shares, const Regions& regions,
+                                        const SamplingPlan& plan, Sequence sequence);
+
+private:
+    struct Number {
+        std::uint64_t key;  ///< in [0, 1), in units of 2^-64
+        std::uint32_t member;
+        std::uint64_t jitter;
+    };
+    void drawNumbers(const PointBatch& batch, std::span<const std::uint32_t> members,
+                     std::span<const PointShare> shares, Sequence sequence);
+    void sortNumbers();
+
+    const Environment& environment_;
+    std::vector<std::uint32_t> words_, bucketEnd_;
+    std::vector<Number> numbers_, sorted_;
+    std::vector<ClusterSample> samples_;
+};
+
+}  // namespace shadowcache

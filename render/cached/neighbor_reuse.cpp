@@ -1,0 +1,203 @@
+#include "render/cached/neighbor_reuse.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace shadowcache {
+
+namespace {
+
+/// Points of a group for each that is mispredicted, on average: the gain saturates at one, but a
+/// reused ray costs a tenth of a sample. A group has at most kMostPoints.
+constexpr double kGroupPerFind = 8;
+constexpr double kMostPoints = 256;
+
+/// Clusters that are asked how likely a misprediction is.
+constexpr std::size_t kAskedClusters = 32;
+
+/// That likelihood, where none of them knows.
+constexpr double kUnknownChance = 0.3;
+
+}  // namespace
+
+NeighborReuse::NeighborReuse(const Environment& environment, const DirectionTiers& tiers)
+    : environment_(environment), baseLevel_(tiers.baseLevel()) {
+    firstSlot_ = {0};
+    for (int level = baseLevel_; level <= Environment::kLevel; level += 2)
+        firstSlot_.push_back(firstSlot_.back() +
+                             (cellCount(level) + kBlockCells - 1) / kBlockCells);
+    sizes_.resize(cellCount(Environment::kLevel));
+    sizeBatch_.resize(cellCount(Environment::kLevel));
+}
+
+void NeighborReuse::begin(const PointBatch& batch, const PointClusters& clusters) {
+    batch_ = batch;
+    clusters_ = &clusters;
+    count_ = 0;
+    found_.clear();
+    ++batchNumber_;
+    const std::size_t points = batch.points.size();
+    samples_.assign(points, 0);
+    clusterOf_.resize(points);
+    for (std::uint32_t c = 0; c < clusters.clusters().size(); ++c) {
+        const PointCluster& cluster = clusters.clusters()[c];
+        for (std::uint32_t i = cluster.begin; i < cluster.end; ++i)
+            clusterOf_[clusters.order()[i]] = c;
+    }
+    pointAt_.assign(std::size_t{batch.cameraRays} * batch.pixels, -1);
+    for (std::size_t i = 0; i < points; ++i) {
+        const ShadingPoint& point = batch.points[i];
+        pointAt_[std::size_t{point.cameraRay - batch.firstRay} * batch.pixels + point.pixel] =
+            static_cast<std::int32_t>(i);
+    }
+}
+
+void NeighborReuse::addCluster(const Regions& regions, const SamplingPlan& plan) {
+    if (offers_.size() == count_) {
+        offers_.emplace_back();
+        offers_.back().slots.assign(firstSlot_.back(), -1);
+    }
+    ClusterOffers& cluster = offers_[count_++];
+    for (const std::uint16_t slot : cluster.used) cluster.slots[slot] = -1;
+    cluster.used.clear();
+    cluster.offers.clear();
+    cluster.samples = 0;
+    for (std::size_t g = 0; g < plan.groups.size(); ++g) {
+        const PlannedGroup& planned = plan.groups[g];
+        if (!planned.anyReuse) continue;
+        const RegionGroup& group = regions.groups[g];
+        const auto tier = static_cast<std::size_t>((group.level - baseLevel_) / 2);
+        const std::uint32_t slot = firstSlot_[tier] + group.firstCell / kBlockCells;
+        cluster.slots[slot] = static_cast<std::int16_t>(cluster.offers.size());
+        cluster.used.push_back(static_cast<std::uint16_t>(slot));
+        Offer& offer = cluster.offers.emplace_back();
+        const auto scale = static_cast<float>(1 / plan.weightSum);
+        for (std::size_t i = 0; i < kBlockCells; ++i) {
+            offer.expected[i] = planned.reuse[i] * planned.weight[i] * scale;
+            offer.chance[i] = planned.reuse[i] > 0 ? group.calibrated[i] : 1 - group.calibrated[i];
+        }
+    }
+}
+
+void NeighborReuse::setSamples(std::uint32_t point, double samples) {
+    samples_[point] = samples;
+    offers_[clusterOf_[point]].samples += samples;
+}
+
+void NeighborReuse::run(const Scene& scene, std::span<Estimate> estimates) {
+    offered_.resize(count_);
+    offeredNumber_.resize(std::max(offeredNumber_.size(), count_), 0);
+    for (const Misprediction& found : found_) {
+        ++foundNumber_;
+        findCandidates(found);
+        keepMispredicted(found, scene, estimates);
+        contribute(found, estimates);
+    }
+}
+
+NeighborReuse::Offered NeighborReuse::offered(const ClusterOffers& cluster,
+                                              const Misprediction& found) const {
+    for (std::size_t t = 0; t + 1 < firstSlot_.size(); ++t) {
+        const int level = baseLevel_ + 2 * static_cast<int>(t);
+        const std::uint32_t cell = ancestorCell(found.cell, Environment::kLevel, level);
+        const std::int16_t slot = cluster.slots[firstSlot_[t] + cell / kBlockCells];
+        if (slot < 0) continue;
+        const Offer& offer = cluster.offers[static_cast<std::size_t>(slot)];
+        const std::size_t i = cell % kBlockCells;
+        if (offer.expected[i] == 0) continue;
+        return {offer.expected[i], offer.chance[i],
+                std::abs(static_cast<double>(offer.expected[i])) * found.lightDensity /
+                    environment_.luminanceIntegral(level, cell)};
+    }
+    return {};
+}
+
+/// Pixels of a group, a power of two: by the chance of a misprediction in the direction's cell,
+/// over the batch, so that all points that may find one there agree about their groups.
+std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
+    if (sizeBatch_[found.cell] == batchNumber_) return sizes_[found.cell];
+    double weight = 0, chance = 0;
+    const std::size_t step = std::max<std::size_t>(1, count_ / kAskedClusters);
+    for (std::size_t c = step / 2; c < count_; c += step) {
+        const Offered offer = offered(offers_[c], found);
+        const double samples = std::abs(static_cast<double>(offer.expected)) * offers_[c].samples;
+        weight += samples;
+        chance += samples * static_cast<double>(offer.chance);
+    }
+    if (!(weight > 0)) weight = 1, chance = kUnknownChance;
+    const double most =
+        std::clamp(kGroupPerFind * weight / std::max(chance, 1e-12), 1.0, kMostPoints);
+    sizeBatch_[found.cell] = batchNumber_;
+    return sizes_[found.cell] = std::bit_floor(static_cast<std::uint32_t>(most));
+}
+
+void NeighborReuse::findCandidates(const Misprediction& found) {
+    candidates_.clear();
+    const ShadingPoint& finder = batch_.points[found.finder];
+    const std::uint32_t size = groupSize(found);
+    const std::uint32_t first = finder.pixel / size * size;
+    const std::uint32_t last = std::min(first + size, batch_.pixels);
+    const std::int32_t* row =
+        pointAt_.data() + std::size_t{finder.cameraRay - batch_.firstRay} * batch_.pixels;
+    for (std::uint32_t pixel = first; pixel < last; ++pixel) {
+        if (row[pixel] < 0) continue;
+        const auto point = static_cast<std::uint32_t>(row[pixel]);
+        if (!(samples_[point] > 0)) continue;
+        if (found.direction.dot(batch_.points[point].normal) <= 0) continue;
+        const std::uint32_t c = clusterOf_[point];
+        if (offeredNumber_[c] != foundNumber_) {
+            offeredNumber_[c] = foundNumber_;
+            offered_[c] = offered(offers_[c], found);
+        }
+        const Offered& offer = offered_[c];
+        if (offer.expected == 0) continue;
+        candidates_.push_back({point, offer.density * samples_[point], offer.expected > 0});
+    }
+}
+
+/// Removes the candidates that the direction does not contradict.
+void NeighborReuse::keepMispredicted(const Misprediction& found, const Scene& scene,
+                                     std::span<Estimate> estimates) {
+    std::size_t kept = 0;
+    RayPacket packet{};
+    std::array<Candidate, RayPacket::kSize> queue;
+    int queued = 0;
+    const auto flush = [&] {
+        const std::uint32_t visible = scene.visibility(packet, queued);
+        for (int i = 0; i < queued; ++i) {
+            const Candidate& c = queue[static_cast<std::size_t>(i)];
+            ++estimates[c.point].reused;
+            if ((visible >> i & 1u) == (c.visible ? 1u : 0u)) candidates_[kept++] = c;
+        }
+        queued = 0;
+    };
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+        const Candidate c = candidates_[i];
+        if (c.point == found.finder) {
+            candidates_[kept++] = c;
+            continue;
+        }
+        packet.set(queued, batch_.points[c.point].rayOrigin, found.direction);
+        queue[static_cast<std::size_t>(queued++)] = c;
+        if (queued == RayPacket::kSize) flush();
+    }
+    if (queued > 0) flush();
+    candidates_.resize(kept);
+}
+
+void NeighborReuse::contribute(const Misprediction& found, std::span<Estimate> estimates) const {
+    double density = 0;
+    for (const Candidate& c : candidates_) density += c.density;
+    for (const Candidate& c : candidates_) {
+        const float cosine = found.direction.dot(batch_.points[c.point].normal);
+        const Rgb added = found.radiance * static_cast<float>(static_cast<double>(cosine) /
+                                                              density * (c.visible ? 1 : -1));
+        Estimate& estimate = estimates[c.point];
+        estimate.irradiance += added;
+        const float luminance = environment_.luminance(added);
+        estimate.variance += luminance * luminance;
+    }
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/trace/scene.h"
+#include "render/cached/point_clusters.h"
+#include "render/cached/sampling_plan.h"
+
+namespace shadowcache {
+
+/// A direction in which a sample found the sky where the cache predicts an occluder, or an occluder
+/// where it predicts the sky.
+struct Misprediction {
+    Vec3f direction;
+    Rgb radiance;
+    std::uint32_t cell;    ///< of level Environment::kLevel, that holds the light
+    double lightDensity;   ///< density of samples in proportion to the light [radiance]
+    std::uint32_t finder;  ///< number of the point
+};
+
+/// Points of neighbouring pixels reuse each other's mispredictions, each of which is rare and
+/// heavy: multi-sample MIS. A point takes part in what another found with the balance heuristic
+/// over all points of its group that are mispredicted in that direction, too. Groups hold one
+/// camera ray of each of some pixels. Unbiased, because groups, densities, and whether a point is
+/// mispredicted, do not depend on the samples. [docs/estimator.md; Bekaert et al. 2002 for the
+/// reuse of paths]
+class NeighborReuse {
+public:
+    NeighborReuse(const Environment& environment, const DirectionTiers& tiers);
+
+    /// Begins a batch. It, its clusters, and the order of their points are read until run() is
+    /// done.
+    void begin(const PointBatch& batch, const PointClusters& clusters);
+
+    /// The regions of the next cluster whose mispredictions are reused.
+    void addCluster(const Regions& regions, const SamplingPlan& plan);
+    /// Samples that a point of it has, or is expected to have.
+    void setSamples(std::uint32_t point, double samples);
+    void add(const Misprediction& found) { found_.push_back(found); }
+
+    /// Adds to the points' estimates what all mispredictions contribute, the finders' share too.
+    void run(const Scene& scene, std::span<Estimate> estimates);
+
+private:
+    /// Of sixteen regions: samples there for each of a point, negative where the sky is predicted,
+    /// 0 where nothing is reused; and the probability of a misprediction.
+    struct Offer {
+        std::array<float, kBlockCells> expected;
+        std::array<float, kBlockCells> chance;
+    };
+    struct ClusterOffers {
+        std::vector<std::int16_t> slots;  ///< in `offers`, by block of the tiers; -1: none
+        std::vector<std::uint16_t> used;  ///< slots that are not -1
+        std::vector<Offer> offers;
+        double samples = 0;  ///< of all its points
+    };
+    /// What a cluster offers in the region that holds a direction.
+    struct Offered {
+        float expected = 0;  ///< 0: nothing
+        float chance = 0;
+        double density = 0;  ///< of one sample of a point, along the direction
+    };
+    /// A point that a misprediction may concern.
+    struct Candidate {
+        std::uint32_t point;
+        double density;  ///< of all its samples, along the direction
+        bool visible;    ///< what would contradict its prediction
+    };
+
+    Offered offered(const ClusterOffers& cluster, const Misprediction& found) const;
+    std::uint32_t groupSize(const Misprediction& found);
+    void findCandidates(const Misprediction& found);
+    void keepMispredicted(const Misprediction& found, const Scene& scene,
+                          std::span<Estimate> estimates);
+    void contribute(const Misprediction& found, std::span<Estimate> estimates) const;
+
+    const Environment& environment_;
+    int baseLevel_;
+    std::vector<std::uint32_t> firstSlot_;  ///< by tier
+
+    PointBatch batch_;
+    const PointClusters* clusters_ = nullptr;
+    std::vector<ClusterOffers> offers_;  ///< by cluster; only the first count_ are of this batch
+    std::size_t count_ = 0;
+    std::vector<std::uint32_t> clusterOf_;  ///< by point
+    std::vector<double> samples_;           ///< by point
+    std::vector<std::int32_t> pointAt_;     ///< by camera ray, then pixel; -1: none
+    std::vector<Misprediction> found_;
+
+    std::vector<std::uint32_t> sizes_;      ///< groupSize() by cell
+    std::vector<std::uint32_t> sizeBatch_;  ///< number of the batch that it is of
+    std::uint32_t batchNumber_ = 0;
+    std::vector<Offered> offered_;              ///< by cluster, for one misprediction
+    std::vector<std::uint32_t> offeredNumber_;  ///< number of the misprediction that it is of
+    std::uint32_t foundNumber_ = 0;
+    std::vector<Candidate> candidates_;
+};
+
+}  // namespace shadowcache

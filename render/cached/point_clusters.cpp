@@ -1,0 +1,125 @@
+#include "render/cached/point_clusters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace shadowcache {
+
+namespace {
+
+/// What a unit of normal, and a spacing of height over the mean plane, count beside a spacing of
+/// distance: the cosine and the half of the sky that is visible change faster than what hides it.
+constexpr float kNormalWeight = 2;
+constexpr float kHeightWeight = 3;
+
+/// Clusters are split until their extent is at most kFine, or at most kCoarse where they have few
+/// points: there a set-up costs more than a looser fit.
+constexpr float kFine = 0.35f;
+constexpr float kCoarse = 1.4f;
+constexpr std::uint32_t kFew = 32;
+
+/// Normals whose mean is longer than this have a plane in common.
+constexpr float kPlanar = 0.8f;
+
+}  // namespace
+
+void PointClusters::build(std::span<const ShadingPoint> points, double spacing) {
+    points_ = points;
+    spacing_ = spacing;
+    order_.resize(points.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    keys_.resize(points.size());
+    clusters_.clear();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3f place((points[i].position - points[0].position) / spacing);
+        const Vec3f normal = points[i].normal * kNormalWeight;
+        keys_[i] = {place.x, place.y, place.z, normal.x, normal.y, normal.z};
+    }
+    if (!points.empty()) split(0, static_cast<std::uint32_t>(points.size()));
+}
+
+void PointClusters::split(std::uint32_t begin, std::uint32_t end) {
+    const Extent extent = extentOf(begin, end);
+    const std::uint32_t count = end - begin;
+    if (extent.size <= kFine || (extent.size <= kCoarse && count <= kFew))
+        return addCluster(begin, end);
+    const auto cut =
+        std::partition(order_.begin() + begin, order_.begin() + end, [&](std::uint32_t point) {
+            const float at =
+                extent.axis == kAxes ? heightOf(extent.up, point) : keys_[point][extent.axis];
+            return at < extent.middle;
+        });
+    const auto middle = static_cast<std::uint32_t>(cut - order_.begin());
+    if (middle == begin || middle == end) {  // an extent that floats cannot halve
+        for (std::uint32_t i = begin; i < end; ++i) addCluster(i, i + 1);
+        return;
+    }
+    split(begin, middle);
+    split(middle, end);
+}
+
+PointClusters::Extent PointClusters::extentOf(std::uint32_t begin, std::uint32_t end) const {
+    Key low = keys_[order_[begin]], high = low;
+    Key sum{};
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const Key& key = keys_[order_[i]];
+        for (std::size_t k = 0; k < kAxes; ++k) {
+            low[k] = std::min(low[k], key[k]);
+            high[k] = std::max(high[k], key[k]);
+            sum[k] += key[k];
+        }
+    }
+    Extent extent;
+    for (std::size_t k = 0; k < kAxes; ++k)
+        if (high[k] - low[k] > extent.size)
+            extent = {high[k] - low[k], k, (high[k] + low[k]) / 2, Vec3f(0, 0, 0)};
+    const Vec3f normals = Vec3f(sum[3], sum[4], sum[5]) / kNormalWeight;
+    const float length = normals.length();
+    if (!(length > kPlanar * static_cast<float>(end - begin))) return extent;
+    const Vec3f up = normals * (kHeightWeight / length);
+    float least = heightOf(up, order_[begin]), most = least;
+    for (std::uint32_t i = begin + 1; i < end; ++i) {
+        const float height = heightOf(up, order_[i]);
+        least = std::min(least, height);
+        most = std::max(most, height);
+    }
+    if (most - least > extent.size) extent = {most - least, kAxes, (most + least) / 2, up};
+    return extent;
+}
+
+float PointClusters::heightOf(const Vec3f& up, std::uint32_t point) const {
+    const Key& key = keys_[point];
+    return up.x * key[0] + up.y * key[1] + up.z * key[2];
+}
+
+void PointClusters::addCluster(std::uint32_t begin, std::uint32_t end) {
+    std::sort(order_.begin() + begin, order_.begin() + end);
+    const float share = 1 / static_cast<float>(end - begin);
+    Key mean{};
+    for (std::uint32_t i = begin; i < end; ++i)
+        for (std::size_t k = 0; k < kAxes; ++k) mean[k] += share * keys_[order_[i]][k];
+    PointCluster cluster{begin, end, order_[begin]};
+    float nearest = std::numeric_limits<float>::max();
+    for (std::uint32_t i = begin; i < end; ++i) {
+        float distance = 0;
+        for (std::size_t k = 0; k < kAxes; ++k) {
+            const float d = keys_[order_[i]][k] - mean[k];
+            distance += d * d;
+        }
+        if (distance < nearest) nearest = distance, cluster.centre = order_[i];
+    }
+    const ShadingPoint& centre = points_[cluster.centre];
+    double radius2 = 0;
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const ShadingPoint& point = points_[order_[i]];
+        cluster.tilt = std::max(cluster.tilt, point.normal.cross(centre.normal).length());
+        // Beyond a right angle the sine would fall again.
+        if (point.normal.dot(centre.normal) < 0) cluster.tilt = 1;
+        radius2 = std::max(radius2, (point.position - centre.position).length2());
+    }
+    cluster.radius = static_cast<float>(std::sqrt(radius2));
+    clusters_.push_back(cluster);
+}
+
+}  // namespace shadowcache

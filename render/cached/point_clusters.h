@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/estimators/estimator.h"
+
+namespace shadowcache {
+
+/// Points that are alike enough for one set-up: near each other in place and normal, and in one
+/// plane.
+struct PointCluster {
+    std::uint32_t begin = 0;   ///< of PointClusters::order()
+    std::uint32_t end = 0;     ///< past the last
+    std::uint32_t centre = 0;  ///< number of the point that is nearest to the others' mean
+    float tilt = 0;            ///< sine of the widest angle between its normal and another's
+    float radius = 0;          ///< greatest distance from it to another [world]
+};
+
+/// Sorts the points of a batch into clusters. Buffers are used again from batch to batch.
+class PointClusters {
+public:
+    /// @param spacing  of the cache's items [world], > 0
+    void build(std::span<const ShadingPoint> points, double spacing);
+
+    std::span<const PointCluster> clusters() const { return clusters_; }
+    /// Numbers of the points, cluster by cluster; in a cluster they ascend.
+    std::span<const std::uint32_t> order() const { return order_; }
+
+private:
+    static constexpr std::size_t kAxes = 6;
+    using Key = std::array<float, kAxes>;  ///< position in spacings, and weighted normal
+
+    struct Extent {
+        float size = 0;
+        std::size_t axis = 0;  ///< kAxes: height over the mean plane
+        float middle = 0;
+        Vec3f up{0, 0, 0};  ///< of that plane
+    };
+
+    void split(std::uint32_t begin, std::uint32_t end);
+    Extent extentOf(std::uint32_t begin, std::uint32_t end) const;
+    void addCluster(std::uint32_t begin, std::uint32_t end);
+    float heightOf(const Vec3f& up, std::uint32_t point) const;
+
+    std::span<const ShadingPoint> points_;
+    double spacing_ = 1;
+    std::vector<Key> keys_;
+    std::vector<std::uint32_t> order_;
+    std::vector<PointCluster> clusters_;
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,175 @@
+#include "render/cached/regions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/predict/cell_light.h"
+#include "common/predict/horizon.h"
+#include "common/predict/lanes.h"
+
+namespace shadowcache {
+
+/// c and the posterior mean of the visibility in each of sixteen cells.
+struct CellVisibility {
+    alignas(64) float c[kBlockCells];
+    alignas(64) float posterior[kBlockCells];
+};
+
+/// What all blocks of one place share.
+struct RegionBuilder::Task {
+    const PooledVisibility& pooled;
+    const Calibration& calibration;
+    Vec3f normal;
+    float tilt;
+};
+
+namespace {
+
+/// How strongly a region's parent counts beside its own rays, in rays.
+constexpr float kPriorRays = 0.5f;
+
+/// Mean square, over the tilts of a cluster's normals, of what they change of a cosine, as a share
+/// of the widest tilt's square.
+constexpr float kTiltMoment = 0.1f;
+
+/// Least height over the horizon at which the share of a tilt in the cosine is judged.
+constexpr float kLeastHeight = 0.05f;
+
+void estimateVisibility(const PooledBlock* counts, float parentVisibility, float parentPosterior,
+                        CellVisibility& out) {
+    if (!counts) {
+        for (int i = 0; i < kBlockCells; ++i) {
+            out.c[i] = parentVisibility;
+            out.posterior[i] = parentPosterior;
+        }
+        return;
+    }
+    for (int i = 0; i < kBlockCells; ++i) {
+        const float rays = counts->rays[i] * counts->rays[i] / std::max(counts->rays2[i], 1e-30f);
+        const float c = counts->ratioOrNone(i);
+        out.c[i] = c;
+        out.posterior[i] = (c * rays + kPriorRays * parentPosterior) / (rays + kPriorRays);
+    }
+}
+
+/// Mean square of the residual in a region that is visible with probability `a` and that the
+/// control variate says is visible by `c`, in units of its light. The two moments are those of the
+/// clamped cosine and of what stands in for it; both 1 above the horizon.
+float residualMoment(float a, float c, float cosineMoment, float fitMoment) {
+    return a * (cosineMoment - fitMoment) + fitMoment * (a * (1 - c) * (1 - c) + (1 - a) * c * c);
+}
+
+/// The stand-in of the cosine in each region of the group, as lightCells() integrates it.
+void fitCosines(const CellMoments& m, const Vec3f& n, RegionGroup& group) {
+    alignas(64) float cut[kBlockCells];
+    for (int i = 0; i < kBlockCells; ++i) {
+        const float height = n.x * m.axis[0][i] + n.y * m.axis[1][i] + n.z * m.axis[2][i];
+        const float radius = m.sinRadius[i] > 1e-9f ? m.sinRadius[i] : 1e-9f;
+        cut[i] = std::abs(height) < m.sinRadius[i] ? 1.0f : 0.0f;
+        const HorizonFit fit(cut[i] > 0 ? height : 0.0f, radius);
+        group.above[i] = height >= m.sinRadius[i] ? 1.0f : 0.0f;
+        group.constant[i] = cut[i] * fit.constant;
+        group.linear[i] = cut[i] > 0 ? fit.linear : group.above[i];
+        group.square[i] = cut[i] * fit.square;
+    }
+    group.cut = maximumOf(cut) > 0;
+}
+
+/// Widens what is known of a block at one normal to all normals within the angle of sine `tilt`:
+/// cells below the horizon of the one may be above another's, and cosines differ.
+void tiltLight(const CellMoments& m, const Vec3f& n, float tilt, const Splits& split,
+               CellLight& sky) {
+    for (int i = 0; i < kBlockCells; ++i) {
+        if (split.any && split.marks[i]) continue;
+        const float height = n.x * m.axis[0][i] + n.y * m.axis[1][i] + n.z * m.axis[2][i];
+        const float radius = m.sinRadius[i];
+        if (height <= -radius) {
+            const float reach = height + radius + tilt;
+            if (!(reach > 0) || !(m.luminanceIntegral[i] > 0)) continue;
+            sky.light[i] = m.luminanceIntegral[i];
+            sky.cosineMoment[i] = std::max(reach * reach / 6, 1e-6f);
+            sky.fitMoment[i] = 0;
+        } else if (height < radius) {
+            sky.cosineMoment[i] += kTiltMoment * tilt * tilt;
+        } else {
+            const float h = std::max(height, kLeastHeight);
+            sky.light[i] *= std::sqrt(1 + tilt * tilt / (3 * h * h));
+            if (height < radius + tilt) sky.cosineMoment[i] += kTiltMoment * tilt * tilt / (h * h);
+        }
+    }
+}
+
+}  // namespace
+
+void RegionBuilder::build(const PooledVisibility& pooled, const Vec3f& normal, float tilt,
+                          const Calibration& calibration, Regions& out) const {
+    out.groups.clear();
+    out.lightSum = out.deviationSum = out.predictedLuminance = out.surelyVisible = 0;
+    float visible = 0, counted = 0;
+    for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
+        for (int i = 0; i < kBlockCells; ++i) {
+            visible += pooled.base(b).open[i];
+            counted += pooled.base(b).weight[i];
+        }
+    const Parent sphere{0, (visible + 0.5f) / (counted + 1)};
+    const Task task{pooled, calibration, normal, tilt};
+    for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
+        addBlock(task, 0, b, &pooled.base(b), sphere, out);
+}
+
+void RegionBuilder::addBlock(const Task& task, int tier, std::uint32_t block,
+                             const PooledBlock* counts, const Parent& parent, Regions& out) const {
+    const int level = tiers_.baseLevel() + 2 * tier;
+    const CellMoments& m = environment_.cells(level, block);
+    CellLight sky;
+    lightCells(m, task.normal, environment_.luminanceWeights(), sky);
+    CellVisibility v;
+    estimateVisibility(counts, parent.visibility, parent.posterior, v);
+    Splits split;
+    splitter_.mark(task.pooled, tier, block, sky, v.c, splitter_.leastNoise(), split);
+    if (split.any)
+        for (int i = 0; i < kBlockCells; ++i) sky.light[i] = split.marks[i] ? 0.0f : sky.light[i];
+    alignas(64) float cosine[kBlockCells];  // mean over the region, in light
+    for (int i = 0; i < kBlockCells; ++i) cosine[i] = sky.light[i];
+    if (task.tilt > 0) tiltLight(m, task.normal, task.tilt, split, sky);
+
+    RegionGroup& group = out.groups.emplace_back();
+    group.firstCell = block * kBlockCells;
+    group.level = level;
+    alignas(64) float correction[kBlockCells], predicted[kBlockCells], sure[kBlockCells];
+    task.calibration.apply<kBlockCells>(v.posterior, group.calibrated, correction);
+    const Rgb& weights = environment_.luminanceWeights();
+    for (int i = 0; i < kBlockCells; ++i) {
+        const float moved = v.c[i] + correction[i];
+        const float atMost1 = moved < 1 ? moved : 1.0f;
+        const float c = atMost1 > 0 ? atMost1 : 0.0f;
+        group.visibility[i] = c;
+        group.posterior[i] = v.posterior[i];
+        group.light[i] = sky.light[i] * std::sqrt(sky.cosineMoment[i]);
+        group.deviation[i] =
+            sky.light[i] * std::sqrt(residualMoment(group.calibrated[i], c, sky.cosineMoment[i],
+                                                    sky.fitMoment[i]));
+        const float share = cosine[i] > 0 ? c : 0.0f;
+        predicted[i] =
+            share * (weights.x * sky.irradiance[0][i] + weights.y * sky.irradiance[1][i] +
+                     weights.z * sky.irradiance[2][i]);
+        sure[i] = c > kMostlyVisible ? group.light[i] : 0.0f;
+    }
+    const float sum = sumOf(group.deviation);
+    if (sum > 0) {
+        fitCosines(m, task.normal, group);
+        out.deviationSum += static_cast<double>(sum);
+        out.lightSum += static_cast<double>(sumOf(group.light));
+        out.predictedLuminance += static_cast<double>(sumOf(predicted));
+        out.surelyVisible += static_cast<double>(sumOf(sure));
+    } else {
+        out.groups.pop_back();
+    }
+    split.forEach([&](int i) {
+        const std::uint32_t cell = block * kBlockCells + static_cast<std::uint32_t>(i);
+        addBlock(task, tier + 1, cell, task.pooled.children(tier, cell), {v.c[i], v.posterior[i]},
+                 out);
+    });
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/light/environment.h"
+#include "common/predict/cell_splits.h"
+#include "common/predict/pooled_visibility.h"
+#include "render/cached/calibration.h"
+
+namespace shadowcache {
+
+struct CellVisibility;
+
+/// Sixteen consecutive cells of one level as regions to draw samples from. Cells that are no
+/// regions (below the horizon of every point, dark, or split further) have no deviation.
+struct alignas(64) RegionGroup {
+    std::uint32_t firstCell;
+    int level;
+    /// Light of a region as far as nothing hides it, in the scale of a sample's contribution.
+    alignas(64) float light[kBlockCells];
+    /// Predicted standard deviation of a sample from the region alone.
+    alignas(64) float deviation[kBlockCells];
+    /// c: the visibility that the counts predict, corrected where the pilot found them wrong.
+    alignas(64) float visibility[kBlockCells];
+    /// Probability that light of the region is seen, as the counts and the hierarchy have it, and
+    /// the same calibrated by the pilot.
+    alignas(64) float posterior[kBlockCells];
+    alignas(64) float calibrated[kBlockCells];
+    /// 1 where the region lies wholly above the horizon, else 0.
+    alignas(64) float above[kBlockCells];
+    /// The control variate's cosine at x = n . w: constant + linear x + square x^2.
+    alignas(64) float constant[kBlockCells];
+    alignas(64) float linear[kBlockCells];
+    alignas(64) float square[kBlockCells];
+    bool cut;  ///< some region lies across the horizon
+};
+
+/// The hemisphere above a cluster of points, in regions. [docs/estimator.md]
+struct Regions {
+    std::vector<RegionGroup> groups;
+    double lightSum = 0;            ///< of all regions
+    double deviationSum = 0;        ///< about the deviation of one sample drawn in proportion to it
+    double predictedLuminance = 0;  ///< sum over the regions of c (n . V), its luminance
+    double surelyVisible = 0;       ///< light of the regions that are almost surely visible
+};
+
+/// The greatest visibility of a misprediction to be reused: a region of more counts as visible
+/// until a ray says otherwise.
+inline constexpr float kMostlyVisible = 0.75f;
+
+/// Makes regions of pooled counts.
+class RegionBuilder {
+public:
+    RegionBuilder(const Environment& environment, const DirectionTiers& tiers)
+        : environment_(environment), tiers_(tiers), splitter_(environment, tiers) {}
+
+    /// Regions for points whose normals are within the angle of sine `tilt` of `normal`: every
+    /// direction above the horizon of one of them lies in a region.
+    ///
+    /// @param out  reused from call to call
+    void build(const PooledVisibility& pooled, const Vec3f& normal, float tilt,
+               const Calibration& calibration, Regions& out) const;
+
+private:
+    struct Task;
+    /// What a cell hands down to its children.
+    struct Parent {
+        float visibility;
+        float posterior;
+    };
+    void addBlock(const Task& task, int tier, std::uint32_t block, const PooledBlock* counts,
+                  const Parent& parent, Regions& out) const;
+
+    const Environment& environment_;
+    DirectionTiers tiers_;
+    CellSplitter splitter_;
+};
+
+}  // namespace shadowcache

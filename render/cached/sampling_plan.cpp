@@ -1,0 +1,63 @@
+#include "render/cached/sampling_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/predict/lanes.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Samples drawn in proportion to the light alone, for each that follows the counts: bounds what a
+/// misprediction can weigh.
+constexpr double kDefensiveShare = 0.4;
+
+/// Part of the irradiance from which on a sample is heavy enough to be reused: what its rays to the
+/// neighbours cost is then well spent.
+constexpr double kHeavy = 0.03;
+
+/// Regions whose mispredictions are reused need this much of the samples that they would need
+/// alone.
+constexpr float kReuseWeight = 0.5f;
+
+}  // namespace
+
+double deviationOf(const Regions& regions) {
+    return (1 + kDefensiveShare) * regions.deviationSum;
+}
+
+void planSampling(const Regions& regions, double samples, const Brightness& brightness,
+                  SamplingPlan& out) {
+    out.groups.resize(regions.groups.size());
+    out.weightSum = 0;
+    if (!(regions.lightSum > 0)) return;
+    const auto defence =
+        static_cast<float>(kDefensiveShare * regions.deviationSum / regions.lightSum);
+    const double unsure = std::max(0.0, regions.predictedLuminance - regions.surelyVisible);
+    const double bright =
+        brightness.darkest + regions.surelyVisible + brightness.unsureShare * unsure;
+    // A sample weighs light / (samples * weight / deviationOf(regions)).
+    const auto least = static_cast<float>(kHeavy * bright * samples / deviationOf(regions));
+    for (std::size_t g = 0; g < regions.groups.size(); ++g) {
+        const RegionGroup& from = regions.groups[g];
+        PlannedGroup& to = out.groups[g];
+        alignas(64) float marked[kBlockCells];
+        for (int i = 0; i < kBlockCells; ++i) {
+            const float weight = from.deviation[i] + defence * from.light[i];
+            const float heavy = from.light[i] > least * weight ? 1.0f : 0.0f;
+            const float sign = from.visibility[i] < kMostlyVisible ? 1.0f : -from.above[i];
+            to.reuse[i] = heavy * sign;
+            marked[i] = std::abs(to.reuse[i]);
+            to.weight[i] = weight * (1 - marked[i] * (1 - kReuseWeight));
+            const float rounded = to.reuse[i] > 0 ? 0.0f : 1.0f;
+            to.visibility[i] = marked[i] > 0 ? rounded : from.visibility[i];
+        }
+        to.anyReuse = maximumOf(marked) > 0;
+        to.weightSum = 0;
+        for (int i = 0; i < kBlockCells; ++i) to.weightSum += static_cast<double>(to.weight[i]);
+        out.weightSum += to.weightSum;
+    }
+}
+
+}  // namespace shadowcache

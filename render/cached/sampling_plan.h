@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "render/cached/regions.h"
+
+namespace shadowcache {
+
+/// What is drawn from the sixteen regions of a RegionGroup, and against which prediction.
+struct alignas(64) PlannedGroup {
+    /// Sampling weight: chance of a region in the choice of a sample's, times the plan's sum.
+    alignas(64) float weight[kBlockCells];
+    /// c as the control variate has it.
+    alignas(64) float visibility[kBlockCells];
+    /// 1 where to find the sky is a misprediction that other points reuse, -1 where to find an
+    /// occluder is, 0 where samples count for their own point alone.
+    alignas(64) float reuse[kBlockCells];
+    double weightSum = 0;
+    bool anyReuse = false;
+};
+
+/// How the points of a cluster are sampled: decided by predictions alone, before any ray.
+struct SamplingPlan {
+    std::vector<PlannedGroup> groups;  ///< as Regions::groups
+    double weightSum = 0;
+};
+
+/// Brightness below which a heavy sample does not matter.
+struct Brightness {
+    double darkest = 0;      ///< irradiance below which errors count no more [luminance]
+    double unsureShare = 0;  ///< how much of the light that is predicted but not sure counts
+};
+
+/// Standard deviation of one sample of a point, as far as the regions tell.
+double deviationOf(const Regions& regions);
+
+/// Plans the sampling of regions by their predicted deviation and a defensive share of their light.
+/// Mispredictions are to be reused where one of `samples` samples that contradicts the prediction
+/// would contribute more than a small part of the point's brightness; there the prediction is
+/// rounded to fully occluded or fully visible, and fewer samples do, since the neighbours' count as
+/// well.
+///
+/// @param out  reused from call to call
+void planSampling(const Regions& regions, double samples, const Brightness& brightness,
+                  SamplingPlan& out);
+
+}  // namespace shadowcache
