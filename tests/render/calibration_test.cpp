@@ -1,4 +1,4 @@
-#include "render/cached/reliability.h"
+#include "render/cached/calibration.h"
 
 #include <gtest/gtest.h>
 
@@ -12,47 +12,47 @@
 namespace shadowcache {
 namespace {
 
-TEST(Reliability, SaysWhatTheCountsSayBeforeAnyRay) {
-    const Reliability untested;
+TEST(Calibration, IsTheCountsOwnBeforeAnyRay) {
+    const Calibration untested;
     for (const float a : {1e-5f, 0.01f, 0.3f, 0.5f, 0.6f, 0.99f, 0.9999f}) {
-        EXPECT_FLOAT_EQ(untested.judge(a).posterior, a);
-        EXPECT_EQ(untested.judge(a).correction, 0.0f);
+        EXPECT_FLOAT_EQ(untested.apply(a).posterior, a);
+        EXPECT_EQ(untested.apply(a).correction, 0.0f);
     }
 }
 
 // Counts of any kind, whatever the rays found: a posterior outside (0, 1) would lose regions.
-TEST(Reliability, StaysBetweenZeroAndOne) {
+TEST(Calibration, StaysBetweenZeroAndOne) {
     for (const bool open : {false, true}) {
-        Reliability tested;
+        Calibration tested;
         for (int k = 0; k < 20; ++k) {
-            const float doubt = 1.01f * std::ldexp(0.5f, -k);
+            const float uncertainty = 1.01f * std::ldexp(0.5f, -k);
             for (int i = 0; i < 3000; ++i) {
-                tested.add(std::min(doubt, 1.0f), open);
-                tested.add(1 - std::min(doubt, 1.0f), open);
+                tested.add(std::min(uncertainty, 1.0f), open);
+                tested.add(1 - std::min(uncertainty, 1.0f), open);
             }
-            for (int i = 0; i < 30; ++i) tested.add(std::min(1.47f * doubt, 1.0f), open);
+            for (int i = 0; i < 30; ++i) tested.add(std::min(1.47f * uncertainty, 1.0f), open);
         }
         tested.update();
         for (float a = 0; a <= 1; a += 1.0f / 4096) {
-            const Reliability::Verdict verdict = tested.judge(a);
+            const Calibration::Calibrated verdict = tested.apply(a);
             EXPECT_GT(verdict.posterior, 0.0f) << a;
             EXPECT_LT(verdict.posterior, 1.0f) << a;
         }
     }
 }
 
-TEST(Reliability, FindsCountsThatAreWrongAndLeavesRightOnesAlone) {
-    Reliability lying, honest;
+TEST(Calibration, FindsCountsThatAreWrongAndLeavesRightOnesAlone) {
+    Calibration lying, honest;
     for (int i = 0; i < 4000; ++i) {
         lying.add(0.999f, i % 2 == 0);
         honest.add(0.999f, i % 1000 != 0);
     }
     lying.update();
     honest.update();
-    EXPECT_NEAR(lying.judge(0.999f).posterior, 0.5f, 0.01f);
-    EXPECT_NEAR(0.999f + lying.judge(0.999f).correction, 0.5f, 0.01f);
-    EXPECT_NEAR(honest.judge(0.999f).posterior, 0.999f, 1e-4f);
-    EXPECT_EQ(honest.judge(0.999f).correction, 0.0f);
+    EXPECT_NEAR(lying.apply(0.999f).posterior, 0.5f, 0.01f);
+    EXPECT_NEAR(0.999f + lying.apply(0.999f).correction, 0.5f, 0.01f);
+    EXPECT_NEAR(honest.apply(0.999f).posterior, 0.999f, 1e-4f);
+    EXPECT_EQ(honest.apply(0.999f).correction, 0.0f);
 }
 
 // The quadratic is a projection: its error has no part of degree 0, 1 or 2, and the moments hold.
@@ -85,12 +85,20 @@ TEST(SampleBudget, KeepsTheMeanAndFollowsTheNoise) {
     for (int i = 0; i < 400; ++i) places.push_back({0.001 * i, 1});
     const SampleBudget budget(places, 64);
     double sum = 0;
-    for (std::uint64_t i = 0; i < places.size(); ++i) sum += budget.samplesOf(places[i], i);
+    for (const PredictedNoise& place : places) sum += budget.shareOf(place);
     EXPECT_NEAR(sum / 400, 64, 0.5);
-    EXPECT_GE(budget.samplesOf(places[0], 1), 16);
-    EXPECT_LE(budget.samplesOf(places[0], 1), 17);
-    EXPECT_GT(budget.samplesOf(places[399], 1), 2 * budget.samplesOf(places[150], 1));
-    EXPECT_LE(budget.samplesOf({1e9, 1}, 1), 257);
+    EXPECT_NEAR(budget.shareOf(places[0]), 16, 1e-9);
+    EXPECT_GT(budget.shareOf(places[399]), 2 * budget.shareOf(places[150]));
+    EXPECT_NEAR(budget.shareOf({1e9, 1}), 256, 1e-9);
+}
+
+// One sample each, and still some places get more than others.
+TEST(SampleBudget, SharesOutFractionsOfASample) {
+    std::vector<PredictedNoise> places;
+    for (int i = 0; i < 400; ++i) places.push_back({0.001 * i, 1});
+    const SampleBudget budget(places, 1);
+    EXPECT_NEAR(budget.shareOf(places[0]), 0.25, 1e-9);
+    EXPECT_GT(budget.shareOf(places[399]), 1);
 }
 
 }  // namespace

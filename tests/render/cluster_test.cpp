@@ -1,0 +1,273 @@
+// A cluster of points with one set-up: what is drawn, and what is integrated, for each of them.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "render/cached/cluster_sampler.h"
+#include "render/cached/control_variate.h"
+#include "render/cached/point_clusters.h"
+#include "tests/support/statistics.h"
+#include "tests/support/test_scenes.h"
+
+namespace shadowcache {
+namespace {
+
+/// Points around a place beside a ball, whose normals differ, under noise with a small sun.
+class Cluster : public testing::Test {
+protected:
+    static constexpr int kPoints = 24;
+
+    Cluster() {
+        ShadowCache::Reader reader(cache_.cache());
+        const ShadingPoint centre = test::pointAlong(scene_, {0.45f, 1, 0.2f}, {0, -1, 0});
+        const int found = reader.lookUp(centre.position, centre.normal, items_);
+        pooled_.pool(std::span(items_).first(static_cast<std::size_t>(found)));
+        for (int i = 0; i < kPoints; ++i) {
+            ShadingPoint& point = points_.emplace_back(centre);
+            const double angle = 2 * kPi * i / kPoints;
+            const double tilt = static_cast<double>(kTilt);
+            const Vec3d lean(tilt * std::cos(angle), 0, tilt * std::sin(angle));
+            if (i > 0) point.normal = Vec3f((Vec3d(centre.normal) + lean).normalized());
+            point.pixel = static_cast<std::uint32_t>(i / 4);
+            point.cameraRay = static_cast<std::uint32_t>(i % 4);
+        }
+        members_.resize(kPoints);
+        std::iota(members_.begin(), members_.end(), 0u);
+        const RegionBuilder builder(environment_, cache_.cache().header().tiers());
+        builder.build(pooled_, centre.normal, kTilt, Calibration(), regions_);
+        planSampling(regions_, 64, {0, 0.4}, plan_);
+    }
+
+    std::span<const ClusterSample> draw(double share, std::uint64_t seed) {
+        for (ShadingPoint& point : points_) point.seed = hashWords(seed, 5, point.pixel);
+        sharePoints(points_.size(), share, toUnit(hashWords(seed)), shares_);
+        return sampler_.draw({points_, 1, kPoints / 4, 4}, members_, shares_, regions_, plan_,
+                             Sequence::sobol);
+    }
+
+    /// Control variate's value along a sample's direction, for its point.
+    double stoodIn(const ClusterSample& sample, const EnvironmentSample& s) const {
+        const RegionGroup& region = regions_.groups[sample.group];
+        const auto x = static_cast<double>(s.direction.dot(points_[sample.point].normal));
+        const int i = sample.lane;
+        return static_cast<double>(plan_.groups[sample.group].visibility[i]) *
+               (static_cast<double>(region.constant[i]) +
+                x * (static_cast<double>(region.linear[i]) +
+                     x * static_cast<double>(region.square[i])));
+    }
+
+    static constexpr float kTilt = 0.6f;
+
+private:
+    static TriangleMesh makeMesh() {
+        TriangleMesh mesh;
+        test::addFloor(mesh, 0, -1, 1, -1, 1);
+        test::addSphere(mesh, {0, 0.5f, 0}, 0.4f, 12);
+        return mesh;
+    }
+    static BakeResult bakeOf(const Scene& scene) {
+        BakeOptions options;
+        options.spacing = 0.25;
+        return bake(scene, options);
+    }
+    static Image makeMap() {
+        Image map = test::noiseMap(64, 32, 5);
+        const auto [x, y] = test::texelAt(64, 32, Vec3d(0.5, 0.8, 0.2).normalized());
+        map.pixels[static_cast<std::size_t>(y * 64 + x)] = Rgb(1e3f, 1e3f, 1e3f);
+        return map;
+    }
+
+    TriangleMesh mesh_ = makeMesh();
+    Scene scene_{mesh_};
+    test::TestCache cache_{bakeOf(scene_)};
+
+protected:
+    Environment environment_ = test::environmentOf(makeMap());
+    std::array<ItemView, ShadowCache::kMaxItems> items_{};
+    PooledVisibility pooled_{cache_.cache().header().tiers()};
+    std::vector<ShadingPoint> points_;
+    std::vector<std::uint32_t> members_;
+    Regions regions_;
+    SamplingPlan plan_;
+    std::vector<PointShare> shares_;
+    ClusterSampler sampler_{environment_};
+};
+
+constexpr std::array<double, 5> kShares{0.3, 1, 2.5, 16, 64};
+
+// A point gets its share, rounded up or down, and the cluster's total is that of all shares.
+TEST_F(Cluster, PointsGetTheirShares) {
+    for (const double share : kShares) {
+        constexpr int kDraws = 2000;
+        std::array<double, kPoints> sum{};
+        for (int k = 0; k < kDraws; ++k) {
+            draw(share, static_cast<std::uint64_t>(k));
+            double all = 0;
+            for (std::size_t i = 0; i < shares_.size(); ++i) {
+                EXPECT_LT(std::abs(shares_[i].count - share), 1);
+                EXPECT_EQ(shares_[i].expected, share < 1 ? share : shares_[i].count);
+                sum[i] += shares_[i].count;
+                all += shares_[i].count;
+            }
+            EXPECT_LT(std::abs(all - share * kPoints), 1);
+        }
+        for (const double s : sum) EXPECT_NEAR(s / kDraws, share, 6 * 0.5 / std::sqrt(kDraws));
+    }
+}
+
+// Estimates divide by these numbers. The control is their own tolerance: five per cent of the
+// most frequent region's number is more than it.
+TEST_F(Cluster, RegionsGetTheirSharesOfEachPoint) {
+    constexpr int kDraws = 3000;
+    for (const double share : kShares) {
+        std::map<std::pair<std::uint32_t, int>, double> ofAll, ofLast;
+        for (int k = 0; k < kDraws; ++k)
+            for (const ClusterSample& sample : draw(share, static_cast<std::uint64_t>(k))) {
+                const std::pair region(sample.group, sample.lane);
+                ofAll[region] += 1;
+                if (sample.point == kPoints - 1) ofLast[region] += 1;
+            }
+        double most = 0;
+        for (std::uint32_t g = 0; g < plan_.groups.size(); ++g)
+            for (int i = 0; i < kBlockCells; ++i) {
+                const double chance =
+                    static_cast<double>(plan_.groups[g].weight[i]) / plan_.weightSum;
+                const std::pair region(g, i);
+                if (chance == 0) {
+                    EXPECT_EQ(ofAll.count(region), 0u);
+                    continue;
+                }
+                const double wanted = chance * share * kDraws;
+                EXPECT_NEAR(ofAll[region], wanted * kPoints, 6 * std::sqrt(wanted * kPoints) + 6);
+                EXPECT_NEAR(ofLast[region], wanted, 6 * std::sqrt(wanted) + 6);
+                most = std::max(most, wanted * kPoints);
+            }
+        if (share >= 16) {
+            EXPECT_GT(0.05 * most, 6 * std::sqrt(most)) << "the test is blind";
+        }
+    }
+}
+
+// One sequence for all: the samples of a cluster fall into the regions much more evenly than by
+// chance alone. Control: points with sequences of their own.
+TEST_F(Cluster, SamplesAreStratifiedOverAllPoints) {
+    const auto varianceOf = [&](bool together) {
+        constexpr int kDraws = 200;
+        std::map<std::uint32_t, double> sum, sum2;
+        for (std::uint64_t k = 0; k < kDraws; ++k) {
+            std::map<std::uint32_t, double> count;
+            if (together) {
+                for (const ClusterSample& s : draw(16, k)) ++count[s.group];
+            } else {
+                for (std::size_t i = 0; i < points_.size(); ++i) {
+                    draw(16, k);  // for the seeds and shares
+                    const std::span<const std::uint32_t> one(&members_[i], 1);
+                    for (const ClusterSample& s : sampler_.draw({points_, 1, kPoints / 4, 4}, one,
+                                                                std::span(shares_).subspan(i, 1),
+                                                                regions_, plan_, Sequence::sobol))
+                        ++count[s.group];
+                }
+            }
+            for (const auto& [group, n] : count) sum[group] += n, sum2[group] += n * n;
+        }
+        double variance = 0;
+        for (const auto& [group, s] : sum)
+            variance += sum2[group] / kDraws - (s / kDraws) * (s / kDraws);
+        return variance;
+    };
+    EXPECT_LT(varianceOf(true), 0.25 * varianceOf(false));
+}
+
+// Every direction above the horizon of any point lies in a region. Control: regions of the centre's
+// normal alone miss some.
+TEST_F(Cluster, CoversTheHorizonsOfAllPoints) {
+    const auto missed = [&](const Regions& regions) {
+        std::map<std::pair<int, std::uint32_t>, bool> has;
+        for (const RegionGroup& group : regions.groups)
+            for (std::uint32_t i = 0; i < kBlockCells; ++i)
+                if (group.light[i] > 0) has[{group.level, group.firstCell + i}] = true;
+        int count = 0;
+        for (std::uint32_t cell = 0; cell < cellCount(Environment::kLevel); ++cell) {
+            bool covered = false;
+            for (int level = 0; level <= Environment::kLevel; ++level)
+                covered |= has.count({level, ancestorCell(cell, Environment::kLevel, level)}) > 0;
+            for (auto i = environment_.texelsOf(cell)[0]; i < environment_.texelsOf(cell)[1]; ++i) {
+                if (!(environment_.luminance(environment_.texel(i).radiance) > 0)) continue;
+                const Vec3f direction(environment_.placeIn(i, 0.9, 0.9));
+                count += !covered && std::ranges::any_of(points_, [&](const ShadingPoint& p) {
+                    return direction.dot(p.normal) > 0;
+                });
+            }
+        }
+        return count;
+    };
+    EXPECT_EQ(missed(regions_), 0);
+    Regions narrow;
+    const RegionBuilder builder(environment_, pooled_.tiers());
+    builder.build(pooled_, points_[0].normal, 0, Calibration(), narrow);
+    EXPECT_GT(missed(narrow), 20);
+}
+
+// The polynomial's integral for a point's own normal is the mean of what samples subtract. With its
+// control: 3 % more is rejected.
+TEST_F(Cluster, IntegralIsWhatSamplesSubtract) {
+    const ControlVariate predicted(environment_, regions_, plan_);
+    for (const std::uint32_t point : {0u, 5u, 17u}) {
+        constexpr int kDraws = 6000;
+        std::vector<double> values;
+        for (std::uint64_t k = 0; k < kDraws; ++k) {
+            double sum = 0;
+            for (const ClusterSample& sample : draw(16, k)) {
+                if (sample.point != point) continue;
+                const EnvironmentSample s = sample.finish(environment_);
+                sum += static_cast<double>(s.radiance.y * sample.share / s.density) *
+                       stoodIn(sample, s);
+            }
+            values.push_back(sum);
+        }
+        const auto integral = static_cast<double>(predicted.integral(points_[point].normal).y);
+        EXPECT_GT(test::meanPValue(values, integral), test::significance() / 3);
+        EXPECT_LT(test::meanPValue(values, integral * 1.03), test::significance() / 3);
+    }
+}
+
+TEST(PointClusters, HoldEveryPointOnceAndOnlyAlikeOnes) {
+    std::vector<ShadingPoint> points;
+    for (std::uint32_t i = 0; i < 3000; ++i) {
+        ShadingPoint& p = points.emplace_back();
+        const double angle = 4 * kPi * toUnit(hashWords(i, 1)), x = 5 * toUnit(hashWords(i, 2));
+        p.position = Vec3d(x, std::sin(angle), std::cos(angle));
+        p.normal = Vec3f(Vec3d(0, std::sin(angle), std::cos(angle)));
+    }
+    PointClusters clusters;
+    clusters.build(points, 0.5);
+    std::vector<int> seen(points.size());
+    EXPECT_LT(clusters.clusters().size(), points.size() / 3);
+    for (const PointCluster& c : clusters.clusters()) {
+        EXPECT_LT(c.tilt, 0.75f);
+        EXPECT_LT(c.radius, 1.3f);
+        for (std::uint32_t i = c.begin; i < c.end; ++i) {
+            const std::uint32_t point = clusters.order()[i];
+            ++seen[point];
+            EXPECT_LE(points[point].normal.cross(points[c.centre].normal).length(), c.tilt);
+            if (i > c.begin) {
+                EXPECT_LT(clusters.order()[i - 1], point);
+            }
+        }
+    }
+    EXPECT_EQ(std::ranges::count(seen, 1), static_cast<std::ptrdiff_t>(points.size()));
+    // Points that all coincide are one cluster, however many.
+    const std::vector<ShadingPoint> same(500, points[0]);
+    clusters.build(same, 0.5);
+    EXPECT_EQ(clusters.clusters().size(), 1u);
+}
+
+}  // namespace
+}  // namespace shadowcache
