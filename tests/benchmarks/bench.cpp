@@ -1,13 +1,16 @@
 #include "tests/benchmarks/bench.h"
 
 #include <cstdio>
+#include <ctime>
 #include <map>
 
 #include "common/base/error.h"
+#include "common/base/parallel.h"
 #include "common/base/process.h"
 #include "common/image/exr.h"
 #include "common/image/radiance.h"
 #include "common/import/load_mesh.h"
+#include "common/mesh/mesh_fingerprint.h"
 #include "render/table/estimator_table.h"
 
 namespace shadowcache::bench {
@@ -29,14 +32,13 @@ constexpr const char* kErrorKey = "bench:own_error_ppm";
 constexpr double kErrorUnit = 1e6;
 
 /// A reference that an earlier run left, if it has as many samples and pixels.
-std::optional<Reference> storedReference(const std::filesystem::path& path, int samples,
-                                         const Settings& settings) {
+std::optional<Reference> storedReference(const std::filesystem::path& path,
+                                         const std::string& samples, const FilmRectangle& region) {
     if (!std::filesystem::exists(path)) return std::nullopt;
     const ExrFile file = readExr(path);
     const auto made = file.metadata.find(kSamplesKey), error = file.metadata.find(kErrorKey);
-    if (made == file.metadata.end() || error == file.metadata.end() ||
-        made->second != std::to_string(samples) || file.width != settings.width ||
-        file.height != settings.height)
+    if (made == file.metadata.end() || error == file.metadata.end() || made->second != samples ||
+        file.width != region.width || file.height != region.height)
         return std::nullopt;
     Reference reference{{file.width, file.height, {}}, std::stod(error->second) / kErrorUnit};
     reference.image.pixels.resize(file.channels.at(0).values.size());
@@ -89,28 +91,73 @@ BakedCache bakeCache(const Settings& settings, const Set& set, const BakeOptions
     return baked;
 }
 
+BakedCache keptCache(const Settings& settings, const Set& set) {
+    const BakeOptions& o = settings.bake;
+    char tag[80];
+    std::snprintf(tag, sizeof tag, "kept-%g-%d-%d", o.spacing, o.level, o.rays);
+    const auto path = settings.work / (set.name + "-" + tag + ".vdb");
+    if (!std::filesystem::exists(path)) return bakeCache(settings, set, o, tag);
+    BakedCache kept;
+    kept.cache = std::make_unique<ShadowCache>(path);
+    if (kept.cache->header().fingerprint != fingerprint(set.mesh))
+        throwFileError(path, "baked for another set: delete it");
+    return kept;
+}
+
+Settings fullMatrix(Settings settings) {
+    settings.maps = {"courtyard", "sunrise",        "circus_arena",
+                     "interior",  "kloppenheim_05", "aristea_wreck_puresky"};
+    settings.frames = {1, 120};
+    return settings;
+}
+
+Rendered renderWith(const EstimatorContext& context, const Set& set, const std::string& estimator,
+                    int frame, const RenderOptions& options,
+                    const EstimatorOptions& estimatorOptions) {
+    const auto made = findEstimator(estimator).make(context, estimatorOptions);
+    Rendered rendered;
+    const Camera camera = cameraAtFrame(set.cameras, frame);
+    const std::clock_t start = std::clock();
+    runPilot({*made, camera, frame, options}, rendered.stats);
+    rendered.image = colorImage(render({*made, camera, frame, options}, rendered.stats));
+    rendered.processorSeconds =
+        static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / threadCount();
+    return rendered;
+}
+
 Rendered renderFrame(const EstimatorContext& context, const Set& set, const std::string& estimator,
                      int frame, int samples, std::uint64_t seed, const Settings& settings,
                      const EstimatorOptions& estimatorOptions) {
-    const auto made = findEstimator(estimator).make(context, estimatorOptions);
     RenderOptions options;
     options.width = settings.width;
     options.height = settings.height;
     options.samples = samples;
     options.seed = seed;
-    Rendered rendered;
-    const Camera camera = cameraAtFrame(set.cameras, frame);
-    runPilot({*made, camera, frame, options}, rendered.stats);
-    rendered.image = colorImage(render({*made, camera, frame, options}, rendered.stats));
-    return rendered;
+    return renderWith(context, set, estimator, frame, options, estimatorOptions);
 }
 
 Reference makeReference(const EstimatorContext& context, const Set& set, int frame, int samples,
                         const Settings& settings, const std::string& tag) {
-    const std::filesystem::path path = settings.work / (tag + "-reference.exr");
-    if (const auto stored = storedReference(path, samples, settings)) return *stored;
-    const Image a = renderFrame(context, set, "cache", frame, samples, 1001, settings).image;
-    const Image b = renderFrame(context, set, "cache", frame, samples, 1002, settings).image;
+    RenderOptions options;
+    options.width = settings.width;
+    options.height = settings.height;
+    options.samples = samples;
+    return makeReference(context, set, frame, options, settings.work, tag);
+}
+
+Reference makeReference(const EstimatorContext& context, const Set& set, int frame,
+                        const RenderOptions& options, const std::filesystem::path& work,
+                        const std::string& tag) {
+    const std::filesystem::path path = work / (tag + "-reference.exr");
+    const std::string samples =
+        (options.cameraRays > 1 ? std::to_string(options.cameraRays) + "x" : "") +
+        std::to_string(options.samples);
+    if (const auto stored = storedReference(path, samples, options.region())) return *stored;
+    RenderOptions half = options;
+    half.seed = 1001;
+    const Image a = renderWith(context, set, "cache", frame, half).image;
+    half.seed = 1002;
+    const Image b = renderWith(context, set, "cache", frame, half).image;
     Reference reference{a, 0};
     for (std::size_t i = 0; i < a.pixels.size(); ++i)
         reference.image.pixels[i] = (a.pixels[i] + b.pixels[i]) * 0.5f;
@@ -122,9 +169,8 @@ Reference makeReference(const EstimatorContext& context, const Set& set, int fra
     std::vector<Channel> channels{{"R", {}}, {"G", {}}, {"B", {}}};
     for (const Rgb& p : reference.image.pixels)
         for (int k = 0; k < 3; ++k) channels[static_cast<std::size_t>(k)].values.push_back(p[k]);
-    writeExr(path, settings.width, settings.height, channels,
-             {{kSamplesKey, std::to_string(samples)},
-              {kErrorKey, std::to_string(reference.ownError * kErrorUnit)}},
+    writeExr(path, a.width, a.height, channels,
+             {{kSamplesKey, samples}, {kErrorKey, std::to_string(reference.ownError * kErrorUnit)}},
              PixelType::full);
     return reference;
 }

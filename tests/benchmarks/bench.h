@@ -27,7 +27,10 @@ struct Settings {
     int width = 240, height = 135;
     int samples = 64;
     int repeats = 3;
-    bool full = false;  ///< efficiency: all maps, two frames; scaling: up to 10^7 items
+    bool full = false;  ///< efficiency, delivered: all maps, two frames; scaling: up to 10^7 items
+    std::vector<std::string> splits{"16x4", "64x1", "16x1", "4x1"};  ///< delivered: K x N
+    int seeds = 0;     ///< delivered: renders to average over; 0: 2, with `full` 4
+    bool crop = true;  ///< delivered: parts of large pictures, too
     BakeOptions bake;
     std::filesystem::path json;
 };
@@ -54,11 +57,22 @@ struct BakedCache {
 BakedCache bakeCache(const Settings& settings, const Set& set, const BakeOptions& options,
                      const std::string& tag);
 
+/// The cache that an earlier run left in the work folder, or a new one, which stays there.
+BakedCache keptCache(const Settings& settings, const Set& set);
+
+/// Under all maps, from the first frame and from the middle of the move.
+Settings fullMatrix(Settings settings);
+
 /// One rendered frame.
 struct Rendered {
     Image image;
     RenderStats stats;
+    double processorSeconds = 0;  ///< of all threads, divided by their number
 };
+Rendered renderWith(const EstimatorContext& context, const Set& set, const std::string& estimator,
+                    int frame, const RenderOptions& options,
+                    const EstimatorOptions& estimatorOptions = {});
+/// With one camera ray a pixel.
 Rendered renderFrame(const EstimatorContext& context, const Set& set, const std::string& estimator,
                      int frame, int samples, std::uint64_t seed, const Settings& settings,
                      const EstimatorOptions& options = {});
@@ -72,9 +86,13 @@ struct Reference {
 /// the work folder.
 Reference makeReference(const EstimatorContext& context, const Set& set, int frame, int samples,
                         const Settings& settings, const std::string& tag);
+Reference makeReference(const EstimatorContext& context, const Set& set, int frame,
+                        const RenderOptions& options, const std::filesystem::path& work,
+                        const std::string& tag);
 
 // The benchmarks, one file each.
 void efficiency(const Settings& settings);
+void delivered(const Settings& settings);
 void bakeSpeed(const Settings& settings);
 void timeShares(const Settings& settings);
 void memory(const Settings& settings);

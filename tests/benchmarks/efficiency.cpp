@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "tests/benchmarks/bench.h"
+#include "tests/benchmarks/deviation.h"
 
 namespace shadowcache::bench {
 
@@ -13,18 +14,6 @@ namespace {
 
 /// Samples of each half of a reference.
 constexpr int kReferenceSamples = 4096;
-
-/// Mean over pixels and renders of how much brighter an image is than a reference, as a share.
-struct Deviation {
-    double sum = 0, squares = 0, count = 0;
-
-    void add(const Image& image, const Image& reference, double scale);
-    double mean() const { return sum / count; }
-    /// In standard errors.
-    double significance() const {
-        return sum / std::sqrt(std::max(squares - sum * sum / count, 1e-300));
-    }
-};
 
 /// The control: a reference so much brighter must be told from the true one.
 constexpr double kControl = 1.02;
@@ -38,20 +27,6 @@ struct Measured {
     Deviation fromReference, fromBrighter;
     double efficiency() const { return 1 / (error.mean * seconds); }
 };
-
-void Deviation::add(const Image& image, const Image& reference, double scale) {
-    const auto green = [](const Rgb& p) { return static_cast<double>(p.y); };
-    double mean = 0;
-    for (const Rgb& p : reference.pixels) mean += green(p);
-    mean *= scale / static_cast<double>(reference.pixels.size());
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-        const double wanted = scale * green(reference.pixels[i]);
-        const double d = (green(image.pixels[i]) - wanted) / (std::abs(wanted) + 0.1 * mean);
-        sum += d;
-        squares += d * d;
-        ++count;
-    }
-}
 
 /// What is compared; efficiencies are against the first.
 struct Column {
@@ -168,14 +143,6 @@ void storeBake(const Set& set, const BakedCache& baked, JsonFile& json) {
     json.set(set.name + ".bake.rays", baked.rays);
     json.set(set.name + ".bake.items", items);
     json.set(set.name + ".bake.file_bytes", baked.fileBytes);
-}
-
-/// Under all maps, from the first frame and from the middle of the move.
-Settings fullMatrix(Settings settings) {
-    settings.maps = {"courtyard", "sunrise",        "circus_arena",
-                     "interior",  "kloppenheim_05", "aristea_wreck_puresky"};
-    settings.frames = {1, 120};
-    return settings;
 }
 
 }  // namespace

@@ -20,19 +20,29 @@ int main(int argc, char** argv) try {
         ->capture_default_str();
     app.add_option("--samples", settings.samples, "Samples a pixel")->capture_default_str();
     app.add_option("--repeats", settings.repeats, "Renders to average over")->capture_default_str();
+    app.add_option("--splits", settings.splits,
+                   "delivered: camera rays x samples of each, joined by commas")
+        ->delimiter(',')
+        ->capture_default_str();
+    app.add_option("--seeds", settings.seeds,
+                   "delivered: renders to average over; 0: 2, with --full 4")
+        ->capture_default_str();
+    app.add_flag("!--no-crop", settings.crop, "delivered: no parts of large pictures");
     app.add_option("--spacing", settings.bake.spacing, "Spacing of the bake");
     app.add_option("--level", settings.bake.level, "Level of the bake")->capture_default_str();
     app.add_option("--rays", settings.bake.rays, "Rays of the bake")->capture_default_str();
     app.add_option("--json", settings.json, "Write the table as JSON");
-    app.add_flag("--full", settings.full,
-                 "efficiency: six maps and two frames; scaling: up to ten million items and "
-                 "triangles");
+    app.add_flag(
+        "--full", settings.full,
+        "efficiency, delivered: six maps and two frames; scaling: up to ten million items and "
+        "triangles");
     const auto add = [&](const char* name, const char* summary, auto benchmark) {
         app.add_subcommand(name, summary)->callback([&settings, benchmark] {
             benchmark(settings);
         });
     };
     add("efficiency", "Error and time of the estimators", bench::efficiency);
+    add("delivered", "Error and time of antialiased pictures", bench::delivered);
     add("bake", "Rays a second of the bake against bare Embree calls", bench::bakeSpeed);
     add("time", "Where the time of a render goes: Embree, set-up, the rest", bench::timeShares);
     add("memory", "Peak memory by triangles and items; opening a large cache", bench::memory);
