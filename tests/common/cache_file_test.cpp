@@ -17,6 +17,7 @@
 #include "common/cache/shadow_cache.h"
 #include "common/mesh/mesh_fingerprint.h"
 #include "tests/support/foreign_vdb.h"
+#include "tests/support/needs.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_scenes.h"
 
@@ -362,7 +363,7 @@ TEST(CacheFile, OpensWithStockOpenVdb) {
 }
 
 TEST(CacheFile, IsPrintedByVdbPrint) {
-    if (std::system("command -v vdb_print > /dev/null") != 0) GTEST_SKIP() << "no vdb_print";
+    SHADOWCACHE_NEEDS("vdb_print (Debian package: libopenvdb-tools)", "command -v vdb_print");
     const BakeResult baked = bakeSmall(smallOptions());
     const TemporaryFolder folder;
     writeCache(folder.path() / "cache.vdb", baked.header, baked.items);

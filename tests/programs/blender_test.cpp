@@ -8,6 +8,7 @@
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_options.h"
 #include "render/shot/gltf_shot.h"
+#include "tests/support/needs.h"
 #include "tests/support/program_run.h"
 #include "tests/support/temporary_folder.h"
 
@@ -21,8 +22,7 @@ Vec3d vectorOf(const nlohmann::json& list) {
 class Blender : public testing::Test {
 protected:
     void SetUp() override {
-        if (std::system("command -v blender >/dev/null 2>&1") != 0)
-            GTEST_SKIP() << "Blender is not installed (Debian package: blender)";
+        SHADOWCACHE_NEEDS("Blender (Debian package: blender)", "command -v blender");
     }
 
     /// Runs Blender with the rest of its command line, in the test's folder.

@@ -8,6 +8,7 @@
 
 #include "common/image/exr.h"
 #include "tests/support/cli_fixture.h"
+#include "tests/support/needs.h"
 
 namespace shadowcache::test {
 namespace {
@@ -140,12 +141,12 @@ TEST_F(CommandLine, RefusesBadSettingsFiles) {
 }
 
 TEST_F(CommandLine, ManualsAreClean) {
+    SHADOWCACHE_NEEDS("man and groff (Debian packages: man-db, groff-base)",
+                      "command -v man && command -v groff");
     for (const std::string& program : kPrograms) {
         const std::string page = runWell(program, "--man-page").out;
         EXPECT_TRUE(page.starts_with(".TH SHADOWCACHE-")) << page.substr(0, 40);
         folder_.write("page.1", page);
-        if (std::system("command -v man > /dev/null && command -v groff > /dev/null") != 0)
-            GTEST_SKIP() << "no man or groff";
         EXPECT_EQ(shell("groff -man -Tutf8 -ww page.1 > /dev/null; cat shell.err"), "");
         const std::string text = shell("MANWIDTH=100 man -l page.1 | col -b");
         for (const char* part : {"NAME", "SYNOPSIS", "OPTIONS", "--config", "Examples:"})
@@ -154,7 +155,7 @@ TEST_F(CommandLine, ManualsAreClean) {
 }
 
 TEST_F(CommandLine, BashCompletes) {
-    if (std::system("command -v bash > /dev/null") != 0) GTEST_SKIP() << "no bash";
+    SHADOWCACHE_NEEDS("bash", "command -v bash");
     for (const std::string& program : kPrograms)
         folder_.write(program + ".bash", runWell(program, "--bash-completion").out);
     const auto completions = [&](const std::string& program, const std::string& line) {

@@ -8,6 +8,7 @@
 
 #include "tests/support/cli_fixture.h"
 #include "tests/support/foreign_vdb.h"
+#include "tests/support/needs.h"
 
 namespace shadowcache::test {
 namespace {
@@ -172,6 +173,9 @@ std::string browserSees(const std::filesystem::path& folder, const std::string& 
 }
 
 TEST_F(Info, ReportShowsInABrowser) {
+    SHADOWCACHE_NEEDS(
+        "Chromium (Debian package: chromium)",
+        "command -v chromium || command -v chromium-browser || command -v google-chrome");
     bake();
     runWell("info", "set.vdb --report r.html");
     // A copy says how many of its pictures could be shown, and how tall its bars are.
@@ -182,7 +186,6 @@ TEST_F(Info, ReportShowsInABrowser) {
                 ".filter(r=>r.getBoundingClientRect().height>1).length+'.'}</script>");
     folder_.write("probe.html", page);
     const std::string seen = browserSees(folder_.path(), "probe.html");
-    if (seen.empty()) GTEST_SKIP() << "no Chromium";
     const std::size_t title = seen.find("<title>pictures 9 bars ");
     ASSERT_NE(title, std::string::npos) << seen.substr(0, 300);
     EXPECT_GT(std::stoi(seen.substr(title + 23)), 50);

@@ -1,6 +1,7 @@
 # Runs the commands of a page of the manual as a reader would: all its blocks of ```sh, in order, in
 # one shell and an empty folder. A block behind the line "<!-- needs PROGRAM -->" runs only where
-# that program is installed. Needs PAGE, WORK, SOURCE and PATHS (folders of the programs, joined by :).
+# that program is installed; without it the page fails if SHADOWCACHE_NO_SKIP is set. Needs PAGE, WORK,
+# SOURCE and PATHS (folders of the programs, joined by :).
 file(READ "${PAGE}" text)
 # A list's items cannot end in a backslash: what one continues is joined to it.
 string(REPLACE "\\\n" " " text "${text}")
@@ -21,7 +22,7 @@ foreach(line IN LISTS lines)
     elseif(inside AND line STREQUAL "```")
         set(inside FALSE)
         if(guard)
-            string(APPEND script "else echo 'skipped: no ${guard}'; fi\n")
+            string(APPEND script "else echo 'skipped: needs ${guard}'; [[ -z \${SHADOWCACHE_NO_SKIP:-} ]]; fi\n")
         endif()
         set(guard "")
     elseif(inside)

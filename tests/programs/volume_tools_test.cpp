@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tests/support/cli_fixture.h"
+#include "tests/support/needs.h"
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
@@ -15,10 +16,6 @@
 
 namespace shadowcache::test {
 namespace {
-
-bool installed(const std::string& check) {
-    return std::system((check + " > /dev/null 2>&1").c_str()) == 0;
-}
 
 class VolumeTools : public CliTest {
 protected:
@@ -54,7 +51,7 @@ protected:
 };
 
 TEST_F(VolumeTools, VdbPrintListsThem) {
-    if (!installed("command -v vdb_print")) GTEST_SKIP() << "no vdb_print (libopenvdb-tools)";
+    SHADOWCACHE_NEEDS("vdb_print (Debian package: libopenvdb-tools)", "command -v vdb_print");
     const std::string text = shell("vdb_print -l grids.vdb");
     for (const char* part :
          {"Name: openness", "Name: density", "Name: open_direction", "Name: irradiance",
@@ -63,7 +60,7 @@ TEST_F(VolumeTools, VdbPrintListsThem) {
 }
 
 TEST_F(VolumeTools, VdbRenderShowsThem) {
-    if (!installed("command -v vdb_render")) GTEST_SKIP() << "no vdb_render (libopenvdb-tools)";
+    SHADOWCACHE_NEEDS("vdb_render (Debian package: libopenvdb-tools)", "command -v vdb_render");
     shell(
         "vdb_render grids.vdb a.png -name density -res 48x32 -translate 0,3,5 -lookat 0,0.3,0 "
         "-absorb 1,1,1 -scatter 2,2,2 -step 0.5");
@@ -72,8 +69,8 @@ TEST_F(VolumeTools, VdbRenderShowsThem) {
 
 TEST_F(VolumeTools, PythonReadsThem) {
     // The interpreter that Debian's python3-openvdb belongs to.
-    const std::string python = "/usr/bin/python3";
-    if (!installed(python + " -c 'import pyopenvdb'")) GTEST_SKIP() << "no python3-openvdb";
+    SHADOWCACHE_NEEDS("pyopenvdb (Debian packages: python3-openvdb, python3-numpy)",
+                      "/usr/bin/python3 -c 'import numpy, pyopenvdb'");
     folder_.write("read.py", R"(
 import pyopenvdb as vdb
 grids = {grid.name: grid for grid in vdb.readAll("grids.vdb")[0]}
@@ -92,13 +89,13 @@ assert grids["irradiance"].vectorType == "invariant"
 top = grids["openness"].transform.worldToIndexCellCentered((0, 0.6, 0))
 print("top", grids["openness"].getConstAccessor().getValue(top))
 )");
-    const std::string text = shell(python + " read.py");
+    const std::string text = shell("/usr/bin/python3 read.py");
     ASSERT_TRUE(text.starts_with("top ")) << text;
     EXPECT_GT(std::stod(text.substr(4)), 0.95);
 }
 
 TEST_F(VolumeTools, BlenderRendersThem) {
-    if (!installed("command -v blender")) GTEST_SKIP() << "no Blender";
+    SHADOWCACHE_NEEDS("Blender (Debian package: blender)", "command -v blender");
     const auto render = [&](const std::string& grid) {
         const std::string text = shell(
             "timeout 100 blender -b --factory-startup --python-exit-code 1 -P "
