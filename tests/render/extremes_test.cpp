@@ -20,16 +20,6 @@ namespace shadowcache {
 namespace {
 
 const Rgb kSky(1, 0.5f, 2);
-constexpr std::size_t kFloorTriangles = 2, kSlabTriangles = 12;
-
-/// Floor under a slab that hides a part of the sky from the middle; 10 units long.
-TriangleMesh slabMesh() {
-    TriangleMesh mesh;
-    test::addFloor(mesh, 0, -2, 2, -2, 2);
-    test::addBox(mesh, {0.5f, 1, -5}, {2, 1.5f, 5});
-    return mesh;
-}
-
 /// The mesh scaled, then moved, as a file of it would be loaded.
 TriangleMesh throughAFile(TriangleMesh mesh, double scale, const Vec3d& shift, bool farTriangle) {
     if (farTriangle) {
@@ -49,43 +39,28 @@ TriangleMesh throughAFile(TriangleMesh mesh, double scale, const Vec3d& shift, b
     return loadMesh({&path, 1}, {});
 }
 
-/// A set baked, under a sky of radiance kSky, and a place in it.
-struct World {
-    TriangleMesh mesh;
-    Scene scene;
-    Environment environment = test::environmentOf(test::constantMap(kSky));
-    BakeResult baked;
-    test::TestCache cache;
+/// A place in a set that is baked, under a sky of radiance kSky.
+struct LitPlace : test::World {
     ShadingPoint point;
 
-    World(TriangleMesh set, const BakeOptions& options, const Vec3f& from, const Vec3f& along)
-        : mesh(std::move(set)),
-          scene(mesh),
-          baked(bake(scene, options)),
-          cache(baked),
+    LitPlace(TriangleMesh set, const BakeOptions& options, const Vec3f& from, const Vec3f& along)
+        : World(std::move(set), test::constantMap(kSky), options),
           point(test::pointAlong(scene, from, along)) {}
 
-    /// What a slab of triangles [2, 14) leaves of the sky where the shadow rays start.
-    Rgb truthUnderTheSlab() const {
-        ShadingPoint at = point;
-        at.position = mesh.origin + Vec3d(point.rayOrigin);
-        return kSky *
-               static_cast<float>(kPi - test::hiddenByConvex(mesh, kFloorTriangles,
-                                                             kFloorTriangles + kSlabTriangles, at));
-    }
-    EstimatorContext context() const { return {scene, environment, &cache.cache(), {}}; }
-    static EstimatorOptions fewTriangles() {
-        EstimatorOptions options;
-        options.paper.triangles = 320;
-        return options;
-    }
+    Rgb truthUnderTheSlab() const { return kSky * static_cast<float>(irradianceUnderSlab(point)); }
 };
 
-World slabWorld(double spacing, int level = kMaxCacheLevel) {
+EstimatorOptions fewTriangles() {
+    EstimatorOptions options;
+    options.paper.triangles = 320;
+    return options;
+}
+
+LitPlace slabWorld(double spacing, int level = kMaxCacheLevel) {
     BakeOptions options;
     options.spacing = spacing;
     options.level = level;
-    return {slabMesh(), options, {0, 0.25f, 0}, {0, -1, 0}};
+    return {test::slabMesh(), options, {0, 0.25f, 0}, {0, -1, 0}};
 }
 
 /// With its control: at 64 samples the same estimates must not agree with 5 % more.
@@ -108,7 +83,7 @@ void expectTruth(const std::vector<test::NamedEstimator>& estimators, const Shad
 std::vector<test::NamedEstimator> cached(const EstimatorContext& context) {
     std::vector<test::NamedEstimator> both;
     for (const char* name : {"paper", "cache"})
-        both.push_back({name, findEstimator(name).make(context, World::fewTriangles())});
+        both.push_back({name, findEstimator(name).make(context, fewTriangles())});
     return both;
 }
 
@@ -136,15 +111,15 @@ INSTANTIATE_TEST_SUITE_P(Extreme, Coordinates,
 
 TEST_P(Coordinates, ChangeNoEstimate) {
     const Place& place = GetParam();
-    TriangleMesh mesh = throughAFile(slabMesh(), place.scale, place.shift, place.farTriangle);
+    TriangleMesh mesh = throughAFile(test::slabMesh(), place.scale, place.shift, place.farTriangle);
     ASSERT_EQ(mesh.triangles.size(),
-              kFloorTriangles + kSlabTriangles + (place.farTriangle ? 1 : 0));
+              test::slabMesh().triangles.size() + (place.farTriangle ? 1 : 0));
     BakeOptions options;
     options.spacing = 0.5 * place.scale;
     const Vec3f from(Vec3d(0, 0.25, 0) * place.scale + place.shift - mesh.origin);
-    const World world(std::move(mesh), options, from, {0, -1, 0});
+    const LitPlace world(std::move(mesh), options, from, {0, -1, 0});
     const Rgb truth = world.truthUnderTheSlab();
-    expectTruth(test::everyEstimator(world.context(), World::fewTriangles()), world.point, truth);
+    expectTruth(test::everyEstimator(world.context(), fewTriangles()), world.point, truth);
     const auto exact = static_cast<double>(truth.x);
     EXPECT_NEAR(predicted(world.context(), world.point) / exact, 1, 0.05);
 }
@@ -155,11 +130,11 @@ TEST(OneTriangle, IsLitOnBothSides) {
     BakeOptions options;  // no spacing given: the bake finds one
     options.level = 2;
     for (const double y : {1, -1}) {
-        const World world(mesh, options, {0.2f, static_cast<float>(y), 0.3f},
-                          {0, static_cast<float>(-y), 0});
+        const LitPlace world(mesh, options, {0.2f, static_cast<float>(y), 0.3f},
+                             {0, static_cast<float>(-y), 0});
         EXPECT_GT(world.baked.items.size(), 0u);
         for (const auto& [name, estimator] :
-             test::everyEstimator(world.context(), World::fewTriangles())) {
+             test::everyEstimator(world.context(), fewTriangles())) {
             const auto estimates = test::runEstimator(*estimator, world.point, 256, 100);
             EXPECT_NEAR(estimates.mean(2) / (2 * kPi), 1, 0.01) << name;
         }
@@ -176,7 +151,7 @@ TEST(Spacing, OfAThousandthOfTheSetIsBaked) {
     options.spacing = 1e-3;
     options.level = 3;
     options.rays = 4;
-    const World world(std::move(mesh), options, {0, 0.005f, 0}, {0, -1, 0});
+    const LitPlace world(std::move(mesh), options, {0, 0.005f, 0}, {0, -1, 0});
     EXPECT_GT(world.baked.items.size(), 25000u);
     const Rgb truth = world.truthUnderTheSlab();
     expectTruth(cached(world.context()), world.point, truth);
@@ -187,13 +162,13 @@ TEST(Spacing, UpToTwiceTheSetChangesNoMean) {
     constexpr double kExtent = 10;
     for (const double share : {0.05, 0.3, 1.0, 2.0}) {
         SCOPED_TRACE(share);
-        const World world = slabWorld(share * kExtent);
+        const LitPlace world = slabWorld(share * kExtent);
         expectTruth(cached(world.context()), world.point, world.truthUnderTheSlab());
     }
 }
 
 TEST(Spacing, BelowWhatVoxelsCanCountIsRefused) {
-    const TriangleMesh mesh = slabMesh();
+    const TriangleMesh mesh = test::slabMesh();
     const Scene scene(mesh);
     BakeOptions options;
     options.spacing = 1e-7;
@@ -201,14 +176,13 @@ TEST(Spacing, BelowWhatVoxelsCanCountIsRefused) {
 }
 
 TEST(Samples, SixtyFiveThousandOfAPixelComeToTheTruth) {
-    const World world = slabWorld(0.5);
+    const LitPlace world = slabWorld(0.5);
     const Camera camera = lookAt(Vec3d(0.01, 0.25, 0), world.point.position, Vec3d(0, 0, 1), 0.1);
     RenderOptions options;
     options.width = options.height = 1;
     options.samples = 65536;
     const double truth = static_cast<double>(world.truthUnderTheSlab().y);
-    for (const auto& [name, estimator] :
-         test::everyEstimator(world.context(), World::fewTriangles())) {
+    for (const auto& [name, estimator] : test::everyEstimator(world.context(), fewTriangles())) {
         RenderStats stats;
         const Film film = render({*estimator, camera, 1, options}, stats);
         const Pixel& pixel = film.pixels[0];
@@ -229,11 +203,11 @@ TEST(Samples, SixtyFiveThousandOfAPixelComeToTheTruth) {
 }
 
 TEST(Alpha, UpToAlmostOneChangesNoMean) {
-    const World world = slabWorld(0.5);
+    const LitPlace world = slabWorld(0.5);
     const Rgb truth = world.truthUnderTheSlab();
     for (const double alpha : {0.0, 0.5, 1 - 1e-6}) {
         SCOPED_TRACE(alpha);
-        EstimatorOptions options = World::fewTriangles();
+        EstimatorOptions options = fewTriangles();
         options.paper.alpha = alpha;
         EXPECT_NO_THROW(validate(options));
         std::vector<test::NamedEstimator> paper;
@@ -256,7 +230,7 @@ TEST(Counts, At255AreReadAsCounted) {
     options.level = 3;
     options.rays = 255;
     options.adaptive = false;
-    const World world(slabMesh(), options, {0, 0.25f, 0}, {0, -1, 0});
+    const LitPlace world(test::slabMesh(), options, {0, 0.25f, 0}, {0, -1, 0});
     const CacheItems& items = world.baked.items;
     EXPECT_EQ(*std::max_element(items.d.begin(), items.d.end()), 255);
     EXPECT_EQ(*std::max_element(items.n.begin(), items.n.end()), 255);

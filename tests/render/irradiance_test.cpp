@@ -82,32 +82,27 @@ std::vector<Case> cases() {
     return all;
 }
 
-/// The world of one case: everything an estimator needs.
-struct World {
+/// One case with everything that an estimator needs.
+struct Trial {
     Case chosen;
-    Scene scene;
-    Environment environment;
-    std::unique_ptr<test::TestCache> cache;
+    test::World world;
     ShadingPoint point;
     Rgb truth;
     std::vector<test::NamedEstimator> estimators;
 
-    explicit World(const Case& c)
-        : chosen(c), scene(chosen.mesh), environment(test::environmentOf(chosen.map)) {
-        BakeOptions bakeOptions;
-        bakeOptions.spacing = chosen.spacing;
-        cache = std::make_unique<test::TestCache>(bake(scene, bakeOptions));
-        point = test::pointAlong(scene, chosen.from, chosen.along);
-        truth = chosen.truth(scene, point);
+    explicit Trial(const Case& c)
+        : chosen(c),
+          world(c.mesh, c.map, {.spacing = c.spacing}),
+          point(test::pointAlong(world.scene, c.from, c.along)),
+          truth(c.truth(world.scene, point)) {
         EstimatorOptions options;
         options.paper.triangles = 1500;
-        const EstimatorContext context{scene, environment, &cache->cache(), {}};
+        EstimatorContext context = world.context();
         estimators = test::everyEstimator(context, options);
         if (chosen.name != "Slab") return;
-        EstimatorContext plain = context;
-        plain.cache = nullptr;
+        context.cache = nullptr;
         estimators.push_back(
-            {"paper without a cache", findEstimator("paper").make(plain, options)});
+            {"paper without a cache", findEstimator("paper").make(context, options)});
     }
 };
 
@@ -126,22 +121,22 @@ INSTANTIATE_TEST_SUITE_P(ClosedForms, Irradiance, testing::Range<std::size_t>(0,
 // in five hundred shines, estimators that do not look for texels are too noisy for that, and must
 // see 30 %.
 TEST_P(Irradiance, OfEveryEstimatorIsTheTruthAndNotThreePercentMore) {
-    const World world(cases()[GetParam()]);
-    const bool sparse = world.chosen.name == "OneTexel";
+    const Trial trial(cases()[GetParam()]);
+    const bool sparse = trial.chosen.name == "OneTexel";
     const double level =
-        test::significance() / static_cast<double>(world.estimators.size() * std::size(kEfforts));
-    for (const auto& [name, estimator] : world.estimators)
+        test::significance() / static_cast<double>(trial.estimators.size() * std::size(kEfforts));
+    for (const auto& [name, estimator] : trial.estimators)
         for (const Effort& effort : kEfforts) {
             const auto estimates =
-                test::runEstimator(*estimator, world.point, effort.samples, effort.count);
-            EXPECT_GT(test::agreementPValue(estimates, world.truth), level)
+                test::runEstimator(*estimator, trial.point, effort.samples, effort.count);
+            EXPECT_GT(test::agreementPValue(estimates, trial.truth), level)
                 << name << ", " << effort.samples << " samples: mean " << estimates.mean(1)
                 << ", standard error " << std::sqrt(estimates.sampleVariance(1) / effort.count)
-                << ", wanted " << world.truth.y;
+                << ", wanted " << trial.truth.y;
             if (effort.samples < 64) continue;
             const bool blind =
                 sparse && (name == "uniform" || name == "cosine" || name.starts_with("paper"));
-            EXPECT_LT(test::agreementPValue(estimates, world.truth * (blind ? 1.3f : 1.03f)), level)
+            EXPECT_LT(test::agreementPValue(estimates, trial.truth * (blind ? 1.3f : 1.03f)), level)
                 << name;
         }
 }

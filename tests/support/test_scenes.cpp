@@ -68,6 +68,18 @@ void addSphere(TriangleMesh& mesh, const Vec3f& center, float radius, int rings)
         }
 }
 
+TriangleMesh floorMesh() {
+    TriangleMesh mesh;
+    addFloor(mesh, 0, -2, 2, -2, 2);
+    return mesh;
+}
+
+TriangleMesh slabMesh() {
+    TriangleMesh mesh = floorMesh();
+    addBox(mesh, {0.5f, 1, -5}, {2, 1.5f, 5});
+    return mesh;
+}
+
 ShadingPoint pointAlong(const Scene& scene, const Vec3f& from, const Vec3f& direction) {
     const Hit hit = scene.intersect(from, direction);
     if (!hit.found) throw Error("test: the ray meets nothing");
@@ -192,6 +204,20 @@ TestCache::TestCache(const CacheHeader& header, const CacheItems& items) {
     const auto path = folder_.path() / "cache.vdb";
     writeCache(path, header, items);
     cache_.emplace(path);
+}
+
+World::World(TriangleMesh set, const Image& map, const BakeOptions& options)
+    : mesh(std::move(set)),
+      scene(mesh),
+      environment(environmentOf(map)),
+      baked(bake(scene, options)),
+      cache(baked) {}
+
+double World::irradianceUnderSlab(const ShadingPoint& point) const {
+    constexpr std::size_t kFloorTriangles = 2, kSlabTriangles = 12;
+    ShadingPoint start = point;
+    start.position = mesh.origin + Vec3d(point.rayOrigin);
+    return kPi - hiddenByConvex(mesh, kFloorTriangles, kFloorTriangles + kSlabTriangles, start);
 }
 
 double Estimates::mean(int channel) const {

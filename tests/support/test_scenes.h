@@ -26,6 +26,10 @@ void addBox(TriangleMesh& mesh, const Vec3f& low, const Vec3f& high);
 /// Convex polyhedron of 4 rings (rings - 1) triangles inscribed in a sphere.
 void addSphere(TriangleMesh& mesh, const Vec3f& center, float radius, int rings);
 
+TriangleMesh floorMesh();
+/// That floor, and a slab over one side of it that hides a part of the sky: triangles [2, 14).
+TriangleMesh slabMesh();
+
 /// Where a ray from `from` (relative to the mesh's origin) along `direction` meets the set; its
 /// seed is 0.
 ShadingPoint pointAlong(const Scene& scene, const Vec3f& from, const Vec3f& direction);
@@ -71,6 +75,26 @@ public:
 private:
     TemporaryFolder folder_;
     std::optional<ShadowCache> cache_;
+};
+
+/// A set under a map, baked.
+struct World {
+    TriangleMesh mesh;
+    Scene scene;
+    Environment environment;
+    BakeResult baked;
+    TestCache cache;
+
+    World(TriangleMesh set, const Image& map, const BakeOptions& options = {.spacing = 0.5});
+
+    EstimatorContext context(Sequence sequence = Sequence::sobol) const {
+        return {scene, environment, &cache.cache(), sequence};
+    }
+    /// The floor's middle.
+    ShadingPoint below() const { return pointAlong(scene, {0, 0.25f, 0}, {0, -1, 0}); }
+    /// What the slab of slabMesh() leaves of a sky of radiance 1 where shadow rays from `point`
+    /// start.
+    double irradianceUnderSlab(const ShadingPoint& point) const;
 };
 
 /// Estimates at one place with the seeds 1 .. count.
