@@ -1,6 +1,8 @@
 # Flags that every target of ours shares.
 add_library(shadowcache_options INTERFACE)
 target_compile_features(shadowcache_options INTERFACE cxx_std_20)
+target_compile_definitions(shadowcache_options INTERFACE
+    $<$<BOOL:${SHADOWCACHE_TUNABLE}>:SHADOWCACHE_TUNABLE>)
 target_compile_options(shadowcache_options INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wnon-virtual-dtor
     # Nobody reads errno or the trap flags of floating point: loops with roots and choices become

@@ -11,6 +11,7 @@
 
 #include "common/base/parallel.h"
 #include "common/base/sequence.h"
+#include "common/base/tuned.h"
 #include "common/predict/cache_preview.h"
 #include "common/predict/item_irradiance.h"
 #include "render/cached/cache_insight.h"
@@ -24,16 +25,17 @@ namespace shadowcache {
 namespace {
 
 /// Irradiance, as a share of the frame's mean, below which errors count no more.
-constexpr double kDarkest = 0.1;
+SHADOWCACHE_TUNED(double, kDarkest, 0.1);
 
 /// How much of the light that is predicted but not sure makes a place bright, whose samples are
 /// then not heavy. Less with the uniform budget, which gives no more samples to places that turn
 /// out dark.
-constexpr double kUnsureShare = 0.4, kUnsureShareUniform = 0.2;
+SHADOWCACHE_TUNED(double, kUnsureShare, 0.4);
+SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
 
 /// Whatever number of samples is asked for, the same regions are reused as with so many: what stays
 /// unshared falls as all the noise does.
-constexpr double kJudgedSamples = 64;
+SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 
 /// Places of a pilot that one thread takes at a time.
 constexpr std::size_t kPilotChunk = 32;

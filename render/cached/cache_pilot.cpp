@@ -1,13 +1,14 @@
 #include "render/cached/cache_pilot.h"
 
 #include "common/base/sequence.h"
+#include "common/base/tuned.h"
 
 namespace shadowcache {
 
 namespace {
 
 /// Rays at each place.
-constexpr int kRays = 64;
+SHADOWCACHE_TUNED(int, kPilotRays, 64);
 
 }  // namespace
 
@@ -37,7 +38,7 @@ std::uint64_t PilotRays::trace(const EstimatorContext& context, const ShadingPoi
 /// Queues half of the rays, in proportion to weight[k] of the regions.
 void PilotRays::draw(const Environment& environment, const ShadingPoint& point, int k, double sum,
                      LightSamples& samples) {
-    constexpr int kHalf = kRays / 2;
+    const int each = kPilotRays / 2;
     double below = 0;
     int j = 0;
     const auto numberOf = [&](int dimension) {
@@ -47,7 +48,7 @@ void PilotRays::draw(const Environment& environment, const ShadingPoint& point, 
     };
     for (const Region& r : regions_) {
         below += static_cast<double>(r.weight[k]);
-        for (; j < kHalf && sum * (j + toUnit(numberOf(0))) / kHalf < below; ++j) {
+        for (; j < each && sum * (j + toUnit(numberOf(0))) / each < below; ++j) {
             const std::uint64_t h = numberOf(1);
             const EnvironmentSample s = environment.sampleCell(
                 r.level, r.cell, toUnit(numberOf(2)), toUnitFloat(static_cast<std::uint32_t>(h)),

@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/tuned.h"
+
 namespace shadowcache {
 
 namespace {
 
 /// How strongly the counts' own word stands against the measured share, in rays.
-constexpr double kPriorRays = 2;
+SHADOWCACHE_TUNED(double, kCalibrationPrior, 2);
 
 /// Least error of the visibility that is corrected: below it nothing is to be gained, and what the
 /// counts call fully open or fully hidden stays free of noise.
-constexpr double kTolerance = 0.02;
+SHADOWCACHE_TUNED(double, kLeastCorrection, 0.02);
 
 /// Standard errors that a measured share must be off by to count as the cache's fault.
-constexpr double kSignificance = 4;
+SHADOWCACHE_TUNED(double, kCorrectionErrors, 4);
 
 }  // namespace
 
@@ -45,7 +47,7 @@ void Calibration::update() {
         const auto rays = static_cast<double>(rays_[i]);
         const auto open = static_cast<double>(open_[i]);
         const double predicted = sum_[i] / rays;
-        const double found = (open + kPriorRays * predicted) / (rays + kPriorRays);
+        const double found = (open + kCalibrationPrior * predicted) / (rays + kCalibrationPrior);
         const double least = static_cast<double>(kLeastUncertainty);
         const double uncertainty = i < kBinsPerSide ? found : 1 - found;
         const double predictedUncertainty = i < kBinsPerSide ? predicted : 1 - predicted;
@@ -54,7 +56,7 @@ void Calibration::update() {
         const double share = std::clamp(open / rays, 1 / (rays + 2), 1 - 1 / (rays + 2));
         const double error = std::sqrt(share * (1 - share) / rays);
         const double off = found - predicted;
-        correction_[i] = std::abs(off) > std::max(kTolerance, kSignificance * error)
+        correction_[i] = std::abs(off) > std::max(kLeastCorrection, kCorrectionErrors * error)
                              ? static_cast<float>(off)
                              : 0.0f;
     }

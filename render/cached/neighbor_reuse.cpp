@@ -4,20 +4,22 @@
 #include <bit>
 #include <cmath>
 
+#include "common/base/tuned.h"
+
 namespace shadowcache {
 
 namespace {
 
 /// Points of a group for each that is mispredicted, on average: the gain saturates at one, but a
-/// reused ray costs a tenth of a sample. A group has at most kMostPoints.
-constexpr double kGroupPerFind = 8;
-constexpr double kMostPoints = 256;
+/// reused ray costs a tenth of a sample. A group has at most kMostGroupPoints.
+SHADOWCACHE_TUNED(double, kGroupPerFind, 8);
+SHADOWCACHE_TUNED(double, kMostGroupPoints, 256);
 
 /// Clusters that are asked how likely a misprediction is.
-constexpr std::size_t kAskedClusters = 32;
+SHADOWCACHE_TUNED(std::size_t, kAskedClusters, 32);
 
 /// That likelihood, where none of them knows.
-constexpr double kUnknownChance = 0.3;
+SHADOWCACHE_TUNED(double, kUnknownChance, 0.3);
 
 }  // namespace
 
@@ -127,7 +129,7 @@ std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
     }
     if (!(weight > 0)) weight = 1, chance = kUnknownChance;
     const double most =
-        std::clamp(kGroupPerFind * weight / std::max(chance, 1e-12), 1.0, kMostPoints);
+        std::clamp(kGroupPerFind * weight / std::max(chance, 1e-12), 1.0, kMostGroupPoints);
     sizeBatch_[found.cell] = batchNumber_;
     return sizes_[found.cell] = std::bit_floor(static_cast<std::uint32_t>(most));
 }

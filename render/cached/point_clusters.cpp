@@ -4,23 +4,25 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/base/tuned.h"
+
 namespace shadowcache {
 
 namespace {
 
 /// What a unit of normal, and a spacing of height over the mean plane, count beside a spacing of
 /// distance: the cosine and the half of the sky that is visible change faster than what hides it.
-constexpr float kNormalWeight = 2;
-constexpr float kHeightWeight = 3;
+SHADOWCACHE_TUNED(float, kNormalWeight, 2);
+SHADOWCACHE_TUNED(float, kHeightWeight, 3);
 
-/// Clusters are split until their extent is at most kFine, or at most kCoarse where they have few
-/// points: there a set-up costs more than a looser fit.
-constexpr float kFine = 0.35f;
-constexpr float kCoarse = 1.4f;
-constexpr std::uint32_t kFew = 32;
+/// Clusters are split until their extent is at most kFineExtent, or at most kCoarseExtent where
+/// they have few points: there a set-up costs more than a looser fit.
+SHADOWCACHE_TUNED(float, kFineExtent, 0.35f);
+SHADOWCACHE_TUNED(float, kCoarseExtent, 1.4f);
+SHADOWCACHE_TUNED(std::uint32_t, kFewPoints, 32);
 
 /// Normals whose mean is longer than this have a plane in common.
-constexpr float kPlanar = 0.8f;
+SHADOWCACHE_TUNED(float, kPlanar, 0.8f);
 
 }  // namespace
 
@@ -42,7 +44,7 @@ void PointClusters::build(std::span<const ShadingPoint> points, double spacing) 
 void PointClusters::split(std::uint32_t begin, std::uint32_t end) {
     const Extent extent = extentOf(begin, end);
     const std::uint32_t count = end - begin;
-    if (extent.size <= kFine || (extent.size <= kCoarse && count <= kFew))
+    if (extent.size <= kFineExtent || (extent.size <= kCoarseExtent && count <= kFewPoints))
         return addCluster(begin, end);
     const auto cut =
         std::partition(order_.begin() + begin, order_.begin() + end, [&](std::uint32_t point) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/tuned.h"
 #include "common/predict/cell_light.h"
 #include "common/predict/horizon.h"
 #include "common/predict/lanes.h"
@@ -26,14 +27,14 @@ struct RegionBuilder::Task {
 namespace {
 
 /// How strongly a region's parent counts beside its own rays, in rays.
-constexpr float kPriorRays = 0.5f;
+SHADOWCACHE_TUNED(float, kRegionPrior, 0.5f);
 
 /// Mean square, over the tilts of a cluster's normals, of what they change of a cosine, as a share
 /// of the widest tilt's square.
-constexpr float kTiltMoment = 0.1f;
+SHADOWCACHE_TUNED(float, kTiltMoment, 0.1f);
 
 /// Least height over the horizon at which the share of a tilt in the cosine is judged.
-constexpr float kLeastHeight = 0.05f;
+SHADOWCACHE_TUNED(float, kLeastTiltHeight, 0.05f);
 
 void estimateVisibility(const PooledBlock* counts, float parentVisibility, float parentPosterior,
                         CellVisibility& out) {
@@ -48,7 +49,7 @@ void estimateVisibility(const PooledBlock* counts, float parentVisibility, float
         const float rays = counts->rays[i] * counts->rays[i] / std::max(counts->rays2[i], 1e-30f);
         const float c = counts->ratioOrNone(i);
         out.c[i] = c;
-        out.posterior[i] = (c * rays + kPriorRays * parentPosterior) / (rays + kPriorRays);
+        out.posterior[i] = (c * rays + kRegionPrior * parentPosterior) / (rays + kRegionPrior);
     }
 }
 
@@ -92,7 +93,7 @@ void tiltLight(const CellMoments& m, const Vec3f& n, float tilt, const Splits& s
         } else if (height < radius) {
             sky.cosineMoment[i] += kTiltMoment * tilt * tilt;
         } else {
-            const float h = std::max(height, kLeastHeight);
+            const float h = std::max(height, kLeastTiltHeight);
             sky.light[i] *= std::sqrt(1 + tilt * tilt / (3 * h * h));
             if (height < radius + tilt) sky.cosineMoment[i] += kTiltMoment * tilt * tilt / (h * h);
         }

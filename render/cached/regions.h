@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/tuned.h"
 #include "common/light/environment.h"
 #include "common/predict/cell_splits.h"
 #include "common/predict/pooled_visibility.h"
@@ -47,7 +48,7 @@ struct Regions {
 
 /// The greatest visibility of a misprediction to be reused: a region of more counts as visible
 /// until a ray says otherwise.
-inline constexpr float kMostlyVisible = 0.75f;
+inline SHADOWCACHE_TUNED(float, kMostlyVisible, 0.75f);
 
 /// Makes regions of pooled counts.
 class RegionBuilder {

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/tuned.h"
+
 namespace shadowcache {
 
 namespace {
 
-constexpr double kRange = 4;
+/// No point has more samples than the mean times this, or fewer than the mean divided by it.
+SHADOWCACHE_TUNED(double, kBudgetRange, 4);
 
 /// As relMSE has it [docs/estimator.md].
 constexpr double kFloorShare = 0.01;
@@ -24,8 +27,8 @@ double SampleBudget::share(double need) const {
 
 SampleBudget::SampleBudget(std::span<const PredictedNoise> places, int samples) {
     const double wanted = samples;
-    least_ = wanted / kRange;
-    most_ = wanted * kRange;
+    least_ = wanted / kBudgetRange;
+    most_ = wanted * kBudgetRange;
     const auto count = static_cast<double>(std::max<std::size_t>(places.size(), 1));
     double mean = 0;
     for (const PredictedNoise& p : places) mean += p.value / count;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/tuned.h"
 #include "common/predict/lanes.h"
 
 namespace shadowcache {
@@ -11,15 +12,15 @@ namespace {
 
 /// Samples drawn in proportion to the light alone, for each that follows the counts: bounds what a
 /// misprediction can weigh.
-constexpr double kDefensiveShare = 0.4;
+SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
 
 /// Part of the irradiance from which on a sample is heavy enough to be reused: what its rays to the
 /// neighbours cost is then well spent.
-constexpr double kHeavy = 0.03;
+SHADOWCACHE_TUNED(double, kHeavy, 0.03);
 
 /// Regions whose mispredictions are reused need this much of the samples that they would need
 /// alone.
-constexpr float kReuseWeight = 0.5f;
+SHADOWCACHE_TUNED(float, kReuseWeight, 0.5f);
 
 }  // namespace
 
