@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "common/base/parallel.h"
 #include "common/base/sequence.h"
@@ -33,8 +34,8 @@ SHADOWCACHE_TUNED(double, kDarkest, 0.1);
 SHADOWCACHE_TUNED(double, kUnsureShare, 0.4);
 SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
 
-/// Whatever number of samples is asked for, the same regions are reused as with so many: what stays
-/// unshared falls as all the noise does.
+/// Whatever number of samples is asked for, the same regions are reused as with so many: what is
+/// not reused then falls as all the noise does.
 SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 
 /// Places of a pilot that one thread takes at a time.
@@ -47,6 +48,7 @@ struct CacheWorkspace final : Workspace {
           pooled(cache.header().tiers()),
           preview(environment, cache.header().tiers()),
           itemIrradiance(preview),
+          regionBuilder(environment, cache.header().tiers()),
           sampler(environment),
           reuse(environment, cache.header().tiers()) {}
 
@@ -56,8 +58,8 @@ struct CacheWorkspace final : Workspace {
     CachePreview preview;
     ItemIrradiance itemIrradiance;
     PilotRays pilotRays;
-    Regions regions;
-    SamplingPlan plan;
+    RegionBuilder regionBuilder;
+    SamplingPlanner planner;
     std::vector<PointShare> shares;
     PointClusters clusters;
     ClusterSampler sampler;
@@ -90,21 +92,21 @@ public:
             return;
         }
         w.clusters.build(batch.points, context_.cache->header().spacing);
-        w.reuse.begin(batch, w.clusters);
+        NeighborReuse::Batch reuse = w.reuse.begin(batch, w.clusters);
         for (const PointCluster& cluster : w.clusters.clusters()) {
-            const std::span<const ClusterSample> samples = prepare(batch, cluster, w, estimates);
+            const Prepared prepared = prepare(batch, cluster, w, reuse, estimates);
             w.setupNanoseconds += watch.sinceLast();
-            w.lighting.trace(context_, batch, w.regions, w.plan, samples, w.reuse, estimates);
+            w.lighting.trace(context_, batch, prepared.regions, prepared.plan, prepared.samples,
+                             reuse, estimates);
             w.traceNanoseconds += watch.sinceLast();
         }
-        w.reuse.run(context_.scene, estimates);
+        std::move(reuse).finish(context_.scene, estimates);
         w.traceNanoseconds += watch.sinceLast();
     }
 
 private:
     const CacheOptions options_;
     const OpennessMeter openness_{context_.cache->header().tiers()};
-    const RegionBuilder regionBuilder_{context_.environment, context_.cache->header().tiers()};
     Calibration calibration_;
     std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
     double darkest_ = 0;  ///< irradiance below which errors count no more [luminance]
@@ -117,9 +119,8 @@ private:
             const auto workspace = makeWorkspace();
             auto& w = static_cast<CacheWorkspace&>(*workspace);
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                lookAt(points[i], w);
-                rays[chunk.index] += w.pilotRays.trace(context_, points[i], w.regions, w.samples,
-                                                       found[chunk.index]);
+                rays[chunk.index] += w.pilotRays.trace(context_, points[i], lookAt(points[i], w),
+                                                       w.samples, found[chunk.index]);
             }
         });
         for (const Calibration& part : found) calibration_.add(part);
@@ -136,15 +137,16 @@ private:
                          Workspace& workspace) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
         CacheInsight insight;
-        insight.items = lookAt(point, w);
+        insight.items = pool(point, 0, w);
         insight.openness = openness_.measure(w.pooled, point.normal);
-        for (const RegionGroup& group : w.regions.groups)
+        const Regions& regions = w.regionBuilder.build(w.pooled, point.normal, 0, calibration_);
+        for (const RegionGroup& group : regions.groups)
             insight.regions +=
                 static_cast<int>(std::count_if(group.deviation, group.deviation + kBlockCells,
                                                [](float deviation) { return deviation > 0; }));
         if (samples > 0)
             insight.expectedNoise =
-                static_cast<float>(deviationOf(w.regions) / std::sqrt(shareOf(w.regions, samples)));
+                static_cast<float>(deviationOf(regions) / std::sqrt(shareOf(regions, samples)));
         return insight;
     }
 
@@ -154,8 +156,7 @@ private:
             const auto workspace = makeWorkspace();
             auto& w = static_cast<CacheWorkspace&>(*workspace);
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                lookAt(points[i], w);
-                noise[i] = predictedNoise(w.regions);
+                noise[i] = predictedNoise(lookAt(points[i], w));
             }
         });
         return noise;
@@ -186,13 +187,10 @@ private:
         return static_cast<int>(found.size());
     }
 
-    /// Brings the regions of one point to the workspace.
-    ///
-    /// @return number of items found
-    int lookAt(const ShadingPoint& point, CacheWorkspace& w) const {
-        const int found = pool(point, 0, w);
-        regionBuilder_.build(w.pooled, point.normal, 0, calibration_, w.regions);
-        return found;
+    /// The regions of one point.
+    const Regions& lookAt(const ShadingPoint& point, CacheWorkspace& w) const {
+        pool(point, 0, w);
+        return w.regionBuilder.build(w.pooled, point.normal, 0, calibration_);
     }
 
     /// The irradiance without any ray. What moves hides other things from each pixel; without it
@@ -216,28 +214,34 @@ private:
             pooled.addOccluderCone(point.normal, static_cast<float>(kPi));
     }
 
-    /// All that is decided of a cluster before any ray: its regions, the plan, its samples; and
-    /// what the cache predicts of its points.
-    std::span<const ClusterSample> prepare(const PointBatch& batch, const PointCluster& cluster,
-                                           CacheWorkspace& w, std::span<Estimate> estimates) const {
+    /// All that is decided of a cluster before any ray; valid until the next one is prepared.
+    struct Prepared {
+        const Regions& regions;
+        const SamplingPlan& plan;
+        std::span<const ClusterSample> samples;
+    };
+
+    /// Prepares a cluster; what the cache predicts of its points goes to their estimates.
+    Prepared prepare(const PointBatch& batch, const PointCluster& cluster, CacheWorkspace& w,
+                     NeighborReuse::Batch& reuse, std::span<Estimate> estimates) const {
         const ShadingPoint& centre = batch.points[cluster.centre];
         pool(centre, cluster.radius, w);
-        regionBuilder_.build(w.pooled, centre.normal, cluster.tilt, calibration_, w.regions);
-        const double share = shareOf(w.regions, batch.samples);
-        planSampling(w.regions, kJudgedSamples * share / batch.samples,
-                     {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform}, w.plan);
+        const Regions& regions =
+            w.regionBuilder.build(w.pooled, centre.normal, cluster.tilt, calibration_);
+        const double share = shareOf(regions, batch.samples);
+        const SamplingPlan& plan =
+            w.planner.plan(regions, kJudgedSamples * share / batch.samples,
+                           {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform});
+        const ControlVariate predicted(context_.environment, regions, plan);
         const auto members = w.clusters.order().subspan(cluster.begin, cluster.end - cluster.begin);
-        const ControlVariate predicted(context_.environment, w.regions, w.plan);
-        sharePoints(members.size(), share,
-                    toUnit(hashWords(batch.points[members.front()].seed, 82,
-                                     batch.points[members.front()].cameraRay)),
-                    w.shares);
-        w.reuse.addCluster(w.regions, w.plan);
-        for (std::size_t i = 0; i < members.size(); ++i) {
-            estimates[members[i]].irradiance = predicted.integral(batch.points[members[i]].normal);
-            w.reuse.setSamples(members[i], w.shares[i].expected);
-        }
-        return w.sampler.draw(batch, members, w.shares, w.regions, w.plan, context_.sequence);
+        for (const std::uint32_t point : members)
+            estimates[point].irradiance = predicted.integral(batch.points[point].normal);
+        const ShadingPoint& first = batch.points[members.front()];
+        const std::span<const PointShare> shares = sharePoints(
+            members.size(), share, toUnit(hashWords(first.seed, 82, first.cameraRay)), w.shares);
+        reuse.addCluster(regions, plan, members, shares);
+        return {regions, plan,
+                w.sampler.draw(batch, members, shares, regions, plan, context_.sequence)};
     }
 };
 

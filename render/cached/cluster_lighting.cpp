@@ -4,7 +4,7 @@ namespace shadowcache {
 
 void ClusterLighting::trace(const EstimatorContext& context, const PointBatch& batch,
                             const Regions& regions, const SamplingPlan& plan,
-                            std::span<const ClusterSample> samples, NeighborReuse& reuse,
+                            std::span<const ClusterSample> samples, NeighborReuse::Batch& reuse,
                             std::span<Estimate> estimates) {
     const Environment& environment = context.environment;
     partners_.resize(std::max(partners_.size(), batch.points.size()));
@@ -51,7 +51,7 @@ void ClusterLighting::trace(const EstimatorContext& context, const PointBatch& b
     }
 }
 
-void ClusterLighting::flush(const EstimatorContext& context, NeighborReuse& reuse,
+void ClusterLighting::flush(const EstimatorContext& context, NeighborReuse::Batch& reuse,
                             std::span<Estimate> estimates) {
     const std::uint32_t visible = context.scene.visibility(packet_, queued_);
     for (int k = 0; k < queued_; ++k) {

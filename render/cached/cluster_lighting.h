@@ -15,7 +15,7 @@ public:
     /// mispredictions to `reuse`.
     void trace(const EstimatorContext& context, const PointBatch& batch, const Regions& regions,
                const SamplingPlan& plan, std::span<const ClusterSample> samples,
-               NeighborReuse& reuse, std::span<Estimate> estimates);
+               NeighborReuse::Batch& reuse, std::span<Estimate> estimates);
 
 private:
     /// What a ray that is still to be traced brings.
@@ -32,7 +32,7 @@ private:
         bool paired = false;  ///< it had one before
     };
 
-    void flush(const EstimatorContext& context, NeighborReuse& reuse,
+    void flush(const EstimatorContext& context, NeighborReuse::Batch& reuse,
                std::span<Estimate> estimates);
     void addValue(const Environment& environment, std::uint32_t point, const Rgb& value,
                   std::span<Estimate> estimates);

@@ -13,14 +13,16 @@ constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
 }  // namespace
 
-void sharePoints(std::size_t points, double share, double offset, std::vector<PointShare>& out) {
-    out.clear();
+std::span<const PointShare> sharePoints(std::size_t points, double share, double offset,
+                                        std::vector<PointShare>& buffer) {
+    buffer.clear();
     double before = std::floor(offset);
     for (std::size_t i = 0; i < points; ++i) {
         const double after = std::floor(static_cast<double>(i + 1) * share + offset);
         const auto count = static_cast<int>(after - std::exchange(before, after));
-        out.push_back({count, share < 1 ? share : count});
+        buffer.push_back({count, share < 1 ? share : count});
     }
+    return buffer;
 }
 
 std::span<const ClusterSample> ClusterSampler::draw(const PointBatch& batch,

@@ -34,8 +34,9 @@ struct PointShare {
 /// Shares of `points` points of a cluster, on average `share` (> 0, perhaps below 1) samples each.
 ///
 /// @param offset  in [0, 1), by chance: which points get one more
-/// @param out     reused from call to call
-void sharePoints(std::size_t points, double share, double offset, std::vector<PointShare>& out);
+/// @return reused memory of `buffer`
+std::span<const PointShare> sharePoints(std::size_t points, double share, double offset,
+                                        std::vector<PointShare>& buffer);
 
 /// Draws the samples of a cluster in proportion to the plan's weights and, in a region, to the
 /// light. All points draw from one sequence, one after the other, so that the samples of a point,

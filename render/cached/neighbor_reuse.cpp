@@ -33,7 +33,7 @@ NeighborReuse::NeighborReuse(const Environment& environment, const DirectionTier
     sizeBatch_.resize(cellCount(Environment::kLevel));
 }
 
-void NeighborReuse::begin(const PointBatch& batch, const PointClusters& clusters) {
+NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointClusters& clusters) {
     batch_ = batch;
     clusters_ = &clusters;
     count_ = 0;
@@ -53,18 +53,31 @@ void NeighborReuse::begin(const PointBatch& batch, const PointClusters& clusters
         pointAt_[std::size_t{point.cameraRay - batch.firstRay} * batch.pixels + point.pixel] =
             static_cast<std::int32_t>(i);
     }
+    return Batch(*this);
 }
 
-void NeighborReuse::addCluster(const Regions& regions, const SamplingPlan& plan) {
-    if (offers_.size() == count_) {
-        offers_.emplace_back();
-        offers_.back().slots.assign(firstSlot_.back(), -1);
+void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan& plan,
+                                      std::span<const std::uint32_t> members,
+                                      std::span<const PointShare> shares) {
+    NeighborReuse& r = reuse_;
+    if (r.offers_.size() == r.count_) {
+        r.offers_.emplace_back();
+        r.offers_.back().slots.assign(r.firstSlot_.back(), -1);
     }
-    ClusterOffers& cluster = offers_[count_++];
+    ClusterOffers& cluster = r.offers_[r.count_++];
+    r.addOffers(regions, plan, cluster);
+    cluster.samples = 0;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+        r.samples_[members[i]] = shares[i].expected;
+        cluster.samples += shares[i].expected;
+    }
+}
+
+void NeighborReuse::addOffers(const Regions& regions, const SamplingPlan& plan,
+                              ClusterOffers& cluster) const {
     for (const std::uint16_t slot : cluster.used) cluster.slots[slot] = -1;
     cluster.used.clear();
     cluster.offers.clear();
-    cluster.samples = 0;
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         const PlannedGroup& planned = plan.groups[g];
         if (!planned.anyReuse) continue;
@@ -82,19 +95,15 @@ void NeighborReuse::addCluster(const Regions& regions, const SamplingPlan& plan)
     }
 }
 
-void NeighborReuse::setSamples(std::uint32_t point, double samples) {
-    samples_[point] = samples;
-    offers_[clusterOf_[point]].samples += samples;
-}
-
-void NeighborReuse::run(const Scene& scene, std::span<Estimate> estimates) {
-    offered_.resize(count_);
-    offeredNumber_.resize(std::max(offeredNumber_.size(), count_), 0);
-    for (const Misprediction& found : found_) {
-        ++foundNumber_;
-        findCandidates(found);
-        keepMispredicted(found, scene, estimates);
-        contribute(found, estimates);
+void NeighborReuse::Batch::finish(const Scene& scene, std::span<Estimate> estimates) && {
+    NeighborReuse& r = reuse_;
+    r.offered_.resize(r.count_);
+    r.offeredNumber_.resize(std::max(r.offeredNumber_.size(), r.count_), 0);
+    for (const Misprediction& found : r.found_) {
+        ++r.foundNumber_;
+        r.findCandidates(found);
+        r.keepMispredicted(found, scene, estimates);
+        r.contribute(found, estimates);
     }
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/trace/scene.h"
+#include "render/cached/cluster_sampler.h"
 #include "render/cached/point_clusters.h"
-#include "render/cached/sampling_plan.h"
 
 namespace shadowcache {
 
@@ -31,18 +31,27 @@ class NeighborReuse {
 public:
     NeighborReuse(const Environment& environment, const DirectionTiers& tiers);
 
-    /// Begins a batch. It, its clusters, and the order of their points are read until run() is
-    /// done.
-    void begin(const PointBatch& batch, const PointClusters& clusters);
+    /// A batch under way: clusters are planned and sampled, then all mispredictions are reused,
+    /// once.
+    class Batch {
+    public:
+        /// The next cluster: its regions whose mispredictions are reused, and the samples that its
+        /// points have or are expected to have.
+        void addCluster(const Regions& regions, const SamplingPlan& plan,
+                        std::span<const std::uint32_t> members, std::span<const PointShare> shares);
+        void add(const Misprediction& found) { reuse_.found_.push_back(found); }
+        /// Adds to the points' estimates what all mispredictions contribute, the finders' share
+        /// too.
+        void finish(const Scene& scene, std::span<Estimate> estimates) &&;
 
-    /// The regions of the next cluster whose mispredictions are reused.
-    void addCluster(const Regions& regions, const SamplingPlan& plan);
-    /// Samples that a point of it has, or is expected to have.
-    void setSamples(std::uint32_t point, double samples);
-    void add(const Misprediction& found) { found_.push_back(found); }
+    private:
+        friend class NeighborReuse;
+        explicit Batch(NeighborReuse& reuse) : reuse_(reuse) {}
+        NeighborReuse& reuse_;
+    };
 
-    /// Adds to the points' estimates what all mispredictions contribute, the finders' share too.
-    void run(const Scene& scene, std::span<Estimate> estimates);
+    /// @param batch, clusters  are read until the batch is finished
+    Batch begin(const PointBatch& batch, const PointClusters& clusters);
 
 private:
     /// Of sixteen regions: samples there for each of a point, negative where the sky is predicted,
@@ -70,6 +79,7 @@ private:
         bool visible;    ///< what would contradict its prediction
     };
 
+    void addOffers(const Regions& regions, const SamplingPlan& plan, ClusterOffers& cluster) const;
     Offered offered(const ClusterOffers& cluster, const Misprediction& found) const;
     std::uint32_t groupSize(const Misprediction& found);
     void findCandidates(const Misprediction& found);

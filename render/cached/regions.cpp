@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/base/tuned.h"
 #include "common/predict/cell_light.h"
@@ -102,10 +103,11 @@ void tiltLight(const CellMoments& m, const Vec3f& n, float tilt, const Splits& s
 
 }  // namespace
 
-void RegionBuilder::build(const PooledVisibility& pooled, const Vec3f& normal, float tilt,
-                          const Calibration& calibration, Regions& out) const {
-    out.groups.clear();
-    out.lightSum = out.deviationSum = out.predictedLuminance = out.surelyVisible = 0;
+const Regions& RegionBuilder::build(const PooledVisibility& pooled, const Vec3f& normal, float tilt,
+                                    const Calibration& calibration) {
+    std::vector<RegionGroup> groups = std::move(regions_.groups);
+    groups.clear();
+    regions_ = {std::move(groups)};
     float visible = 0, counted = 0;
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
         for (int i = 0; i < kBlockCells; ++i) {
@@ -115,11 +117,12 @@ void RegionBuilder::build(const PooledVisibility& pooled, const Vec3f& normal, f
     const Parent sphere{0, (visible + 0.5f) / (counted + 1)};
     const Task task{pooled, calibration, normal, tilt};
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
-        addBlock(task, 0, b, &pooled.base(b), sphere, out);
+        addBlock(task, 0, b, &pooled.base(b), sphere);
+    return regions_;
 }
 
 void RegionBuilder::addBlock(const Task& task, int tier, std::uint32_t block,
-                             const PooledBlock* counts, const Parent& parent, Regions& out) const {
+                             const PooledBlock* counts, const Parent& parent) {
     const int level = tiers_.baseLevel() + 2 * tier;
     const CellMoments& m = environment_.cells(level, block);
     CellLight sky;
@@ -134,7 +137,7 @@ void RegionBuilder::addBlock(const Task& task, int tier, std::uint32_t block,
     for (int i = 0; i < kBlockCells; ++i) cosine[i] = sky.light[i];
     if (task.tilt > 0) tiltLight(m, task.normal, task.tilt, split, sky);
 
-    RegionGroup& group = out.groups.emplace_back();
+    RegionGroup& group = regions_.groups.emplace_back();
     group.firstCell = block * kBlockCells;
     group.level = level;
     alignas(64) float correction[kBlockCells], predicted[kBlockCells], sure[kBlockCells];
@@ -159,17 +162,16 @@ void RegionBuilder::addBlock(const Task& task, int tier, std::uint32_t block,
     const float sum = sumOf(group.deviation);
     if (sum > 0) {
         fitCosines(m, task.normal, group);
-        out.deviationSum += static_cast<double>(sum);
-        out.lightSum += static_cast<double>(sumOf(group.light));
-        out.predictedLuminance += static_cast<double>(sumOf(predicted));
-        out.surelyVisible += static_cast<double>(sumOf(sure));
+        regions_.deviationSum += static_cast<double>(sum);
+        regions_.lightSum += static_cast<double>(sumOf(group.light));
+        regions_.predictedLuminance += static_cast<double>(sumOf(predicted));
+        regions_.surelyVisible += static_cast<double>(sumOf(sure));
     } else {
-        out.groups.pop_back();
+        regions_.groups.pop_back();
     }
     split.forEach([&](int i) {
         const std::uint32_t cell = block * kBlockCells + static_cast<std::uint32_t>(i);
-        addBlock(task, tier + 1, cell, task.pooled.children(tier, cell), {v.c[i], v.posterior[i]},
-                 out);
+        addBlock(task, tier + 1, cell, task.pooled.children(tier, cell), {v.c[i], v.posterior[i]});
     });
 }
 

@@ -11,8 +11,6 @@
 
 namespace shadowcache {
 
-struct CellVisibility;
-
 /// Sixteen consecutive cells of one level as regions to draw samples from. Cells that are no
 /// regions (below the horizon of every point, dark, or split further) have no deviation.
 struct alignas(64) RegionGroup {
@@ -46,11 +44,11 @@ struct Regions {
     double surelyVisible = 0;       ///< light of the regions that are almost surely visible
 };
 
-/// The greatest visibility of a misprediction to be reused: a region of more counts as visible
-/// until a ray says otherwise.
+/// A region of more predicted visibility counts as visible until a ray says otherwise. High,
+/// because noise in a dark place that was predicted bright is seen, and the reverse is not.
 inline SHADOWCACHE_TUNED(float, kMostlyVisible, 0.75f);
 
-/// Makes regions of pooled counts.
+/// Makes regions of pooled counts. Its buffers are used again from call to call.
 class RegionBuilder {
 public:
     RegionBuilder(const Environment& environment, const DirectionTiers& tiers)
@@ -59,9 +57,9 @@ public:
     /// Regions for points whose normals are within the angle of sine `tilt` of `normal`: every
     /// direction above the horizon of one of them lies in a region.
     ///
-    /// @param out  reused from call to call
-    void build(const PooledVisibility& pooled, const Vec3f& normal, float tilt,
-               const Calibration& calibration, Regions& out) const;
+    /// @return valid until the next call
+    const Regions& build(const PooledVisibility& pooled, const Vec3f& normal, float tilt,
+                         const Calibration& calibration);
 
 private:
     struct Task;
@@ -71,11 +69,12 @@ private:
         float posterior;
     };
     void addBlock(const Task& task, int tier, std::uint32_t block, const PooledBlock* counts,
-                  const Parent& parent, Regions& out) const;
+                  const Parent& parent);
 
     const Environment& environment_;
     DirectionTiers tiers_;
     CellSplitter splitter_;
+    Regions regions_;
 };
 
 }  // namespace shadowcache

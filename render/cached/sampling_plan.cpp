@@ -28,11 +28,11 @@ double deviationOf(const Regions& regions) {
     return (1 + kDefensiveShare) * regions.deviationSum;
 }
 
-void planSampling(const Regions& regions, double samples, const Brightness& brightness,
-                  SamplingPlan& out) {
-    out.groups.resize(regions.groups.size());
-    out.weightSum = 0;
-    if (!(regions.lightSum > 0)) return;
+const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples,
+                                          const Brightness& brightness) {
+    plan_.groups.resize(regions.groups.size());
+    plan_.weightSum = 0;
+    if (!(regions.lightSum > 0)) return plan_;
     const auto defence =
         static_cast<float>(kDefensiveShare * regions.deviationSum / regions.lightSum);
     const double unsure = std::max(0.0, regions.predictedLuminance - regions.surelyVisible);
@@ -42,7 +42,7 @@ void planSampling(const Regions& regions, double samples, const Brightness& brig
     const auto least = static_cast<float>(kHeavy * bright * samples / deviationOf(regions));
     for (std::size_t g = 0; g < regions.groups.size(); ++g) {
         const RegionGroup& from = regions.groups[g];
-        PlannedGroup& to = out.groups[g];
+        PlannedGroup& to = plan_.groups[g];
         alignas(64) float marked[kBlockCells];
         for (int i = 0; i < kBlockCells; ++i) {
             const float weight = from.deviation[i] + defence * from.light[i];
@@ -57,8 +57,9 @@ void planSampling(const Regions& regions, double samples, const Brightness& brig
         to.anyReuse = maximumOf(marked) > 0;
         to.weightSum = 0;
         for (int i = 0; i < kBlockCells; ++i) to.weightSum += static_cast<double>(to.weight[i]);
-        out.weightSum += to.weightSum;
+        plan_.weightSum += to.weightSum;
     }
+    return plan_;
 }
 
 }  // namespace shadowcache

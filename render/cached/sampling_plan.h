@@ -40,8 +40,13 @@ double deviationOf(const Regions& regions);
 /// rounded to fully occluded or fully visible, and fewer samples do, since the neighbours' count as
 /// well.
 ///
-/// @param out  reused from call to call
-void planSampling(const Regions& regions, double samples, const Brightness& brightness,
-                  SamplingPlan& out);
+class SamplingPlanner {
+public:
+    /// @return valid until the next call
+    const SamplingPlan& plan(const Regions& regions, double samples, const Brightness& brightness);
+
+private:
+    SamplingPlan plan_;
+};
 
 }  // namespace shadowcache

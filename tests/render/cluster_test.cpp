@@ -40,9 +40,9 @@ protected:
         }
         members_.resize(kPoints);
         std::iota(members_.begin(), members_.end(), 0u);
-        const RegionBuilder builder(environment_, cache_.cache().header().tiers());
-        builder.build(pooled_, centre.normal, kTilt, Calibration(), regions_);
-        planSampling(regions_, 64, {0, 0.4}, plan_);
+        RegionBuilder builder(environment_, cache_.cache().header().tiers());
+        regions_ = builder.build(pooled_, centre.normal, kTilt, Calibration());
+        plan_ = SamplingPlanner().plan(regions_, 64, {0, 0.4});
     }
 
     std::span<const ClusterSample> draw(double share, std::uint64_t seed) {
@@ -209,10 +209,8 @@ TEST_F(Cluster, CoversTheHorizonsOfAllPoints) {
         return count;
     };
     EXPECT_EQ(missed(regions_), 0);
-    Regions narrow;
-    const RegionBuilder builder(environment_, pooled_.tiers());
-    builder.build(pooled_, points_[0].normal, 0, Calibration(), narrow);
-    EXPECT_GT(missed(narrow), 20);
+    RegionBuilder builder(environment_, pooled_.tiers());
+    EXPECT_GT(missed(builder.build(pooled_, points_[0].normal, 0, Calibration())), 20);
 }
 
 // The polynomial's integral for a point's own normal is the mean of what samples subtract. With its
