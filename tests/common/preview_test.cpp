@@ -84,6 +84,16 @@ double relativeDifference(const std::vector<Rgb>& found, const std::vector<Rgb>&
     return std::sqrt(off / all);
 }
 
+/// Slope of the line through the origin that fits what is found over what is wanted.
+double slopeOf(const std::vector<Rgb>& found, const std::vector<Rgb>& wanted) {
+    double product = 0, all = 0;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        product += static_cast<double>(found[i].dot(wanted[i]));
+        all += static_cast<double>(wanted[i].dot(wanted[i]));
+    }
+    return product / all;
+}
+
 TEST_P(Preview, OfOneItemIsThatOfThePoolOfIt) {
     std::vector<Rgb> one, pool, another;
     for (const Place& place : places())
@@ -115,8 +125,11 @@ TEST_P(Preview, GradientIsThatOfTheIrradiance) {
                 none.emplace_back(0.0f, 0.0f, 0.0f);
             }
         }
-    EXPECT_LT(relativeDifference(foretold, measured), 0.2);
+    EXPECT_LT(relativeDifference(foretold, measured), 0.15);
     EXPECT_GT(relativeDifference(none, measured), 0.9) << "control: no gradient";
+    EXPECT_NEAR(slopeOf(foretold, measured), 1, 0.03);
+    for (Rgb& steeper : foretold) steeper *= 1.05f;
+    EXPECT_GT(slopeOf(foretold, measured), 1.03) << "control: a gradient 5 % off";
 }
 
 TEST_P(Preview, ByItemsIsNearlyThatOfTheirPool) {

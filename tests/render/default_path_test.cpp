@@ -331,5 +331,108 @@ TEST_P(DefaultPath, TracesTheRaysAskedFor) {
     }
 }
 
+// The error that a film tells of itself, `variance`, against that of repeated films. Told from the
+// spread of camera rays, it knows nothing of how they share the strata of a cluster: about twice
+// too much.
+TEST(DefaultPathFilm, TellsItsVariance) {
+    const LitFloor floor(cacheKinds().front());
+    const auto estimator = findEstimator("cache").make(floor.context());
+    const std::vector<Film> all = films(*estimator, effort(16, 4), 60);
+    double told = 0;
+    for (const Film& film : all)
+        for (const Pixel& pixel : film.pixels) told += static_cast<double>(pixel.variance);
+    told /= kWidth * kHeight * static_cast<double>(all.size());
+    const double measured = pixelVariance(all);
+    EXPECT_GT(told, measured);
+    EXPECT_LT(told, 2.6 * measured);
+    EXPECT_GT(2 * told, 2.6 * measured) << "control";
+    EXPECT_LT(told / 3, measured) << "control";
+}
+
+// Without samples the film is what the cache predicts. Control: what an empty cache predicts.
+TEST(DefaultPathFilm, WithoutSamplesIsNearTheTruth) {
+    const auto worst = [](const CacheKind& kind) {
+        const LitFloor floor(kind);
+        const auto estimator = findEstimator("cache").make(floor.context());
+        const std::vector<Film> film = films(*estimator, effort(1, 0), 1);
+        double most = 0;
+        for (int strip = 0; strip < kStrips; ++strip) {
+            const double truth = static_cast<double>(floor.truth(strip, 1).y);
+            most = std::max(most, std::abs(meansOf(film, strip).mean(1) / truth - 1));
+        }
+        return most;
+    };
+    EXPECT_LT(worst(cacheKinds()[0]), 0.01);
+    EXPECT_GT(worst(cacheKinds()[1]), 0.5);
+}
+
+// Frames have noise of their own: their errors are not those of the frame before.
+TEST(DefaultPathFilm, FramesAreIndependent) {
+    const LitFloor floor(cacheKinds().front());
+    const auto estimator = findEstimator("cache").make(floor.context());
+    RenderStats stats;
+    std::vector<Film> frames;
+    for (int number = 1; number <= 24; ++number)
+        frames.push_back(render({*estimator, View::camera(), number, effort(1, 4)}, stats));
+    const auto value = [&](std::size_t frame, std::size_t pixel) {
+        return static_cast<double>(frames[frame].pixels[pixel].irradiance.y);
+    };
+    double same = 0, next = 0;
+    for (std::size_t p = 0; p < frames[0].pixels.size(); ++p) {
+        double mean = 0;
+        for (std::size_t f = 0; f < frames.size(); ++f)
+            mean += value(f, p) / static_cast<double>(frames.size());
+        for (std::size_t f = 0; f + 1 < frames.size(); ++f) {
+            same += std::pow(value(f, p) - mean, 2);
+            next += (value(f, p) - mean) * (value(f + 1, p) - mean);
+        }
+    }
+    EXPECT_GT(same, 0.0);
+    EXPECT_LT(std::abs(next), 0.2 * same);
+}
+
+/// A ball alone under a gradient: nothing hides the sky, so the irradiance is linear in the normal.
+class DefaultPathOnABall : public testing::TestWithParam<bool> {};
+
+INSTANTIATE_TEST_SUITE_P(Caches, DefaultPathOnABall, testing::Bool(), [](const auto& test) {
+    return std::string(test.param ? "AllDark" : "Honest");
+});
+
+// Points that are lit together have normals of their own. With its control: 1 % more is rejected.
+TEST_P(DefaultPathOnABall, MeetsTheClosedForm) {
+    const Vec3d slope(0.5, 0.3, -0.4);
+    TriangleMesh mesh;
+    test::addSphere(mesh, {0, 0, 0}, 1, 24);
+    const test::World world(std::move(mesh), test::gradientMap(512, 256, slope));
+    BakeResult told = world.baked;
+    if (GetParam()) cacheKinds()[1].change(told);
+    const test::TestCache cache(told);
+    EstimatorContext context = world.context();
+    context.cache = &cache.cache();
+    const auto estimator = findEstimator("cache").make(context);
+    const Camera camera = lookAt({2, 1.5, 1}, {0, 0, 0}, {0, 1, 0}, 0.5);
+    const double level = test::significance() / 5;
+    for (const auto& [cameraRays, samples] : {Effort{1, 1}, {1, 16}, {4, 4}, {16, 1}, {16, 4}}) {
+        SCOPED_TRACE(std::to_string(cameraRays) + " x " + std::to_string(samples));
+        RenderOptions options = effort(cameraRays, samples);
+        RenderStats stats;
+        options.seed = 1000;
+        runPilot({*estimator, camera, 1, options}, stats);
+        std::vector<double> ratios, more;
+        for (options.seed = 1; options.seed <= 60; ++options.seed) {
+            double found = 0, truth = 0;
+            for (const Pixel& pixel : render({*estimator, camera, 1, options}, stats).pixels) {
+                const double seen = static_cast<double>(pixel.albedo.y / options.albedo.y);
+                found += static_cast<double>(pixel.irradiance.y);
+                truth += kPi * seen + 2 * kPi / 3 * slope.dot(Vec3d(pixel.normal));
+            }
+            ratios.push_back(found / truth - 1);
+            more.push_back(found / truth - 1.01);
+        }
+        EXPECT_GT(test::meanPValue(ratios, 0), level);
+        EXPECT_LT(test::meanPValue(more, 0), level);
+    }
+}
+
 }  // namespace
 }  // namespace shadowcache
