@@ -1,9 +1,9 @@
 #include "bake/core/item_baker.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "common/base/sequence.h"
+#include "bake/core/subpatches.h"
+#include "common/base/salts.h"
 
 namespace shadowcache {
 
@@ -11,10 +11,10 @@ namespace {
 
 /// Rays into each region of the first refinement in an item that sees some sky, or whose neighbours
 /// do;
-constexpr int kProbeRays = 2;
+constexpr int kMixedItemRays = 2;
 /// and where a neighbour saw both sky and occluders in the base cell, so that a small opening may
-/// hide.
-constexpr int kSuspectRays = 6;
+/// be there.
+constexpr int kMixedCellRays = 6;
 /// A region is refined once more where the nearest occluder is this many spacings away: nearer, the
 /// parallax over one item blurs what finer regions could tell.
 constexpr float kMinOccluderSpacings = 10;
@@ -23,192 +23,210 @@ constexpr int kNearRays = 8;
 
 constexpr std::uint32_t kOctet = DirectionTable::kCells;
 
-/// Keeps the random numbers of a patch's rays apart from those of its origins.
-constexpr std::uint64_t kRayNumbers = 0x72617973;
+/// Queues rays into the sixteen cells of `level` that make up `parent`.
+void addBlock(RayCounter& rays, int level, std::uint32_t parent, int count, Count* tallies) {
+    rays.add(level, 2 * parent, 0xff, count, tallies);
+    rays.add(level, 2 * parent + 1, 0xff, count, tallies + kBlockCells / 2);
+}
+
+/// Counts of the children of a cell.
+Count* childrenOf(FineCounts& fine, std::uint32_t cell) {
+    return &fine[std::size_t{cell} * kBlockCells];
+}
+
+template <class Cells>
+Count sumOf(const Cells& cells, std::size_t first = 0) {
+    Count sum;
+    for (std::size_t k = 0; k < kBlockCells; ++k) sum += cells[first + k];
+    return sum;
+}
+
+Count sumOfChildren(const FineCounts& fine, std::uint32_t cell) {
+    return sumOf(fine, std::size_t{cell} * kBlockCells);
+}
 
 }  // namespace
 
-BaseCells::BaseCells(const DirectionTiers& tiers) {
-    for (std::uint32_t c = 0; c < tiers.baseCells(); ++c) {
-        const SphericalTriangle t = cellTriangle(tiers.baseLevel(), c);
-        const Vec3d center = cellCenter(tiers.baseLevel(), c);
-        axis.emplace_back(center);
-        const double least = std::min({center.dot(t.a), center.dot(t.b), center.dot(t.c)});
-        radius.push_back(static_cast<float>(std::acos(least)));
-    }
-}
-
-ItemBaker::ItemBaker(const Scene& scene, const DirectionTable& directions, const BaseCells& base,
-                     const BakeOptions& options, double spacing)
-    : rays_(scene, directions),
-      base_(base),
+ItemBaker::ItemBaker(const Scene& scene, const BakeOptions& options, double spacing)
+    : scene_(scene),
       options_(options),
       tiers_{options.level},
-      spacing_(static_cast<float>(spacing)),
-      baseCounts_(std::size_t{(tiers_.baseCells() + kOctet - 1) / kOctet} * kOctet),
-      fine_(tiers_.refinements() > 0 ? tiers_.baseCells() * kBlockCells : 0) {}
+      base_(tiers_),
+      spacing_(static_cast<float>(spacing)) {}
 
-void ItemBaker::findCells(const Patch& patch) {
-    const float spread = std::acos(std::clamp(patch.minAgreement, -1.0f, 1.0f));
-    cells_.clear();
+RayCounter ItemBaker::raysFrom(const Patch& patch, Step step) const {
+    return {scene_, directions_, patch,
+            hashWords(patch.seed, BakeSalt::rays, static_cast<std::uint64_t>(step))};
+}
+
+FineCounts ItemBaker::traceFine(const Patch& patch, RayCounter& rays) const {
+    FineCounts fine = noFineCounts();
+    for (const std::uint32_t c : base_.above(patch))
+        addBlock(rays, tiers_.baseLevel() + 2, c, 1, childrenOf(fine, c));
+    rays.flush();
+    return fine;
+}
+
+Pilot ItemBaker::pilotOf(const Patch& patch, const FineCounts& fine, const RayCounter& rays) const {
+    Pilot pilot;
+    pilot.normal = patch.normal;
+    pilot.position = patch.meanPosition;
+    pilot.counts.reserve(tiers_.baseCells());
     for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
-        const float angle = std::acos(std::clamp(base_.axis[c].dot(patch.normal), -1.0f, 1.0f));
-        if (angle < static_cast<float>(kPi / 2) + spread + base_.radius[c]) cells_.push_back(c);
+        const Count sum = sumOfChildren(fine, c);
+        pilot.counts.push_back(sum);
+        pilot.visible[c] = sum.visible() > 0;
+        pilot.occluded[c] = sum.visible() < sum.rays();
     }
+    pilot.rays = rays.raysTraced();
+    return pilot;
 }
 
-/// Neighbouring items are pooled, so that the finest regions need fewer rays of each.
-int ItemBaker::finestRays() const {
-    return options_.adaptive ? std::max(1, options_.rays / 4) : options_.rays;
+Pilot ItemBaker::tracePilot(const Patch& patch) const {
+    RayCounter rays = raysFrom(patch, Step::pilot);
+    const FineCounts fine = traceFine(patch, rays);
+    return pilotOf(patch, fine, rays);
 }
 
-/// Queues rays into the sixteen cells of `level` that make up `parent`.
-void ItemBaker::addBlock(int level, std::uint32_t parent, int count, Count* tallies) {
-    rays_.add(level, 2 * parent, 0xff, count, tallies);
-    rays_.add(level, 2 * parent + 1, 0xff, count, tallies + kBlockCells / 2);
-}
-
-void ItemBaker::addToFine(std::uint32_t cell, int count) {
-    addBlock(tiers_.baseLevel() + 2, cell, count, fineOf(cell));
-}
-
-Count ItemBaker::sumWithProbe(std::uint32_t cell) {
-    Count sum = baseCounts_[cell];
-    sum += sumFine(cell);
-    return sum;
-}
-
-Count ItemBaker::sumFine(std::uint32_t cell) {
-    Count sum;
-    for (int k = 0; k < kBlockCells; ++k) sum += fineOf(cell)[k];
-    return sum;
-}
-
-Probe ItemBaker::probe(const Patch& patch) {
-    rays_.start(patch, hashWords(patch.seed, kRayNumbers, 1));
-    std::fill(fine_.begin(), fine_.end(), Count{});
-    findCells(patch);
-    for (const std::uint32_t c : cells_) addToFine(c, 1);
-    rays_.flush();
-    Probe probe;
-    probe.normal = patch.normal;
-    probe.position = patch.meanPosition;
-    for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
-        const Count sum = sumFine(c);
-        probe.base.push_back(sum);
-        probe.open[c] = sum.open() > 0;
-        probe.blocked[c] = sum.open() < sum.rays();
+Subdivision ItemBaker::tracePilots(std::vector<Patch> subpatches) const {
+    Subdivision subdivision;
+    subdivision.patches = std::move(subpatches);
+    if (!subdivision.patches.empty()) subdivision.fine = noFineCounts();
+    for (const Patch& patch : subdivision.patches) {
+        RayCounter rays = raysFrom(patch, Step::pilot);
+        const FineCounts fine = traceFine(patch, rays);
+        for (std::size_t i = 0; i < fine.size(); ++i) subdivision.fine[i] += fine[i];
+        subdivision.pilots.push_back(pilotOf(patch, fine, rays));
+        subdivision.rays += rays.raysTraced();
     }
-    return probe;
+    return subdivision;
 }
 
-std::vector<Probe> ItemBaker::probeSubpatches(std::span<const Patch> subpatches) {
-    subpatchFine_.assign(fine_.size(), Count{});
-    std::vector<Probe> probes;
-    for (const Patch& subpatch : subpatches) {
-        probes.push_back(probe(subpatch));
-        for (std::size_t i = 0; i < fine_.size(); ++i) subpatchFine_[i] += fine_[i];
-    }
-    return probes;
-}
-
-void ItemBaker::finish(const Patch& patch, const Vec3i& voxel, const Probe& probe,
-                       const std::bitset<Probe::kCells>& mixed, bool countSubpatches,
-                       CacheItems& out) {
-    rays_.start(patch, hashWords(patch.seed, kRayNumbers, 2));
-    std::fill(baseCounts_.begin(), baseCounts_.end(), Count{});
-    if (countSubpatches)
-        fine_ = subpatchFine_;
-    else
-        std::fill(fine_.begin(), fine_.end(), Count{});
-    refined_.clear();
-    if (!probe.base.empty()) std::copy(probe.base.begin(), probe.base.end(), baseCounts_.begin());
-    findCells(patch);
-    if (tiers_.refinements() == 0) {
-        for (const std::uint32_t c : cells_)
-            rays_.add(tiers_.baseLevel(), c / kOctet, 1u << c % kOctet, options_.rays,
-                      &baseCounts_[c - c % kOctet]);
-    } else if (!options_.adaptive || mixed.any()) {
-        traceFine(mixed, countSubpatches ? 4 : 0);
-    }
-    rays_.flush();
-    store(patch, voxel, out);
-}
-
-/// @param sofar  rays of every cell of the first refinement, but for those below a horizon
-void ItemBaker::traceFine(const std::bitset<Probe::kCells>& mixed, int sofar) {
-    const bool adaptive = options_.adaptive;
-    const bool deeper = tiers_.refinements() > 1;
-    const auto looks = [&](std::uint32_t c) {
-        return std::max(sofar, std::min(mixed[c] ? kSuspectRays : kProbeRays, options_.rays));
+/// More rays into the cells of the first refinement, and most where base cells are mixed.
+ItemBaker::Refined ItemBaker::refineBase(const Patch& patch, const Pilot& pilot,
+                                         const CellSet& mixed, const Subdivision& subdivision,
+                                         RayCounter& rays) const {
+    const bool together = areAlikeInSize(subdivision.patches);
+    Refined first{together ? subdivision.fine : noFineCounts(), {}};
+    // Rays of every cell so far, but for those below a horizon.
+    const int sofar = together ? static_cast<int>(subdivision.patches.size()) : 0;
+    const auto wanted = [&](std::uint32_t c) {
+        return std::max(sofar, std::min(mixed[c] ? kMixedCellRays : kMixedItemRays, options_.rays));
     };
-    if (adaptive) {
-        for (const std::uint32_t c : cells_) addToFine(c, looks(c) - sofar);
-        rays_.flush();
+    const auto add = [&](std::uint32_t c, int count) {
+        addBlock(rays, tiers_.baseLevel() + 2, c, count, childrenOf(first.fine, c));
+    };
+    const std::vector<std::uint32_t> cells = base_.above(patch);
+    for (const std::uint32_t c : cells) add(c, wanted(c) - sofar);
+    rays.flush();
+    for (const std::uint32_t c : cells) {
+        Count sum = pilot.counts[c];
+        sum += sumOfChildren(first.fine, c);
+        if (sum.mixed()) first.cells.push_back(c);
     }
-    for (const std::uint32_t c : cells_) {
-        if (adaptive && !sumWithProbe(c).mixed()) continue;
-        refined_.push_back({tiers_.blockKey(0, c), c, {}});
-        if (!deeper || adaptive)
-            addToFine(c, std::max(0, options_.rays - (adaptive ? looks(c) : 0)));
-    }
-    rays_.flush();
-    if (deeper) traceFinest();
+    for (const std::uint32_t c : first.cells) add(c, std::max(0, options_.rays - wanted(c)));
+    rays.flush();
+    return first;
 }
 
-/// Finds the cells of the first refinement that deserve a second one.
-void ItemBaker::findFinest() {
-    candidates_.clear();
-    for (const Refined& r : refined_)
-        for (std::uint32_t half = 0; half < kBlockCells; half += kOctet) {
-            Candidates c{r.cell * kBlockCells + half, 0, {}};
+/// Cells of the first refinement to refine once more: mixed ones without a near occluder.
+std::vector<std::uint32_t> ItemBaker::cellsToRefine(const Refined& first, RayCounter& rays) const {
+    /// Of the cells octet * 8 .. octet * 8 + 7 those whose bit is set.
+    struct Candidates {
+        std::uint32_t octet;
+        std::uint32_t cells;
+        std::array<Count, kOctet> near;  ///< rays that met nothing near are visible
+    };
+    std::vector<Candidates> candidates;
+    for (const std::uint32_t parent : first.cells)
+        for (std::uint32_t half = 0; half < kBlockCells / kOctet; ++half) {
+            Candidates c{parent * (kBlockCells / kOctet) + half, 0, {}};
             for (std::uint32_t k = 0; k < kOctet; ++k)
-                if (!options_.adaptive || fineOf(r.cell)[half + k].mixed()) c.cells |= 1u << k;
-            if (c.cells != 0) candidates_.push_back(c);
+                if (first.fine[c.octet * kOctet + k].mixed()) c.cells |= 1u << k;
+            if (c.cells != 0) candidates.push_back(c);
         }
-    if (options_.adaptive)
-        for (Candidates& c : candidates_)
-            rays_.add(tiers_.baseLevel() + 2, c.first / kOctet, c.cells, kNearRays, c.near.data(),
-                      kMinOccluderSpacings * spacing_);
-    rays_.flush();
-    for (const Candidates& c : candidates_)
+    for (Candidates& c : candidates)
+        rays.add(tiers_.baseLevel() + 2, c.octet, c.cells, kNearRays, c.near.data(),
+                 kMinOccluderSpacings * spacing_);
+    rays.flush();
+    std::vector<std::uint32_t> cells;
+    for (const Candidates& c : candidates)
         for (std::uint32_t k = 0; k < kOctet; ++k)
-            if ((c.cells >> k & 1u) != 0 && c.near[k].open() == c.near[k].rays())
-                refined_.push_back({tiers_.blockKey(1, c.first + k), c.first + k, {}});
+            if ((c.cells >> k & 1u) != 0 && c.near[k].visible() == c.near[k].rays())
+                cells.push_back(c.octet * kOctet + k);
+    return cells;
 }
 
-void ItemBaker::traceFinest() {
-    const std::size_t coarse = refined_.size();
-    findFinest();
-    // Queued tallies stay where they are: nothing is added to refined_ from here on.
-    for (std::size_t i = coarse; i < refined_.size(); ++i)
-        addBlock(tiers_.finest, refined_[i].cell, finestRays(), refined_[i].finest.data());
-    rays_.flush();
-    if (!options_.adaptive)
-        for (std::size_t i = coarse; i < refined_.size(); ++i)
-            for (const Count& count : refined_[i].finest) fine_[refined_[i].cell] += count;
+/// Traces `count` rays into each of the sixteen finest cells in each of `cells`.
+std::vector<ItemCounts::Block> ItemBaker::traceFinest(const std::vector<std::uint32_t>& cells,
+                                                      int count, RayCounter& rays) const {
+    std::vector<ItemCounts::Block> blocks;
+    blocks.reserve(cells.size());
+    for (const std::uint32_t cell : cells) blocks.push_back({tiers_.blockKey(1, cell), {}});
+    // Queued tallies stay where they are from here on.
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        addBlock(rays, tiers_.finest, cells[i], count, blocks[i].cells.data());
+    rays.flush();
+    return blocks;
 }
 
-void ItemBaker::store(const Patch& patch, const Vec3i& voxel, CacheItems& out) {
-    out.voxel.push_back(voxel);
-    out.patch.push_back(patch.code.packed());
-    out.normal.push_back(patch.normal);
-    out.position.push_back(patch.meanPosition);
-    for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
-        const Count sum = tiers_.refinements() > 0 ? sumWithProbe(c) : baseCounts_[c];
-        out.n.push_back(0);
-        out.d.push_back(0);
-        addCounts(out.n.back(), out.d.back(), sum.open(), sum.rays());
+/// Adds the first refinement to the counts of the base cells, and lists the blocks of both.
+ItemCounts ItemBaker::countsOf(std::vector<Count> base, const Refined& first,
+                               const std::vector<ItemCounts::Block>& second,
+                               const RayCounter& rays) const {
+    ItemCounts counts{std::move(base), {}, rays.raysTraced()};
+    for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c)
+        counts.base[c] += sumOfChildren(first.fine, c);
+    counts.blocks.reserve(first.cells.size() + second.size());
+    for (const std::uint32_t c : first.cells) {
+        ItemCounts::Block block{tiers_.blockKey(0, c), {}};
+        std::copy_n(first.fine.begin() + std::ptrdiff_t{c} * kBlockCells, kBlockCells,
+                    block.cells.begin());
+        counts.blocks.push_back(block);
     }
-    for (const Refined& r : refined_) {
-        const bool first = r.key < tiers_.blockKey(1, 0);
-        const Count* counts = first ? fineOf(r.cell) : r.finest.data();
-        CountBlock block{r.key, {}, {}};
-        for (std::size_t k = 0; k < kBlockCells; ++k)
-            addCounts(block.n[k], block.d[k], counts[k].open(), counts[k].rays());
-        out.blocks.push_back(block);
+    counts.blocks.insert(counts.blocks.end(), second.begin(), second.end());
+    return counts;
+}
+
+ItemCounts ItemBaker::refine(const Patch& patch, const Pilot& pilot, const CellSet& mixed,
+                             const Subdivision& subdivision) const {
+    if (mixed.none()) return {pilot.counts, {}, 0};
+    RayCounter rays = raysFrom(patch, Step::counts);
+    const Refined first = refineBase(patch, pilot, mixed, subdivision, rays);
+    std::vector<ItemCounts::Block> second;
+    // Neighbouring items are pooled, so that the finest regions need fewer rays of each.
+    if (tiers_.refinements() > 1)
+        second = traceFinest(cellsToRefine(first, rays), std::max(1, options_.rays / 4), rays);
+    return countsOf(pilot.counts, first, second, rays);
+}
+
+ItemCounts ItemBaker::countUniformly(const Patch& patch) const {
+    RayCounter rays = raysFrom(patch, Step::counts);
+    const std::vector<std::uint32_t> cells = base_.above(patch);
+    // Rays are counted by whole octets.
+    std::vector<Count> base((tiers_.baseCells() + kOctet - 1) / kOctet * kOctet);
+    if (tiers_.refinements() == 0) {
+        for (const std::uint32_t c : cells)
+            rays.add(tiers_.baseLevel(), c / kOctet, 1u << c % kOctet, options_.rays,
+                     &base[c - c % kOctet]);
+        rays.flush();
+        base.resize(tiers_.baseCells());
+        return {std::move(base), {}, rays.raysTraced()};
     }
-    out.firstBlock.push_back(static_cast<std::uint32_t>(out.blocks.size()));
+    base.resize(tiers_.baseCells());
+    Refined all{noFineCounts(), cells};
+    if (tiers_.refinements() == 1) {
+        for (const std::uint32_t c : cells)
+            addBlock(rays, tiers_.finest, c, options_.rays, childrenOf(all.fine, c));
+        rays.flush();
+        return countsOf(std::move(base), all, {}, rays);
+    }
+    std::vector<std::uint32_t> fineCells;
+    for (const std::uint32_t c : cells)
+        for (std::uint32_t k = 0; k < kBlockCells; ++k) fineCells.push_back(c * kBlockCells + k);
+    const std::vector<ItemCounts::Block> second = traceFinest(fineCells, options_.rays, rays);
+    for (std::size_t i = 0; i < second.size(); ++i) all.fine[fineCells[i]] = sumOf(second[i].cells);
+    return countsOf(std::move(base), all, second, rays);
 }
 
 }  // namespace shadowcache

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bake/core/depth_layers.h"
-#include "common/base/sequence.h"
+#include "common/base/salts.h"
 #include "common/cache/cache_items.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -12,8 +12,8 @@ namespace shadowcache {
 
 namespace {
 
-/// A patch may be cut if it is one sheet, seen from its side, not a heap of leaves: its area as a
-/// share of its box's, least and most (a triangle may be there twice),
+/// A patch may be subdivided if it is one surface, seen from its side, not a heap of leaves: its
+/// area as a share of its box's, least and most (a triangle may be there twice),
 constexpr double kLeastArea = 0.3, kMostArea = 2.2;
 /// and the length of its normals' mean, by area.
 constexpr double kLeastAgreement = 0.97;
@@ -21,9 +21,6 @@ constexpr double kLeastAgreement = 0.97;
 /// Least area of a subpatch, as a share of its box's: less is a sliver on the rim of a surface,
 /// which is not like the rest of it.
 constexpr double kLeastSubpatch = 0.05;
-
-/// Keeps the seeds of patches apart from the random numbers of origins and rays.
-constexpr std::uint64_t kPatchNumbers = 0x7061746368;
 
 /// Uniform point in a convex polygon.
 Vec3d samplePolygon(const Polygon& polygon, double u, double v) {
@@ -50,7 +47,7 @@ Patch makePatch(const Scene& scene, const Vec3d& voxelCenter, double spacing,
                 std::uint64_t seed) {
     Patch patch;
     patch.code = code;
-    patch.seed = hashWords(seed, kPatchNumbers, static_cast<std::uint64_t>(code.packed()));
+    patch.seed = hashWords(seed, BakeSalt::patch, static_cast<std::uint64_t>(code.packed()));
     patch.box = box;
     patch.pieces = std::move(pieces);
     double total = 0;
@@ -73,9 +70,10 @@ Patch makePatch(const Scene& scene, const Vec3d& voxelCenter, double spacing,
             polygon = clipToBox(scene.mesh(), piece.triangle, box);
             polygonOf = at;
         }
-        const Vec3d p = polygon.count >= 3 ? samplePolygon(polygon, toUnit(hashWords(h, 1)),
-                                                           toUnit(hashWords(h, 2)))
-                                           : box.center;
+        const Vec3d p = polygon.count >= 3
+                            ? samplePolygon(polygon, toUnit(hashWords(h, BakeSalt::originU)),
+                                            toUnit(hashWords(h, BakeSalt::originV)))
+                            : box.center;
         const auto k = static_cast<std::size_t>(i);
         patch.originNormal[k] = piece.normal;
         patch.origin[k] = scene.rayOrigin(Vec3f(p), piece.triangle, piece.normal);
@@ -90,9 +88,9 @@ Patch makePatch(const Scene& scene, const Vec3d& voxelCenter, double spacing,
 }
 
 bool maySubdivide(const Patch& patch, double spacing) {
-    const int cuts = subdivisionsOf(patch.code.subpatch);
-    if (cuts == kMaxSubdivisions) return false;
-    const double width = spacing / (1 << cuts);
+    const int level = subdivisionsOf(patch.code.subpatch);
+    if (level == kMaxSubdivisions) return false;
+    const double width = spacing / (1 << level);
     double area = 0;
     Vec3d sum(0, 0, 0);
     for (const Piece& piece : patch.pieces) {

@@ -13,13 +13,13 @@
 namespace shadowcache {
 
 /// Where the rays of one item start: many points spread evenly over one side of the surface in a
-/// voxel, or over one layer of it, or a part of that.
+/// voxel, over one depth layer of it, or over a subpatch.
 struct Patch {
     static constexpr int kOrigins = 64;
 
     PatchCode code;
     std::uint64_t seed = 0;              ///< of its origins and rays
-    Box box;                             ///< the voxel, or the part of it that holds the patch
+    Box box;                             ///< the voxel, or the subpatch's box in it
     float area = 0;                      ///< of the surface in it
     std::vector<Piece> pieces;           ///< what of the surface lies in it
     Vec3f normal;                        ///< unit mean normal, by area
@@ -29,8 +29,8 @@ struct Patch {
     std::array<Vec3f, kOrigins> originNormal;  ///< unit, to the patch's side
 };
 
-/// The patches of a voxel's sides and their layers, in the order of their codes. `fragments` are
-/// those of one voxel.
+/// The patches of a voxel's sides and their depth layers, in the order of their codes. `fragments`
+/// are those of one voxel.
 ///
 /// @param seed decides where on the surface the origins lie
 std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/base/sequence.h"
+#include "common/base/hash.h"
 
 namespace shadowcache {
 
@@ -42,13 +42,9 @@ DirectionTable::DirectionTable() {
     }
 }
 
-RayCounter::RayCounter(const Scene& scene, const DirectionTable& directions)
-    : scene_(scene), directions_(directions) {}
-
-void RayCounter::start(const Patch& patch, std::uint64_t seed) {
-    patch_ = &patch;
-    state_ = seed;
-}
+RayCounter::RayCounter(const Scene& scene, const DirectionTable& directions, const Patch& patch,
+                       std::uint64_t seed)
+    : scene_(scene), directions_(directions), patch_(patch), state_(seed) {}
 
 void RayCounter::add(int level, std::uint32_t octet, std::uint32_t cells, int count, Count* tallies,
                      float reach) {
@@ -78,7 +74,7 @@ void RayCounter::addOne(const DirectionTable::Octet& octet, std::uint32_t cells,
         for (std::uint32_t k = 0; k < kCells; ++k)
             direction[axis][k] = octet.corner[axis][k] + octet.side1[axis][k] * point.along1 +
                                  octet.side2[axis][k] * point.along2;
-    const Vec3f normal = patch_->originNormal[start];
+    const Vec3f normal = patch_.originNormal[start];
     alignas(32) std::uint32_t bit[kCells];
     for (std::uint32_t k = 0; k < kCells; ++k) {
         const float cosine =
@@ -89,10 +85,10 @@ void RayCounter::addOne(const DirectionTable::Octet& octet, std::uint32_t cells,
         for (std::uint32_t k = 0; k < half; ++k) bit[k] |= bit[k + half];
 
     queue_[queued_] = {tallies, rays_, cells & bit[0]};
-    append(direction, patch_->origin[start], reach);
+    append(direction, patch_.origin[start], reach);
 }
 
-/// Puts the rays that the last entry of the queue speaks of into the stream.
+/// Appends the rays of the last entry of the queue to the stream.
 inline void RayCounter::append(const float (&direction)[3][kCells], const Vec3f& origin,
                                float reach) {
     const std::uint32_t cells = queue_[queued_].cells;
@@ -120,12 +116,14 @@ void RayCounter::flush() {
         const float* reach = stream_.reach + octet.first;
         if (octet.cells == kAll) {
             for (std::uint32_t k = 0; k < kCells; ++k)
-                octet.tallies[k].word += reach[k] >= 0 ? Count::kOpen + Count::kRay : Count::kRay;
+                octet.tallies[k].word +=
+                    reach[k] >= 0 ? Count::kVisible + Count::kRay : Count::kRay;
             continue;
         }
         for (std::uint32_t k = 0; k < kCells; ++k)
             if ((octet.cells >> k & 1u) != 0)
-                octet.tallies[k].word += *reach++ >= 0 ? Count::kOpen + Count::kRay : Count::kRay;
+                octet.tallies[k].word +=
+                    *reach++ >= 0 ? Count::kVisible + Count::kRay : Count::kRay;
     }
     traced_ += rays_;
     rays_ = 0;

@@ -43,30 +43,28 @@ private:
 
 /// Rays counted in one region, both numbers (< 2^16) in one word, so that eight add as one vector.
 struct Count {
-    static constexpr std::uint32_t kRay = 1, kOpen = 1u << 16;
+    static constexpr std::uint32_t kRay = 1, kVisible = 1u << 16;
 
     std::uint32_t word = 0;
 
-    std::uint32_t rays() const { return word % kOpen; }
-    std::uint32_t open() const { return word / kOpen; }
-    bool mixed() const { return open() > 0 && open() < rays(); }
+    std::uint32_t rays() const { return word % kVisible; }
+    std::uint32_t visible() const { return word / kVisible; }
+    bool mixed() const { return visible() > 0 && visible() < rays(); }
     Count& operator+=(const Count& more) {
         word += more.word;
         return *this;
     }
 };
 
-/// Traces the rays of one patch after another in streams and counts them by
-/// region.
+/// Traces rays that start on one patch in streams and counts them by region.
 class RayCounter {
 public:
-    RayCounter(const Scene& scene, const DirectionTable& directions);
-
-    /// Rays start on `patch` from now on, drawn by `seed`. Nothing may be queued.
-    void start(const Patch& patch, std::uint64_t seed);
+    /// Keeps references to its arguments. `seed` decides the rays' directions and origins.
+    RayCounter(const Scene& scene, const DirectionTable& directions, const Patch& patch,
+               std::uint64_t seed);
 
     /// Queues `count` rays into each of the cells 8 octet + k of `level` for which bit k of `cells`
-    /// is set. Those into a cell are tallied in tallies[k] once flush() returns, as open when they
+    /// is set. Those into a cell are tallied in tallies[k] once flush() returns, as visible if they
     /// meet nothing nearer than `reach`. Rays below the horizon of the point they start from are
     /// left out.
     void add(int level, std::uint32_t octet, std::uint32_t cells, int count, Count* tallies,
@@ -94,8 +92,8 @@ private:
 
     const Scene& scene_;
     const DirectionTable& directions_;
-    const Patch* patch_ = nullptr;
-    std::uint64_t state_ = 0;
+    const Patch& patch_;
+    std::uint64_t state_;
     std::uint64_t traced_ = 0;
     RayStream stream_;
     std::uint32_t rays_ = 0;  ///< in the stream

@@ -20,38 +20,39 @@ constexpr float kAlike = 0.7f;
 
 }  // namespace
 
-bool seeDifferentSky(std::span<const Patch> subpatches, std::span<const Probe> probes,
-                     const BaseCells& base) {
-    if (probes.size() < 2) return false;
+bool seeDifferentSky(const Subdivision& subdivision, const BaseCells& base) {
+    const std::vector<Patch>& subpatches = subdivision.patches;
+    const std::vector<Pilot>& pilots = subdivision.pilots;
+    if (pilots.size() < 2) return false;
     Vec3f normal(0, 0, 0);
-    for (const Probe& q : probes) normal += q.normal;
+    for (const Pilot& q : pilots) normal += q.normal;
     normal.normalize();
-    // Under a constant sky, which stands for all that may come.
-    std::vector<float> light(probes.size(), 0);
+    // Irradiance under a constant sky, which stands for any environment.
+    std::vector<float> light(pilots.size(), 0);
     float all = 0, rays = 0;
     for (std::size_t c = 0; c < base.axis.size(); ++c) {
         const float cosine = normal.dot(base.axis[c]);
-        const auto counted = [c](const Probe& q) { return q.base[c].rays() > 0; };
-        if (cosine <= 0 || !std::all_of(probes.begin(), probes.end(), counted)) continue;
-        for (std::size_t k = 0; k < probes.size(); ++k) {
-            const Count& count = probes[k].base[c];
+        const auto counted = [c](const Pilot& q) { return q.counts[c].rays() > 0; };
+        if (cosine <= 0 || !std::all_of(pilots.begin(), pilots.end(), counted)) continue;
+        for (std::size_t k = 0; k < pilots.size(); ++k) {
+            const Count& count = pilots[k].counts[c];
             light[k] +=
-                cosine * static_cast<float>(count.open()) / static_cast<float>(count.rays());
+                cosine * static_cast<float>(count.visible()) / static_cast<float>(count.rays());
             rays += static_cast<float>(count.rays());
         }
         all += cosine;
     }
     float mean = 0, area = 0;
-    for (std::size_t k = 0; k < probes.size(); ++k) {
+    for (std::size_t k = 0; k < pilots.size(); ++k) {
         mean += light[k] * subpatches[k].area;
         area += subpatches[k].area;
     }
     mean /= area;
-    const float openness = mean / std::max(all, 1e-30f);
+    const float skyVisibility = mean / std::max(all, 1e-30f);
     const float chance =
-        kSignificance *
-        std::sqrt(openness * kRaysAlike * static_cast<float>(light.size()) / std::max(rays, 1.0f));
-    const float least = all * (kLeastChange * openness + chance);
+        kSignificance * std::sqrt(skyVisibility * kRaysAlike * static_cast<float>(light.size()) /
+                                  std::max(rays, 1.0f));
+    const float least = all * (kLeastChange * skyVisibility + chance);
     return std::any_of(light.begin(), light.end(),
                        [&](float l) { return std::abs(l - mean) > least; });
 }

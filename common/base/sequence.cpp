@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 
+#include "common/base/salts.h"
+
 namespace shadowcache {
 namespace {
 
@@ -84,7 +86,7 @@ void owenSobol(std::uint32_t first, int dimension, std::uint64_t seed,
                std::span<std::uint32_t> out) noexcept {
     assert(dimension >= 0 && dimension < kSobolDimensions);
     const auto shuffleSeed = static_cast<std::uint32_t>(hashWords(seed));
-    const std::uint64_t hash = hashWords(seed, 1 + static_cast<std::uint64_t>(dimension));
+    const std::uint64_t hash = hashWords(seed, RenderSalt::owenScramble + dimension);
     const auto scrambleSeed = static_cast<std::uint32_t>(hash);
     // The shift is a scrambling too; it makes every word uniform over the seeds whatever the hash
     // lacks.
@@ -113,14 +115,15 @@ void owenSobol(std::uint32_t first, int dimension, std::uint64_t seed,
 
 void fillSequence(Sequence sequence, int dimension, std::uint64_t seed, std::uint32_t first,
                   std::uint32_t total, std::span<std::uint32_t> out) noexcept {
-    const auto axis = static_cast<std::uint64_t>(dimension);
     if (sequence == Sequence::sobol) return owenSobol(first, dimension, seed, out);
     if (sequence == Sequence::random) {
         for (std::size_t i = 0; i < out.size(); ++i)
-            out[i] = static_cast<std::uint32_t>(hashWords(seed, axis + 16, first + i) >> 32);
+            out[i] = static_cast<std::uint32_t>(
+                hashWords(seed, RenderSalt::randomWord + dimension, first + i) >> 32);
         return;
     }
-    const auto random = static_cast<std::uint32_t>(hashWords(seed, axis + 32) >> 32);
+    const auto random =
+        static_cast<std::uint32_t>(hashWords(seed, RenderSalt::larcherWord + dimension) >> 32);
     for (std::size_t i = 0; i < out.size(); ++i) {
         const std::uint32_t point = first + static_cast<std::uint32_t>(i);
         const std::uint32_t word =

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "common/base/hash.h"
 #include "common/base/parallel.h"
-#include "common/base/sequence.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {

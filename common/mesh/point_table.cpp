@@ -3,7 +3,7 @@
 #include <bit>
 #include <limits>
 
-#include "common/base/sequence.h"
+#include "common/base/hash.h"
 
 namespace shadowcache {
 

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "common/base/error.h"
-#include "common/base/sequence.h"
+#include "common/base/hash.h"
 #include "common/image/exr.h"
 
 namespace shadowcache {
