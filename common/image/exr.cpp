@@ -21,7 +21,6 @@
 #include "common/image/exr_error.h"
 #include "common/image/exr_radiance.h"
 #include "common/image/image.h"
-#include "common/image/radiance.h"
 
 namespace shadowcache {
 

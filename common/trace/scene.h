@@ -46,8 +46,6 @@ struct RayStream {
     alignas(64) float origin[3][kSize];
     alignas(64) float direction[3][kSize];
     alignas(64) float reach[kSize];  ///< in lengths of the direction; negative once it is occluded
-
-    bool open(std::size_t i) const { return reach[i] >= 0; }
 };
 
 struct Ball {
