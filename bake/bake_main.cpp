@@ -35,7 +35,7 @@ void parseShard(const std::string& text, BakeOptions& options) {
     static const std::regex wanted(R"((\d{1,8})/(\d{1,8}))");
     std::smatch match;
     if (!std::regex_match(text, match, wanted))
-        throw Error("--shard " + text + ": wanted K/N, as in 2/8");
+        throw Error("--shard " + text + ": expected K/N, as in 2/8");
     options.shard = std::stoi(match[1]) - 1;
     options.shards = std::stoi(match[2]);
 }
@@ -43,7 +43,7 @@ void parseShard(const std::string& text, BakeOptions& options) {
 void defineSet(CLI::App& app, Job& job, std::string& up) {
     const std::string group = "Set";
     app.add_option("SET", job.files,
-                   "Files of the set: glTF, OBJ, PLY, STL, OFF or OM; several make one set")
+                   "Geometry files (glTF, OBJ, PLY, STL, OFF, OM); several files form one set")
         ->required()
         ->take_all();
     app.add_option("--up", up, "Up axis of the files: y or z")
@@ -58,25 +58,27 @@ void defineSet(CLI::App& app, Job& job, std::string& up) {
 void defineBake(CLI::App& app, Job& job, std::string& shard, bool& uniform) {
     const std::string group = "Bake";
     app.add_option("--spacing", job.bake.spacing,
-                   "Side of a voxel in metres; smaller is sharper, and costs the inverse square "
-                   "[from the set's size]")
+                   "Voxel size in metres; smaller is sharper, at a cost of the inverse square "
+                   "[chosen from the set's size]")
         ->group(group);
     app.add_option("--level", job.bake.level,
                    "Finest direction level, 0 to 5: 20 * 4^level regions over the sphere")
         ->capture_default_str()
         ->group(group);
-    app.add_option("--rays", job.bake.rays, "Rays per region where rays disagree, 1 to 255")
+    app.add_option("--rays", job.bake.rays, "Rays per region of mixed visibility, 1 to 255")
         ->capture_default_str()
         ->group(group);
     // No negated flag: CLI11 would write it to a settings file the wrong way round.
     app.add_flag("--uniform", uniform,
-                 "Every region at the finest level, not only where rays disagree")
+                 "Refine every region to the finest level, not only where visibility is mixed")
         ->group(group);
-    app.add_option("--seed", job.bake.seed, "Seed; caches of different seeds merge to a better one")
+    app.add_option("--seed", job.bake.seed,
+                   "Random seed; caches of different seeds merge into a better one")
         ->check(notNegative)
         ->capture_default_str()
         ->group(group);
-    app.add_option("--shard", shard, "Bake part K of N of the set; the parts merge to the whole")
+    app.add_option("--shard", shard,
+                   "Bake part K of N of the set; shadowcache-merge joins the parts")
         ->group(group);
 }
 
@@ -85,21 +87,21 @@ void defineOutput(CLI::App& app, Job& job) {
     app.add_option("-o,--output", job.output, "Cache to write (OpenVDB, .vdb)")
         ->required()
         ->group(group);
-    app.add_option("--stats", job.stats, "Write what it took as JSON")->group(group);
-    app.add_option("--threads", job.threads, "Threads; 0: one a core")
+    app.add_option("--stats", job.stats, "Write times, rays and sizes as JSON")->group(group);
+    app.add_option("--threads", job.threads, "Threads; 0: one per core")
         ->capture_default_str()
         ->group(group);
 }
 
 constexpr const char* kFooter =
-    "Bakes, for every place near the set's surfaces, which directions are open to the sky.\n"
-    "The cache knows no light and no camera: bake once, render any shot under any map.\n\n"
+    "Stores which directions reach the sky, for every place near the set's surfaces.\n"
+    "The cache does not depend on light or camera: bake once, render any shot under any map.\n\n"
     "Examples:\n"
     "  shadowcache-bake room.obj -o room.vdb\n"
     "  shadowcache-bake walls.ply trees.ply -o set.vdb --spacing 0.1 --rays 32\n"
     "  shadowcache-bake big.ply -o part2.vdb --shard 2/8   (then shadowcache-merge part*.vdb)";
 
-/// When each part of the work was done.
+/// When each stage was finished [s].
 struct Times {
     double start, loaded, built, baked, written;
 };
@@ -123,7 +125,7 @@ void writeStats(const Job& job, const TriangleMesh& mesh, const BakeResult& resu
     stats.write(job.stats);
 }
 
-/// Whatever can be refused is refused before the long work.
+/// Refuses invalid options before the long work starts.
 void validate(const Job& job) {
     validate(job.bake);
     requireRange("threads", job.threads, 0, kMaxThreads);

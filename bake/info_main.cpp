@@ -28,33 +28,34 @@ struct Arguments {
 };
 
 void define(CLI::App& app, Arguments& a) {
-    app.add_option("CACHE", a.cache, "Cache, from shadowcache-bake")->required();
-    app.add_flag("--json", a.json, "The same as JSON");
+    app.add_option("CACHE", a.cache, "Cache, written by shadowcache-bake")->required();
+    app.add_flag("--json", a.json, "Print as JSON");
     app.add_option("--report", a.report,
-                   "Write one HTML page with settings, slices and histograms (.html)");
+                   "Write an HTML page with settings, slices and histograms (.html)");
     auto* place =
-        app.add_option("--at", a.place,
-                       "X,Y,Z,NX,NY,NZ: what a place with that normal knows of the sky; with -o "
-                       "also as a lat-long picture (.png)")
+        app.add_option(
+               "--at", a.place,
+               "X,Y,Z,NX,NY,NZ: predicted visibility at a place with this normal; with -o also "
+               "as a lat-long picture (.png)")
             ->group("A place");
     const std::string group = "Grids for volume tools";
     std::string kinds;
     for (const std::string& kind : gridKinds()) kinds += (kinds.empty() ? "" : ",") + kind;
     auto* grids = app.add_option("--export-grid", a.grids,
-                                 "[NAME:]KIND..., to -o (.vdb). NAME is the grid's; `density` is "
-                                 "what many tools show first. KIND is one of" +
+                                 "[NAME:]KIND..., written to -o (.vdb). NAME is the grid's name; "
+                                 "many tools show `density` first. KIND is one of" +
                                      gridKindsHelp())
                       ->take_all()
                       ->type_name("SPEC:{" + kinds + "}")
                       ->excludes(place)
                       ->group(group);
     app.add_option("--env-rotate", a.environmentRotation,
-                   "Degrees to turn maps about +Y, counter-clockwise from above")
+                   "Rotation of maps about +Y in degrees, counter-clockwise seen from above")
         ->needs(grids)
         ->capture_default_str()
         ->group(group);
     app.add_option("-o,--output", a.output, "File for --at or --export-grid")->group("Output");
-    app.add_option("--threads", a.threads, "Threads; 0: one a core")
+    app.add_option("--threads", a.threads, "Threads; 0: one per core")
         ->capture_default_str()
         ->group("Output");
     app.footer(
@@ -69,7 +70,7 @@ void define(CLI::App& app, Arguments& a) {
         "light.vdb");
 }
 
-/// Whatever can be refused is refused before the long work.
+/// Refuses invalid options before the long work starts.
 void validate(const Arguments& a) {
     requireRange("threads", a.threads, 0, kMaxThreads);
     requireRange("env-rotate", a.environmentRotation, -1e6, 1e6);
@@ -78,33 +79,33 @@ void validate(const Arguments& a) {
         requireWritable(a.report);
     }
     if (a.output.empty()) {
-        if (!a.grids.empty()) throw Error("--export-grid: wanted -o FILE.vdb to write to");
+        if (!a.grids.empty()) throw Error("--export-grid: requires -o FILE.vdb");
         return;
     }
     if (a.grids.empty() && a.place.empty())
-        throw Error("--output " + a.output.string() + ": wanted --at or --export-grid with it");
+        throw Error("--output " + a.output.string() + ": requires --at or --export-grid");
     requireExtension(a.output, a.grids.empty() ? ".png" : ".vdb");
     requireWritable(a.output);
     std::error_code ignored;
     if (std::filesystem::equivalent(a.output, a.cache, ignored))
-        throwFileError(a.output, "is the cache itself, wanted another output");
+        throwFileError(a.output, "is the cache itself, expected another file");
 }
 
-void tell(const std::string& text) {
+void print(const std::string& text) {
     std::fputs(text.c_str(), stdout);
     if (std::fflush(stdout) != 0) throw Error("standard output cannot be written");
 }
 
-void tellOfPlace(const Arguments& a) {
+void printPlace(const Arguments& a) {
     Vec3d position, normal;
     char rest = 0;
     if (std::sscanf(a.place.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%c", &position.x, &position.y,
                     &position.z, &normal.x, &normal.y, &normal.z, &rest) != 6 ||
         !std::isfinite(position.length() + normal.length()) || !(normal.length() > 0))
-        throw Error("--at " + a.place + ": wanted X,Y,Z,NX,NY,NZ, a place and a normal");
+        throw Error("--at " + a.place + ": expected X,Y,Z,NX,NY,NZ: a position and a normal");
     const ShadowCache cache(a.cache);
     const SkyView view(cache, position, Vec3f(normal.normalized()));
-    tell(a.json ? skyAsJson(view) : skyAsText(view));
+    print(a.json ? skyAsJson(view) : skyAsText(view));
     constexpr int kWidth = 1024;
     if (!a.output.empty()) writePng(a.output, view.picture(kWidth), 0);
 }
@@ -114,7 +115,7 @@ void writeReport(const Arguments& a, const CacheFacts& facts) {
     AtomicFile file(a.report);
     file.write(page.data(), page.size());
     file.commit();
-    tell("report -> " + a.report.string() + "\n");
+    print("report -> " + a.report.string() + "\n");
 }
 
 void run(const Arguments& a) {
@@ -122,16 +123,16 @@ void run(const Arguments& a) {
     for (const std::string& spec : a.grids) requests.push_back(parseGridRequest(spec));
     validate(a);
     setThreadCount(a.threads);
-    if (!a.place.empty()) return tellOfPlace(a);
+    if (!a.place.empty()) return printPlace(a);
     const CacheFacts facts = readFacts(a.cache);
     if (requests.empty() && a.report.empty())
-        return tell(a.json ? factsAsJson(facts) : factsAsText(facts));
+        return print(a.json ? factsAsJson(facts) : factsAsText(facts));
     if (!a.report.empty()) writeReport(a, facts);
     if (requests.empty()) return;
     exportGrids(requests, a.environmentRotation, facts.header, facts.items, a.output);
     std::string names;
     for (const GridRequest& request : requests) names += " " + request.name;
-    tell("grids" + names + " -> " + a.output.string() + "\n");
+    print("grids" + names + " -> " + a.output.string() + "\n");
 }
 
 }  // namespace
@@ -139,7 +140,7 @@ void run(const Arguments& a) {
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
-    CLI::App app("Says and shows what a shadow cache holds.", "shadowcache-info");
+    CLI::App app("Inspects a shadow cache.", "shadowcache-info");
     Arguments arguments;
     beginCommandLine(app);
     define(app, arguments);

@@ -11,16 +11,17 @@
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
-    CLI::App app("Adds up the counts of several bakes of one set.", "shadowcache-merge");
+    CLI::App app("Merges several bakes of one set into one cache.", "shadowcache-merge");
     std::vector<std::filesystem::path> inputs;
     std::filesystem::path output;
     beginCommandLine(app);
-    app.add_option("CACHE", inputs, "Caches of one set: other seeds, or the shards of one bake")
+    app.add_option("CACHE", inputs,
+                   "Caches of one set: bakes with other seeds, or the shards of one bake")
         ->required()
         ->take_all();
     app.add_option("-o,--output", output, "Cache to write (OpenVDB, .vdb)")->required();
     app.footer(
-        "Caches must agree in the set, the spacing and the direction level.\n\n"
+        "All caches must have the same set, spacing, direction level and kind of refinement.\n\n"
         "Examples:\n"
         "  shadowcache-merge part*.vdb -o set.vdb\n"
         "  shadowcache-merge seed1.vdb seed2.vdb -o better.vdb");

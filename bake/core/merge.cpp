@@ -15,7 +15,7 @@ void requireSame(const std::filesystem::path& path, const char* what, const T& f
     if (found == wanted) return;
     std::ostringstream text;
     text.precision(15);
-    text << what << ' ' << found << " does not merge with " << wanted << " of the first cache";
+    text << what << ' ' << found << ", expected " << wanted << " as in the first cache";
     throwFileError(path, text.str());
 }
 

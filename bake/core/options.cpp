@@ -57,7 +57,7 @@ void validate(const BakeOptions& options) {
     requireRange("rays", options.rays, 1, 255);
     if (options.shards < 1 || options.shard < 0 || options.shard >= options.shards)
         throw Error("--shard " + std::to_string(options.shard + 1) + "/" +
-                    std::to_string(options.shards) + ": wanted K/N with 1 <= K <= N");
+                    std::to_string(options.shards) + ": expected K/N with 1 <= K <= N");
 }
 
 double chooseSpacing(const TriangleMesh& mesh) {

@@ -23,7 +23,7 @@ Vec3i floorVector(const Vec3d& v) {
 
 std::string refusal(double spacing, double least) {
     std::ostringstream text;
-    text << "spacing " << spacing << " is too small for this set: wanted at least " << least;
+    text << "--spacing " << spacing << ": too small for this set, expected at least " << least;
     return text.str();
 }
 

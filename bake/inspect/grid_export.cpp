@@ -129,7 +129,7 @@ VolumeGrid makeDirection(const GridRequest& request, const Source& source) {
                     &direction.z, &rest) != 3 ||
         !(direction.length() > 0) || !std::isfinite(direction.length()))
         throw Error("--export-grid direction=" + request.argument +
-                    ": wanted a direction, as in direction=0,1,0");
+                    ": expected a direction, as in direction=0,1,0");
     const std::uint32_t cell = locateCell(kMaxCacheLevel, direction.normalized());
     VolumeGrid grid{request.name, VolumeKind::fog, {}};
     ItemRegions regions(source.header.tiers());
@@ -151,7 +151,7 @@ VolumeGrid makeDirection(const GridRequest& request, const Source& source) {
 
 Environment readEnvironment(const GridRequest& request, const Source& source) {
     if (request.argument.empty())
-        throw Error("--export-grid " + request.kind + ": wanted a map, as in " + request.kind +
+        throw Error("--export-grid " + request.kind + ": expected a map, as in " + request.kind +
                     "=sky.exr");
     const RadianceImage map = readRadiance(request.argument);
     return {map.image, source.environmentRotation, map.luminanceWeights};
@@ -237,7 +237,7 @@ GridRequest parseGridRequest(const std::string& spec) {
     static const std::regex wanted(R"((?:(\w+):)?([\w-]+)(?:=(.*))?)");
     std::smatch match;
     if (!std::regex_match(spec, match, wanted))
-        throw Error("--export-grid " + spec + ": wanted [NAME:]KIND[=ARGUMENT]");
+        throw Error("--export-grid " + spec + ": expected [NAME:]KIND[=ARGUMENT]");
     const Kind& kind = findKind(match[2]);
     return {match[1].matched ? match[1].str() : kind.gridName, match[2], match[3]};
 }

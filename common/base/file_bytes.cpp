@@ -45,7 +45,7 @@ std::string readFileBytes(const std::filesystem::path& path) {
     requireReadableFile(path);
     std::ifstream file(path, std::ios::binary | std::ios::ate);
     const std::streamoff size = file.tellg();
-    if (size <= 0) throwFileError(path, "is not a file of known size");
+    if (size <= 0) throwFileError(path, "has no known size, expected an ordinary file");
     std::string bytes(static_cast<std::size_t>(size), '\0');
     file.seekg(0);
     file.read(bytes.data(), size);

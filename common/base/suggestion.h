@@ -5,10 +5,10 @@
 
 namespace shadowcache {
 
-/// The known word that a mistyped one most likely stands for, or empty if none is near.
+/// The known word nearest to a mistyped one, or empty if none is near.
 std::string nearestWord(const std::string& typed, std::span<const std::string> known);
 
-/// What an error adds about a mistyped word: ", did you mean X?" or nothing.
+/// ", did you mean X?" for the known word nearest to a mistyped one, or empty.
 std::string suggestion(const std::string& typed, std::span<const std::string> known);
 
 }  // namespace shadowcache

@@ -46,11 +46,12 @@ CacheHeader fromMetadata(const openvdb::MetaMap& meta, const fs::path& path) {
     const auto parsed =
         std::from_chars(print.data(), print.data() + print.size(), header.fingerprint, 16);
     if (parsed.ec != std::errc() || parsed.ptr != print.data() + print.size())
-        throwFileError(path, "fingerprint '" + print + "', wanted 16 hexadecimal digits");
+        throwFileError(path, "fingerprint '" + print + "', expected 16 hexadecimal digits");
     if (header.level < 0 || header.level > kMaxCacheLevel)
-        throwFileError(path, "direction level " + std::to_string(header.level) + ", wanted 0 to 5");
+        throwFileError(path,
+                       "direction level " + std::to_string(header.level) + ", expected 0 to 5");
     if (!(header.spacing > 0))
-        throwFileError(path, "spacing " + std::to_string(header.spacing) + ", wanted above 0");
+        throwFileError(path, "spacing " + std::to_string(header.spacing) + ", expected above 0");
     return header;
 }
 
@@ -184,8 +185,8 @@ auto withCacheFile(const fs::path& path, const Read& read) {
     initializeOpenVdb();
     std::error_code ignored;
     if (!fs::exists(path, ignored)) throwFileError(path, "no such file");
-    if (fs::is_directory(path, ignored)) throwFileError(path, "a directory, wanted a cache file");
-    if (fs::file_size(path, ignored) == 0) throwFileError(path, "empty, wanted a cache file");
+    if (fs::is_directory(path, ignored)) throwFileError(path, "a directory, expected a cache file");
+    if (fs::file_size(path, ignored) == 0) throwFileError(path, "empty, expected a cache file");
     try {
         requireWhole(path);
         openvdb::io::File file(path.string());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <regex>
+#include <sstream>
 
 #include "common/base/atomic_file.h"
 #include "common/base/option_checks.h"
@@ -16,7 +17,10 @@ namespace shadowcache {
 
 namespace {
 
-/// TOML without sections: CLI11 would pass over what stands in one.
+/// Exit status of a command line that cannot be parsed; refused values and failed work end with 1.
+constexpr int kWrongUsage = 2;
+
+/// TOML without sections, whose contents CLI11 would ignore.
 class SettingsFormat final : public CLI::ConfigTOML {
 public:
     SettingsFormat() {
@@ -30,7 +34,7 @@ public:
         for (const CLI::ConfigItem& item : found)
             if (!item.parents.empty())
                 throw CLI::ConfigError("settings file: section [" + item.parents.front() +
-                                       "], wanted options alone");
+                                       "], expected options only");
         return found;
     }
 };
@@ -40,7 +44,8 @@ void printAndEnd(const std::string& text) {
     throw CLI::Success();
 }
 
-/// What was typed, or stands in the settings file, and is no option; empty if there is none.
+/// The first word of the command line or the settings file that is no option; empty if there is
+/// none.
 std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
     const std::vector<std::string> left = app.remaining();
     for (const std::string& word : left)
@@ -50,7 +55,8 @@ std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
     return extras && !left.empty() ? left.front() : "";
 }
 
-/// The long option that was meant, with as many dashes as were typed; empty if none is near.
+/// The long option nearest to a mistyped one, with dashes if those were typed; empty if none is
+/// near.
 std::string meantOption(const CLI::App& app, const std::string& word) {
     std::vector<std::string> names;
     for (const CLI::Option* option : app.get_options())
@@ -61,25 +67,57 @@ std::string meantOption(const CLI::App& app, const std::string& word) {
     return name.empty() ? "" : (dashes > 0 ? "--" : "") + name;
 }
 
+/// CLI11's message in the form of ours: "--OPTION VALUE: expected ...".
+std::string messageOf(const CLI::App& app, const CLI::ParseError& error) {
+    const std::string text = error.what();
+    std::smatch m;
+    static const std::regex unconverted("Could not convert: (\\S+) = (.*)");
+    if (std::regex_match(text, m, unconverted)) {
+        const CLI::Option* option = app.get_option_no_throw(m[1]);
+        const bool whole = option && option->get_type_name().find("INT") != std::string::npos;
+        return m[1].str() + " " + m[2].str() + ": expected a " + (whole ? "whole " : "") + "number";
+    }
+    static const std::regex notAChoice("(\\S+): (.*) not in \\{(.*)\\}");
+    if (std::regex_match(text, m, notAChoice)) {
+        std::vector<std::string> choices;
+        std::istringstream list(m[3]);
+        for (std::string choice; std::getline(list, choice, ',');) choices.push_back(choice);
+        return m[1].str() + " " + m[2].str() + ": expected one of " +
+               std::regex_replace(m[3].str(), std::regex(","), ", ") +
+               suggestion(m[2].str(), choices);
+    }
+    static const std::regex refused("(--\\S+): (.+), expected (.*)");
+    if (std::regex_match(text, m, refused))
+        return m[1].str() + " " + m[2].str() + ": expected " + m[3].str();
+    static const std::regex noValue("(\\S+): 1 required .* missing");
+    if (std::regex_match(text, m, noValue)) return m[1].str() + ": expected a value";
+    static const std::regex excluded("(\\S+) excludes (\\S+)");
+    if (std::regex_match(text, m, excluded))
+        return m[1].str() + " cannot be combined with " + m[2].str();
+    static const std::regex unreadable("(.*) was not readable \\(missing\\?\\)");
+    if (std::regex_match(text, m, unreadable)) return m[1].str() + ": cannot be read";
+    return text;
+}
+
 int reportWrongUsage(const CLI::App& app, const CLI::ParseError& error) {
     const std::string word = unknownWord(app, error);
     const std::string meant = word.empty() ? "" : meantOption(app, word);
     const std::string cause =
         word.empty()
-            ? error.what()
+            ? messageOf(app, error)
             : word + ": no such option" + (meant.empty() ? "" : ", did you mean " + meant + "?");
     std::fprintf(stderr, "%s: %s\nRun with --help for more information.\n", app.get_name().c_str(),
                  cause.c_str());
-    return word.empty() ? error.get_exit_code() : static_cast<int>(CLI::ExitCodes::ExtrasError);
+    return kWrongUsage;
 }
 
-/// CLI11 takes an empty text for a 0, and for a path that was never given.
+/// CLI11 takes an empty value for 0, and for a path that was not given.
 void requireValues(const CLI::App& app) {
     for (const CLI::Option* option : app.get_options())
         if (option->count() > 0)
             for (const std::string& value : option->results())
                 if (value.empty())
-                    throw CLI::ValidationError(option->get_name(), "empty, wanted a value");
+                    throw CLI::ValidationError(option->get_name(), "empty, expected a value");
 }
 
 }  // namespace
@@ -96,10 +134,11 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
                                     const std::function<void()>& check) {
     const std::string group = "Settings file";
     std::filesystem::path written;
-    app.set_config("--config", "", "Take options from a file (TOML); the command line goes first")
+    app.set_config("--config", "",
+                   "Read options from a file (TOML); command-line options take precedence")
         ->type_name("TEXT")
         ->group(group);
-    app.add_option("--write-config", written, "Write this run's options to a file (.toml)")
+    app.add_option("--write-config", written, "Write the options of this run to a file (.toml)")
         ->configurable(false)
         ->group(group);
     const auto addPrinter = [&app](const char* name, std::string (*text)(const CLI::App&)) {
@@ -142,12 +181,12 @@ std::uint64_t parseSize(const char* option, const std::string& text) {
     }
     if (!(bytes >= 1 && bytes <= 0x1p62))
         throw Error(std::string(option) + " " + text +
-                    ": wanted a size in bytes, as in 4G, 1.5G or 512M");
+                    ": expected a size in bytes, as in 4G, 1.5G or 512M");
     return static_cast<std::uint64_t>(bytes);
 }
 
 std::string notNegative(const std::string& text) {
-    return text.starts_with("-") ? text + ", wanted 0 or more" : "";
+    return text.starts_with("-") ? text + ", expected 0 or more" : "";
 }
 
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app) {

@@ -13,31 +13,34 @@ class App;
 
 namespace shadowcache {
 
-// What the programs' command lines share: --version, a settings file, man page and completion, and
-// errors that name the option that was meant. Options are the programs' own.
+// What the programs' command lines share: --version, settings files, man page, completion, and
+// error messages that suggest the option nearest to a mistyped one. Each program defines its own
+// options.
 
-/// Before the program defines its options. Of an option given twice the last one counts, so that
-/// scripts can add to a command line.
+/// Call before the options are defined. Of an option given twice the last value counts, so that
+/// scripts can append to a command line.
 void beginCommandLine(CLI::App& app);
 
-/// Parses the command line once all options are defined; writes the settings file if asked to.
+/// Parses the command line once all options are defined; writes the settings file if requested.
 ///
-/// @param check  throws CLI::ParseError for what no single option can see
-/// @return the status to exit with if there is nothing left to do: help, version, wrong usage
+/// @param check  throws CLI::ParseError for errors that no single option can detect
+/// @return the status to exit with if there is nothing left to do: 0 after help and version, 2 on a
+/// usage error, which is printed
 /// @throws Error if the settings file cannot be written
 std::optional<int> parseCommandLine(
     CLI::App& app, int argc, char** argv, const std::function<void()>& check = [] {});
 
 /// A size in bytes: a number above 0 with or without K, M, G or T (of 1024), as in 4G, 1.5G, 512MB.
 ///
-/// @throws Error "OPTION TEXT: wanted ..."
+/// @throws Error "OPTION TEXT: expected ..."
 std::uint64_t parseSize(const char* option, const std::string& text);
 
-/// What is wrong with the text of a whole number from 0 up, for CLI::Option::check: CLI11 would
-/// turn -1 into 2^64 - 1.
+/// Error text for a negative number, else empty; for CLI::Option::check of unsigned options, as
+/// CLI11 would convert -1 to 2^64 - 1.
 std::string notNegative(const std::string& text);
 
-/// Every option's name and value as given or defaulted, but for those that steer no work.
+/// Every option's name and value as given or defaulted, except those that do not affect the
+/// result.
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app);
 
 }  // namespace shadowcache

@@ -132,7 +132,8 @@ Image readHdr(const std::filesystem::path& path) {
         stbi_loadf_from_memory(reinterpret_cast<const stbi_uc*>(content.data()),
                                static_cast<int>(content.size()), &width, &height, &channels, 3),
         &std::free);
-    if (!texels) throwFileError(path, std::string("no Radiance HDR: ") + stbi_failure_reason());
+    if (!texels)
+        throwFileError(path, std::string("is not a Radiance HDR file: ") + stbi_failure_reason());
 
     Image image{width, height, {}};
     image.pixels.resize(header.width * header.height);

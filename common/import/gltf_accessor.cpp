@@ -86,7 +86,7 @@ std::vector<double> decode(const GltfAccessor& accessor, std::string& cause) {
             const double at = read(sparse.indices, i, 0);
             if (at >= static_cast<double>(accessor.count)) {
                 cause = "sparse index " + std::to_string(static_cast<long long>(at)) +
-                        ", expected one below " + std::to_string(accessor.count);
+                        ", expected 0 to " + std::to_string(accessor.count - 1);
                 return {};
             }
             for (std::size_t k = 0; k < array.components; ++k)

@@ -43,8 +43,9 @@ private:
     template <class T>
     void requireIndex(const std::string& what, int index, const std::vector<T>& list) const {
         if (index < 0 || static_cast<std::size_t>(index) >= list.size())
-            fail(what + " " + std::to_string(index) + ", expected one below " +
-                 std::to_string(list.size()));
+            fail(what + " " + std::to_string(index) +
+                 (list.empty() ? ", but the file has none"
+                               : ", expected 0 to " + std::to_string(list.size() - 1)));
     }
 
     void requireFinite(const std::string& what, std::initializer_list<double> values) const {
@@ -106,7 +107,7 @@ private:
         if (sparse.count < 1 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
             fail(owner + ": sparse count or offset out of range");
         if (sparse.indices.bufferView < 0 || sparse.values.bufferView < 0)
-            fail(owner + ": sparse without buffer view");
+            fail(owner + ": sparse accessor without a buffer view");
         const auto count = static_cast<std::size_t>(sparse.count);
         const int type = sparse.indices.componentType;
         if (type != static_cast<int>(GltfType::uint8) &&
@@ -181,7 +182,9 @@ private:
     void addMaterial(const tinygltf::Material& from) {
         GltfMaterial to;
         const auto& factor = from.pbrMetallicRoughness.baseColorFactor;
-        if (factor.size() != 4) fail("material " + from.name + ": baseColorFactor is no RGBA");
+        if (factor.size() != 4)
+            fail("material " + from.name + ": baseColorFactor of " + std::to_string(factor.size()) +
+                 " numbers, expected 4");
         const auto share = [&](std::size_t k) {
             return static_cast<float>(std::isfinite(factor[k]) ? std::clamp(factor[k], 0.0, 1.0)
                                                                : 0.0);
@@ -261,8 +264,8 @@ private:
                     fail("node " + std::to_string(child) + " has two parents, expected one");
                 parent = static_cast<int>(i);
             }
-        requireIndex("scene", model_.scenes.empty() ? -1 : std::max(0, model_.defaultScene),
-                     model_.scenes);
+        if (model_.scenes.empty()) fail("has no scene, expected at least one");
+        requireIndex("scene", std::max(0, model_.defaultScene), model_.scenes);
         std::vector<int> open =
             model_.scenes[static_cast<std::size_t>(std::max(0, model_.defaultScene))].nodes;
         for (const int root : open) {
@@ -274,7 +277,8 @@ private:
             const int i = open.back();
             open.pop_back();
             GltfNode& node = out_.nodes[static_cast<std::size_t>(i)];
-            if (node.inScene) fail("node " + std::to_string(i) + " is in the scene twice");
+            if (node.inScene)
+                fail("node " + std::to_string(i) + " is in the scene twice, expected once");
             node.inScene = true;
             const auto& children = model_.nodes[static_cast<std::size_t>(i)].children;
             open.insert(open.end(), children.begin(), children.end());

@@ -50,7 +50,8 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path) {
         std::memcpy(&length, bytes.data() + 12, sizeof length);
         json = json.substr(20, length);
     }
-    if (!isShallowJson(json)) throwFileError(path, "JSON nested deeper than 256 levels");
+    if (!isShallowJson(json))
+        throwFileError(path, "JSON nested deeper than 256 levels, expected fewer");
 
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(keepEncoded, nullptr);
@@ -68,7 +69,7 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path) {
     } catch (const std::exception& e) {
         error = e.what();
     }
-    if (!read) throwFileError(path, "no whole glTF 2.0 file: " + firstLine(error));
+    if (!read) throwFileError(path, "is not a complete glTF 2.0 file: " + firstLine(error));
     if (!model.asset.version.starts_with("2."))
         throwFileError(path, "glTF version " + model.asset.version + ", expected 2.0");
     for (const std::string& name : model.extensionsRequired)

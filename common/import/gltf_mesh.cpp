@@ -70,7 +70,7 @@ private:
         std::size_t components = 0;
         const std::vector<double> positions = attribute(mesh, p, "POSITION", components);
         if (positions.empty() || components != 3)
-            fail(mesh, "a primitive without POSITION of three components");
+            fail(mesh, "POSITION of " + std::to_string(components) + " components, expected 3");
         const std::size_t first = out_.vertices.size(), count = positions.size() / 3;
         for (std::size_t i = 0; i < count; ++i)
             out_.vertices.push_back(
@@ -95,7 +95,7 @@ private:
             return;
         }
         if (components < 3 || values.size() != components * (vertices - first))
-            fail(mesh, "COLOR_0 does not match the positions");
+            fail(mesh, "COLOR_0 does not match the positions, expected one colour for each");
         out_.colors.resize(first, kUncolored);
         const auto share = [](double x) {
             return static_cast<float>(std::isfinite(x) ? std::clamp(x, 0.0, 1.0) : 0.0);
@@ -125,7 +125,7 @@ private:
             values =
                 attribute(mesh, p, "TEXCOORD_" + std::to_string(material->texcoordSet), components);
         if (!values.empty() && (components != 2 || values.size() != 2 * (vertices - first)))
-            fail(mesh, "texture coordinates do not match the positions");
+            fail(mesh, "texture coordinates do not match the positions, expected a pair for each");
         for (std::size_t i = 0; i < vertices - first; ++i) {
             Vec3f at = kNone;
             if (!values.empty()) {
@@ -145,7 +145,9 @@ private:
         std::string cause;
         if (p.indices >= 0) {
             const GltfAccessor& accessor = document_.accessor(p.indices);
-            if (accessor.array.components != 1) fail(mesh, "indices are no scalars");
+            if (accessor.array.components != 1)
+                fail(mesh, "indices of " + std::to_string(accessor.array.components) +
+                               " components, expected 1");
             corners = decodeIndices(accessor, cause);
             if (!cause.empty()) fail(mesh, "indices: " + cause);
         } else {
@@ -176,7 +178,7 @@ private:
         if (from.encoded.empty())
             throwFileError(document_.path, from.name.empty()
                                                ? "texture " + std::to_string(index) +
-                                                     " has no picture that glTF 2.0 itself knows"
+                                                     " has no image in a format of core glTF 2.0"
                                                : from.name + " was not found");
         std::string cause;
         texture = decodeTexture(from.encoded, cause);

@@ -67,8 +67,9 @@ GltfTrack decodeTrack(const GltfDocument& document, const std::string& animation
     const auto finite = [](double x) { return std::isfinite(x); };
     if (!std::all_of(track.values.begin(), track.values.end(), finite) ||
         !std::all_of(track.times.begin(), track.times.end(), finite))
-        fail("a key is not finite");
-    if (!std::is_sorted(track.times.begin(), track.times.end())) fail("keys out of order");
+        fail("a key is not a finite number");
+    if (!std::is_sorted(track.times.begin(), track.times.end()))
+        fail("key times are not in ascending order");
     return track;
 }
 
@@ -162,7 +163,7 @@ Affine GltfNodes::at(int node, double seconds) const {
     if (!result.isFinite())
         throwFileError(document_.path, "node " +
                                            document_.nodes[static_cast<std::size_t>(node)].name +
-                                           ": its place in the world is not finite");
+                                           ": its transform to the world is not finite");
     return result;
 }
 

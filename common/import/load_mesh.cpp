@@ -152,7 +152,7 @@ TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& option
 TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOptions& options) {
     if (files.empty()) throw Error("no geometry file given, expected at least one");
     if (!(options.scale > 0.0 && std::isfinite(options.scale))) {
-        throw Error("scale " + std::to_string(options.scale) + ", expected a number above 0");
+        throw Error("--scale " + std::to_string(options.scale) + ": expected a number above 0");
     }
     MeshSoup soup;
     for (const auto& path : files) append(path, readMeshFile(path), options, soup);

@@ -68,7 +68,8 @@ RawMesh readObj(const std::filesystem::path& path) {
         text.nextLine();
     }
     if (mesh.vertices.empty()) throwFileError(path, "has no vertex line, expected OBJ text");
-    if (mesh.faceSizes.empty()) throwFileError(path, "has no face (truncated?)");
+    if (mesh.faceSizes.empty())
+        throwFileError(path, "has no face, expected at least one (truncated?)");
     if (!mesh.colors.empty()) mesh.colors.resize(mesh.vertices.size(), kUncolored);
     return mesh;
 }

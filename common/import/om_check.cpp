@@ -133,7 +133,8 @@ private:
 
 OmCounts checkOm(const std::filesystem::path& path, std::string_view bytes,
                  std::uint8_t newestVersion) {
-    if (!bytes.starts_with("OM")) throwFileError(path, "does not start with 'OM'");
+    if (!bytes.starts_with("OM"))
+        throwFileError(path, "does not start with 'OM', expected an OM file");
     if (bytes.size() < kHeaderBytes) throwFileError(path, "truncated: ends within the header");
     if (bytes[2] != 'T' && bytes[2] != 'Q' && bytes[2] != 'P') {
         throwFileError(path,

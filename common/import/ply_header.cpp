@@ -132,7 +132,8 @@ int PlyElement::find(std::string_view wanted, std::string_view otherName) const 
 PlyHeader parsePlyHeader(const std::filesystem::path& path, std::string_view content) {
     PlyHeader header;
     TextScanner text(path, content, false);
-    if (text.wordOnLine() != "ply") throwFileError(path, "does not start with 'ply'");
+    if (text.wordOnLine() != "ply")
+        throwFileError(path, "does not start with 'ply', expected a PLY file");
     bool hasFormat = false;
     while (true) {
         if (!text.nextLine()) throwFileError(path, "truncated: ends within the PLY header");

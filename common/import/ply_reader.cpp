@@ -109,7 +109,7 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
                                             element.find("z"),          element.find("red", "r"),
                                             element.find("green", "g"), element.find("blue", "b")};
     if (places[0] < 0 || places[1] < 0 || places[2] < 0) {
-        throwFileError(path, "PLY vertices without the properties x, y, z");
+        throwFileError(path, "vertices lack one of the properties x, y, z");
     }
     const bool colored = places[3] >= 0 && places[4] >= 0 && places[5] >= 0;
     std::vector<std::size_t> channelOf(element.properties.size(), kChannels);
@@ -142,7 +142,7 @@ void readFaces(const std::filesystem::path& path, Numbers& numbers, const PlyEle
     const int place = element.find("vertex_indices", "vertex_index");
     if (element.count > 0 &&
         (place < 0 || !element.properties[static_cast<std::size_t>(place)].isList)) {
-        throwFileError(path, "PLY faces without the list vertex_indices");
+        throwFileError(path, "faces lack the list vertex_indices");
     }
     mesh.faceSizes.reserve(element.count);
     mesh.faceVertices.reserve(element.count * 3);

@@ -27,7 +27,7 @@ std::vector<double> parseNumbers(const char* option, const std::string& text, st
         numbers.push_back(number);
     }
     if (numbers.size() != count || !parts.eof())
-        throw Error(std::string(option) + " " + text + ": wanted " + wanted);
+        throw Error(std::string(option) + " " + text + ": expected " + wanted);
     return numbers;
 }
 
@@ -41,7 +41,7 @@ std::array<int, 2> parsePair(const char* option, const std::string& text, const 
     static const std::regex pair(R"((\d{1,5})[x,](\d{1,5}))");
     std::smatch match;
     if (!std::regex_match(text, match, pair))
-        throw Error(std::string(option) + " " + text + ": wanted " + wanted);
+        throw Error(std::string(option) + " " + text + ": expected " + wanted);
     return {std::stoi(match[1]), std::stoi(match[2])};
 }
 

@@ -15,29 +15,30 @@ void defineScene(CLI::App& app, Arguments& arguments) {
     RenderJob& job = arguments.job;
     const std::string group = "Scene";
     app.add_option("SET", job.files,
-                   "Files of the set: glTF, OBJ, PLY, STL, OFF or OM; several make one set")
+                   "Geometry files (glTF, OBJ, PLY, STL, OFF, OM); several files form one set")
         ->required()
         ->take_all();
-    app.add_option("--env", job.environment,
-                   "Lat-long map (EXR or HDR), or one radiance R,G,B; maps joined by commas, or a "
-                   "sequence with ####: one for each frame")
-        ->group(group);
     app.add_option(
-           "--env-rotate", job.environmentRotation,
-           "Degrees to turn the map about +Y, counter-clockwise from above; A-B: from A in the "
-           "first frame to B in the last")
+           "--env", job.environment,
+           "Lat-long map (EXR or HDR), or a constant radiance R,G,B; for one map per frame: maps "
+           "joined by commas, or a sequence with ####")
+        ->group(group);
+    app.add_option("--env-rotate", job.environmentRotation,
+                   "Rotation of the map about +Y in degrees, counter-clockwise seen from above; "
+                   "A-B: from A "
+                   "in the first frame to B in the last")
         ->capture_default_str()
         ->group(group);
     app.add_option("--dynamic", arguments.dynamic,
-                   "FILE or FILE@TRACK.json: rendered and casts shadows, but is not in the cache")
+                   "FILE or FILE@TRACK.json: a moving object, rendered but not part of the cache")
         ->take_all()
         ->allow_extra_args(false)
         ->group(group);
     app.add_flag("--list", arguments.list,
-                 "Print the cameras, animations and sizes of a glTF set, and do nothing else")
+                 "Print cameras, animations and sizes of a glTF set, and exit")
         ->group(group);
     app.add_option("--albedo", arguments.albedo,
-                   "Albedo where the set has no vertex colours: one value, or R,G,B, 0 to 1")
+                   "Albedo of surfaces without vertex colours: one value, or R,G,B, 0 to 1")
         ->capture_default_str()
         ->group(group);
     app.add_option("--up", arguments.up, "Up axis of the files: y or z")
@@ -53,27 +54,28 @@ void defineCamera(CLI::App& app, Arguments& arguments) {
     RenderJob& job = arguments.job;
     const std::string group = "Camera";
     auto* camera = app.add_option("--camera", job.camera.name,
-                                  "Camera move (JSON), or the name of a camera of a glTF set")
+                                  "Camera file (JSON), or the name of a camera in a glTF set")
                        ->group(group);
     app.add_option("--frames", arguments.frames,
-                   "Frames of the move: A, A-B, A-BxSTEP, joined by commas [1]")
+                   "Frames to render: A, A-B or A-BxSTEP, joined by commas [1]")
         ->group(group);
-    app.add_option("--fps", job.fps, "Frames a second of a glTF set's animations")
+    app.add_option("--fps", job.fps, "Frames per second of a glTF set's animations")
         ->capture_default_str()
         ->group(group);
-    auto* eye = app.add_option("--eye", arguments.eye, "Place of the camera: X,Y,Z")
+    auto* eye = app.add_option("--eye", arguments.eye, "Position of the camera: X,Y,Z")
                     ->excludes(camera)
                     ->group(group);
-    auto* target = app.add_option("--look-at", arguments.target, "What it looks at: X,Y,Z")
-                       ->needs(eye)
-                       ->group(group);
+    auto* target =
+        app.add_option("--look-at", arguments.target, "Point that the camera looks at: X,Y,Z")
+            ->needs(eye)
+            ->group(group);
     eye->needs(target);
     app.add_option("--fov-y", job.camera.fovYDegrees,
-                   "Vertical angle of view in degrees, 0.01 to 179, with --eye")
+                   "Vertical field of view in degrees, 0.01 to 179, with --eye")
         ->needs(eye)
         ->capture_default_str()
         ->group(group);
-    app.add_option("--size", arguments.size, "Picture in pixels: WxH")
+    app.add_option("--size", arguments.size, "Size of the picture in pixels: WxH")
         ->capture_default_str()
         ->group(group);
     app.add_option("--crop", arguments.crop,
@@ -94,40 +96,43 @@ void defineCamera(CLI::App& app, Arguments& arguments) {
 void definePaper(CLI::App& app, Arguments& arguments) {
     EstimatorOptions& options = arguments.job.estimatorOptions;
     const std::string paper = "Estimators `paper` and `paper-image`";
-    app.add_option("--triangles", options.paper.triangles, "M, triangles of the map, 20 to 100000")
+    app.add_option("--triangles", options.paper.triangles,
+                   "Triangles M of the map's triangulation, 20 to 100000")
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--alpha", options.paper.alpha, "Trust in the cache, 0 to below 1")
+    app.add_option("--alpha", options.paper.alpha, "Weight of the cached visibility, 0 to below 1")
         ->capture_default_str()
         ->group(paper);
     app.add_option("--threshold", options.paper.threshold,
-                   "Fewest pooled rays of a region that count")
+                   "Minimum number of pooled rays for a region to be used")
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--max-level", options.paper.maxLevel, "Finest level of the triangles, to 7")
+    app.add_option("--max-level", options.paper.maxLevel, "Finest level of the triangles, 0 to 7")
         ->capture_default_str()
         ->group(paper);
-    app.add_option("--order", options.paper.order, "Importance in a triangle: 0 constant, 1 linear")
+    app.add_option("--order", options.paper.order,
+                   "Importance within a triangle: 0 constant, 1 linear")
         ->capture_default_str()
         ->group(paper);
     app.add_option("--beta", options.paper.beta,
-                   "Share of samples uniform over the hemisphere, 0 to 1")
+                   "Fraction of samples drawn uniformly over the hemisphere, 0 to 1")
         ->capture_default_str()
         ->group(paper);
     app.add_option("--convolution", arguments.convolution,
-                   "table: convolutions between 32 x 64 tabulated normals; exact: at the normal")
+                   "table: interpolated between 32 x 64 normals; exact: computed at each normal")
         ->check(CLI::IsMember({"table", "exact"}))
         ->capture_default_str()
         ->group(paper);
     app.add_option("--cache-level", options.paper.cacheLevel,
-                   "Finest level of the counts it uses, 0 to 7")
+                   "Finest direction level of the counts used, 0 to 7")
         ->capture_default_str()
         ->group(paper);
     const std::string others = "Estimators `lights` and `pixel`";
-    app.add_option("--lights", options.lights.lights, "K, directional lights, 1 to 10000")
+    app.add_option("--lights", options.lights.lights, "Directional lights K, 1 to 10000")
         ->capture_default_str()
         ->group(others);
-    app.add_option("--pixel-map", arguments.pixelMap, "Low-resolution map: WxH, 8x4 to 4096x2048")
+    app.add_option("--pixel-map", arguments.pixelMap,
+                   "Size of the low-resolution map: WxH, 8x4 to 4096x2048")
         ->capture_default_str()
         ->group(others);
 }
@@ -141,33 +146,35 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
                  (entry.bias ? " (biased)" : "");
         choices += (choices.empty() ? "" : ",") + std::string(entry.name);
     }
-    app.add_option("--estimator", job.estimator, "How the light is estimated:" + names)
+    app.add_option("--estimator", job.estimator, "Estimator of direct light:" + names)
         ->type_name("NAME:{" + choices + "}")
         ->group(group);
-    auto* cache = app.add_option("--cache", job.cache, "Cache of the set, from shadowcache-bake")
-                      ->group(group);
+    auto* cache =
+        app.add_option("--cache", job.cache, "Cache of the set, written by shadowcache-bake")
+            ->group(group);
     app.add_option(
            "--memory", arguments.memory,
-           "Memory for the cache, as 4G or 512M: parts of its file are read when needed and "
-           "dropped when not; the same picture, slower. Without it all is read at once")
+           "Memory limit for the cache, as in 4G or 512M: the file is read page by page as needed; "
+           "the same picture, slower. Without it the whole file is loaded")
         ->type_name("SIZE")
         ->needs(cache)
         ->group(group);
-    app.add_flag("--stale-ok", job.staleOk, "Use a cache of another set: unbiased all the same")
+    app.add_flag("--stale-ok", job.staleOk,
+                 "Accept a cache baked for another set: unbiased, but noisier")
         ->group(group);
     auto* samples =
         app.add_option("--samples", job.render.samples,
                        "Shadow rays per camera ray; 0 with `cache`: a biased, noise-free preview");
     samples->capture_default_str()->group(group);
-    app.add_option("--target-error", job.targetError,
-                   "Choose the samples of each frame so that its relMSE comes to about this, from "
-                   "a pilot whose numbers the picture does not use")
+    app.add_option(
+           "--target-error", job.targetError,
+           "Target relMSE: choose the samples of each frame from an independent pilot render")
         ->excludes(samples)
         ->group(group);
     app.add_option(
            "--budget", arguments.budget,
-           "uniform: every camera ray has --samples; adaptive: that is the mean, and `cache` "
-           "shares out by the noise it expects")
+           "uniform: --samples for every camera ray; adaptive: --samples on average, allocated by "
+           "the noise that `cache` predicts")
         ->check(CLI::IsMember({"uniform", "adaptive"}))
         ->capture_default_str()
         ->group(group);
@@ -179,8 +186,8 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
         ->capture_default_str()
         ->group(group);
     app.add_option("--sequence", arguments.sequence,
-                   "Numbers: sobol (Owen-scrambled), random, larcher-xor or larcher-shift (the "
-                   "radical inverse of Larcher and Pillichshammer, randomised)")
+                   "Sample sequence: sobol (Owen-scrambled), random, larcher-xor or larcher-shift "
+                   "(Larcher-Pillichshammer points, randomised)")
         ->check(CLI::IsMember(sequenceNames()))
         ->capture_default_str()
         ->group(group);
@@ -193,43 +200,44 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
     std::string aovs;
     for (const std::string& name : aovNames()) aovs += " " + name;
     app.add_option("-o,--output", job.output,
-                   "EXR to write (.exr); #### or %04d becomes the frame's number")
+                   "EXR to write (.exr); #### or %04d becomes the frame number")
         ->group(group);
     app.add_flag("--resume", job.resume,
-                 "Keep frames that are complete and of these settings and files")
+                 "Skip frames that are complete and were rendered from the same settings and files")
         ->group(group);
-    app.add_option("--aov", job.aovs, "More channels, any of:" + aovs)
+    app.add_option("--aov", job.aovs, "Additional channels, any of:" + aovs)
         ->delimiter(',')
         ->take_all()
         ->check(CLI::IsMember(aovNames()))
         ->group(group);
     app.add_flag("--half", job.half, "16-bit channels instead of 32-bit")->group(group);
-    app.add_flag("--png", job.png,
-                 "An sRGB PNG beside each EXR; of the AOVs openness, expected_noise, items and "
-                 "misses one in false colour")
+    app.add_flag(
+           "--png", job.png,
+           "Also write an sRGB PNG for each EXR, and one in false colour for the AOVs openness, "
+           "expected_noise, items and misses")
         ->group(group);
-    app.add_option("--exposure", job.exposure, "Stops to brighten the PNG by")
+    app.add_option("--exposure", job.exposure, "Exposure of the PNG in stops")
         ->capture_default_str()
         ->group(group);
-    app.add_option("--reference", job.reference,
-                   "EXR to compare with; the relative error goes to standard output and --stats")
+    app.add_option(
+           "--reference", job.reference,
+           "EXR to compare with; reports the relative error on standard output and in --stats")
         ->group(group);
-    app.add_option("--stats", job.stats, "Write what it took as JSON")->group(group);
-    app.add_option("--debug", arguments.debug,
-                   "Write nothing, but print how the pixel X,Y comes about")
+    app.add_option("--stats", job.stats, "Write times, rays and memory as JSON")->group(group);
+    app.add_option("--debug", arguments.debug, "Print the samples of pixel X,Y; write no picture")
         ->configurable(false)
         ->group(group);
-    app.add_flag("--explain", job.explain,
-                 "Write nothing, but say which estimator works on what, and what noise and time "
-                 "to expect")
+    app.add_flag(
+           "--explain", job.explain,
+           "Print the estimator, its inputs, and the expected noise and time; write no picture")
         ->configurable(false)
         ->group(group);
-    app.add_option("--threads", job.threads, "Threads; 0: one a core")
+    app.add_option("--threads", job.threads, "Threads; 0: one per core")
         ->capture_default_str()
         ->group(group);
 }
 
-/// CLI11 would ask for these with --list, too.
+/// CLI11 would require these with --list, too.
 void requireWhatRendersNeed(const Arguments& arguments) {
     const RenderJob& job = arguments.job;
     if (job.environment.empty()) throw CLI::RequiredError("--env");
@@ -254,8 +262,8 @@ constexpr const char* kExamples =
 
 std::optional<int> parseArguments(int argc, char** argv, Arguments& arguments) {
     CLI::App app(
-        "Renders a static set under an HDRI: unbiased direct light, with few shadow rays where a "
-        "cache tells where they matter.",
+        "Renders a static set lit by an environment map: unbiased direct light, with fewer shadow "
+        "rays where a cache predicts the visibility.",
         "shadowcache-render");
     beginCommandLine(app);
     defineScene(app, arguments);

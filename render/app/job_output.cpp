@@ -51,7 +51,7 @@ void validateOutputs(const RenderJob& job, const EstimatorEntry& entry) {
     requireExtension(job.output, ".exr");
     for (const std::string& aov : job.aovs)
         if (needsInsight(aov) && !entry.needsCache)
-            throw Error("--aov " + aov + ": wanted --estimator cache, which alone knows it");
+            throw Error("--aov " + aov + ": requires --estimator cache");
     for (const int frame : job.frames)
         for (const auto& file : frameFiles(job, frame)) requireWritable(file);
     if (!job.stats.empty()) requireWritable(job.stats);
@@ -68,7 +68,7 @@ void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {
     const auto check = [&](const std::filesystem::path& output) {
         std::error_code no;
         if (kept.contains(std::filesystem::weakly_canonical(output, no)))
-            throwFileError(output, "is an input of this run, wanted another file to write");
+            throwFileError(output, "is an input of this run, expected another file to write");
     };
     for (const int frame : job.frames)
         for (const auto& file : frameFiles(job, frame)) check(file);

@@ -34,7 +34,7 @@ void printSample(const EstimatorContext& context, const ShadingPoint& point, std
                  const Vec3f& direction) {
     std::printf("  sample %zu: ", i);
     if (direction == Vec3f(0, 0, 0)) {
-        std::printf("no ray, contributes nothing whatever it would meet\n");
+        std::printf("no ray: its contribution is 0 whether occluded or not\n");
         return;
     }
     RayPacket packet{};
@@ -44,9 +44,10 @@ void printSample(const EstimatorContext& context, const ShadingPoint& point, std
     std::printf("direction %s, cosine %.6f, ", text(direction).c_str(),
                 static_cast<double>(point.normal.dot(direction)));
     if (std::isinf(distance))
-        std::printf("sky of radiance %s\n", text(context.environment.radiance(direction)).c_str());
+        std::printf("visible, radiance %s\n",
+                    text(context.environment.radiance(direction)).c_str());
     else
-        std::printf("hidden at distance %.6g\n", static_cast<double>(distance));
+        std::printf("occluded at distance %.6g\n", static_cast<double>(distance));
 }
 
 }  // namespace
@@ -69,11 +70,11 @@ void reportPixel(const FrameRequest& frame, int x, int y) {
                     text(sample.albedo).c_str());
     };
     const Pixel pixel = renderPixel(frame, x, y, report);
-    if (pixel.depth == 0) std::printf("  the sky\n");
+    if (pixel.depth == 0) std::printf("  sees the environment\n");
     std::printf("  colour: %s\n", text(pixel.color).c_str());
     if (!isFinite(pixel))
         throw Error("pixel " + std::to_string(x) + "," + std::to_string(y) +
-                    ": not a finite estimate");
+                    ": the estimate is not finite");
 }
 
 }  // namespace shadowcache

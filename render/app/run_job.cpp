@@ -37,7 +37,7 @@ std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh&
     if (!job.staleOk)
         throwFileError(job.cache,
                        "baked for another set (its fingerprint differs): bake this set, or use the "
-                       "cache all the same with --stale-ok, at the price of noise");
+                       "cache with --stale-ok, which is unbiased but noisier");
     std::fprintf(stderr,
                  "shadowcache-render: warning: %s: baked for another set; unbiased, but noisier\n",
                  job.cache.c_str());
@@ -51,7 +51,7 @@ std::vector<GltfShot> openShots(const RenderJob& job) {
     return shots;
 }
 
-/// Whatever can be refused is refused before the long work.
+/// Refuses invalid options before the long work starts.
 ///
 /// @return the estimator asked for
 const EstimatorEntry& validate(const RenderJob& job) {
@@ -71,15 +71,15 @@ const EstimatorEntry& validate(const RenderJob& job) {
     const EstimatorEntry& entry = findEstimator(name);
     if (entry.needsCache && job.cache.empty())
         throw Error("--estimator " + name +
-                    " needs --cache: bake the set with shadowcache-bake first");
+                    " requires --cache: bake the set with shadowcache-bake first");
     if (job.render.samples < entry.minSamples)
         throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
-                    " wants at least " + std::to_string(entry.minSamples));
+                    " expected at least " + std::to_string(entry.minSamples));
     validateOutputs(job, entry);
     return entry;
 }
 
-/// A job under way: what is loaded once, and the frames.
+/// A job in progress: the inputs, loaded once, and the frames.
 class Shot {
 public:
     explicit Shot(const RenderJob& job)
@@ -105,8 +105,7 @@ public:
         for (const int frame : job_.frames) moving_->requireFrame(frame);
         for (GltfShot& shot : shots) shot.dropData();
         if (!moving_->empty())
-            std::printf("moving: %zu triangles, which are not in the cache\n",
-                        moving_->triangles());
+            std::printf("moving: %zu triangles, not in the cache\n", moving_->triangles());
         cache_ = openCache(job_, mesh_);
         const double loaded = secondsNow();
         scene_.emplace(mesh_);
@@ -136,7 +135,7 @@ private:
         }
         if (job_.debugPixel && estimator_->inOrder())
             throw Error(std::string("--debug: a pixel of --estimator ") + entry_.name +
-                        " depends on the pixels before it and has no story of its own");
+                        " depends on the pixels before it and cannot be replayed alone");
         timing_.build += secondsNow() - start;
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;
@@ -167,21 +166,23 @@ private:
         if (reference_) error_ = relativeError(colorImage(film), *reference_);
     }
 
-    /// Says what the frame's own samples tell of its error.
+    /// Prints the error that the frame's own samples estimate.
     void reportError(int frame) const {
-        std::printf("frame %d: %d samples, relMSE %.3g by its own variance, wanted %.3g%s\n", frame,
-                    stats_.samples, stats_.ownError, job_.targetError,
-                    stats_.samples == kMostSamples ? " (no more samples are allowed)" : "");
+        std::printf(
+            "frame %d: %d samples, relMSE %.3g estimated from its own variance, target %.3g%s\n",
+            frame, stats_.samples, stats_.ownError, job_.targetError,
+            stats_.samples == kMostSamples ? " (the maximum of samples)" : "");
     }
 
-    /// Whether the frame is there as it would be rendered; counts and tells what is not.
+    /// Whether the frame exists as it would be rendered; counts those that do, reports the others.
     bool isDone(const Metadata& metadata, int frame) {
         const auto files = frameFiles(job_, frame);
         const FrameState state = frameState(files.front(), metadata);
         if (state == FrameState::broken)
-            std::printf("%s: broken, rendered again\n", files.front().c_str());
+            std::printf("%s: incomplete, rendered again\n", files.front().c_str());
         if (state == FrameState::changed)
-            std::printf("%s: of other settings or files, rendered again\n", files.front().c_str());
+            std::printf("%s: from other settings or files, rendered again\n",
+                        files.front().c_str());
         if (state != FrameState::done ||
             !std::ranges::all_of(files, [](const auto& f) { return std::filesystem::exists(f); }))
             return false;
@@ -232,7 +233,7 @@ void run(const RenderJob& job) {
 
 void listSet(const RenderJob& job) {
     for (const auto& file : job.files) {
-        if (!isGltf(file)) throwFileError(file, "no glTF file, of which alone there is a list");
+        if (!isGltf(file)) throwFileError(file, "--list supports glTF only");
         std::fputs(describe(GltfShot(file, job.mesh, job.fps)).c_str(), stdout);
     }
 }

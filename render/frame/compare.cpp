@@ -12,7 +12,7 @@ namespace shadowcache {
 RelativeError relativeError(const Image& image, const Image& reference) {
     if (image.width != reference.width || image.height != reference.height)
         throw Error("reference image: " + std::to_string(reference.width) + "x" +
-                    std::to_string(reference.height) + " pixels, wanted " +
+                    std::to_string(reference.height) + " pixels, expected " +
                     std::to_string(image.width) + "x" + std::to_string(image.height));
     const std::size_t count = image.pixels.size();
     double sum = 0;
@@ -72,7 +72,7 @@ Image readReference(const std::filesystem::path& path, const RenderOptions& opti
     const bool whole = file.width == options.width && file.height == options.height;
     if (!whole && (file.width != region.width || file.height != region.height))
         throwFileError(path, std::to_string(file.width) + "x" + std::to_string(file.height) +
-                                 " pixels, wanted " + std::to_string(region.width) + "x" +
+                                 " pixels, expected " + std::to_string(region.width) + "x" +
                                  std::to_string(region.height) + " as rendered");
     const int left = whole ? region.x : 0, top = whole ? region.y : 0;
     Image image{region.width, region.height, {}};

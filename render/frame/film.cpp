@@ -60,7 +60,7 @@ const Aov& findAov(const std::string& name) {
         if (aov.name == name) return aov;
         known += (known.empty() ? "" : ", ") + aov.name;
     }
-    throw Error("--aov " + name + ": wanted one of " + known);
+    throw Error("--aov " + name + ": expected one of " + known);
 }
 
 Channel makeChannel(const Film& film, const std::string& name,

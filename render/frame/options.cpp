@@ -27,9 +27,9 @@ void validate(const RenderOptions& options) {
         height > options.height - y)
         throw Error("--crop " + std::to_string(x) + "," + std::to_string(y) + "," +
                     std::to_string(width) + "x" + std::to_string(height) +
-                    ": wanted a part of the frame, " + size);
+                    ": expected a part of the frame, " + size);
     if (std::int64_t{width} * height > kMaxPixels)
-        throw Error(size + ": wanted at most " + std::to_string(kMaxPixels) + " pixels");
+        throw Error(size + ": expected at most " + std::to_string(kMaxPixels) + " pixels");
     requireRange("samples", options.samples, 0, kMostSamples);
     requireRange("camera-rays", options.cameraRays, 1, kMostCameraRays);
     requireRange("pass-rays", options.passRays, 1, kMostCameraRays);

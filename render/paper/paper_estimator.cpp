@@ -211,7 +211,7 @@ void validate(const PaperOptions& options) {
     if (!(options.alpha >= 0 && options.alpha < 1)) {
         std::ostringstream text;
         text << "--alpha " << options.alpha
-             << ": wanted 0 or more and below 1 (at 1 a cached 0 would never be sampled: biased)";
+             << ": expected 0 or more and below 1 (at 1 a cached 0 would never be sampled: biased)";
         throw Error(text.str());
     }
 }

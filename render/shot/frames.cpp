@@ -23,11 +23,11 @@ std::vector<int> parseFrames(const std::string& text) {
         const int step = matched && match[3].matched ? std::stoi(match[3]) : 1;
         if (!matched || last < first || step < 1)
             throw Error("--frames " + text +
-                        ": wanted A, A-B or A-BxSTEP with A <= B, several joined by commas");
+                        ": expected A, A-B or A-BxSTEP with A <= B, several joined by commas");
         for (int f = first; f <= last; f += step)
             if (seen.insert(f).second) frames.push_back(f);
     }
-    if (frames.empty()) throw Error("--frames: empty, wanted A, A-B or A-BxSTEP");
+    if (frames.empty()) throw Error("--frames: empty, expected A, A-B or A-BxSTEP");
     return frames;
 }
 
@@ -46,8 +46,9 @@ std::filesystem::path framePath(const std::filesystem::path& pattern, int frame,
         width = match[1].length() ? std::stoi(match[1]) : 1;
     } else {
         if (several)
-            throw Error("--output " + pattern.string() +
-                        ": several frames need a place for their number, as in frame.####.exr");
+            throw Error(
+                "--output " + pattern.string() +
+                ": several frames, expected a frame number in the name, as in frame.####.exr");
         return pattern;
     }
     char number[32];

@@ -85,7 +85,7 @@ Camera GltfShot::camera(int node, int frame) const {
     if (camera.forward == Vec3d(0.0) || !(right.length() > 1e-6))
         throwFileError(document_->path, "camera " + cameraName(node) + ", frame " +
                                             std::to_string(frame) +
-                                            ": its node's scale leaves no direction of view");
+                                            ": the node's scale leaves no viewing direction");
     camera.up = right.normalized().cross(camera.forward).normalized();
     camera.fovY = from.fovY;
     if (from.orthographic) camera.height = from.height * world_.axis[0].length();
@@ -103,11 +103,11 @@ NamedCamera findCamera(std::span<const GltfShot> shots, const std::string& name)
             if (n.name == name || camera.name == name) found.push_back({&shot, node});
         }
     if (found.empty())
-        throw Error("--camera " + name + ": wanted one of the set's cameras: " +
+        throw Error("--camera " + name + ": expected one of the set's cameras: " +
                     (known.empty() ? "it has none" : known));
     if (found.size() > 1)
         throw Error("--camera " + name + ": " + std::to_string(found.size()) +
-                    " cameras of the set have that name, wanted one: " + known);
+                    " cameras of the set have this name, expected one; cameras: " + known);
     return found[0];
 }
 

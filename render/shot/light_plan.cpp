@@ -28,7 +28,7 @@ std::vector<std::string> environmentsOf(const std::string& text, std::span<const
     if (all.size() > 1 && all.size() != frames.size())
         throw Error("--env " + text + ": " + std::to_string(all.size()) + " maps for " +
                     std::to_string(frames.size()) + (frames.size() > 1 ? " frames" : " frame") +
-                    ", wanted one, or one for each frame");
+                    ", expected one, or one for each frame");
     return all;
 }
 
@@ -38,7 +38,7 @@ std::pair<double, double> rotationOf(const std::string& text) {
     static const std::regex wanted("(" + number + ")(?:-(" + number + "))?");
     std::smatch match;
     if (!std::regex_match(text, match, wanted))
-        throw Error("--env-rotate " + text + ": wanted degrees, or A-B to turn from A to B");
+        throw Error("--env-rotate " + text + ": expected degrees, or A-B to turn from A to B");
     const double first = std::stod(match[1]);
     return {first, match[2].matched ? std::stod(match[2]) : first};
 }
@@ -67,7 +67,7 @@ std::optional<Rgb> parseRadiance(const std::string& text) {
     if (std::sscanf(text.c_str(), "%f,%f,%f%c", &c.x, &c.y, &c.z, &rest) != 3) return std::nullopt;
     for (int k = 0; k < 3; ++k)
         if (!(c[k] >= 0) || std::isinf(c[k]))
-            throw Error("--env " + text + ": wanted three radiances of 0 or more");
+            throw Error("--env " + text + ": expected three radiances of 0 or more");
     return c;
 }
 

@@ -43,7 +43,7 @@ std::vector<double> numbers(const std::filesystem::path& path, const Json& frame
         std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
     if (values.size() != fallback.size() || !found->is_array() ||
         found->size() != fallback.size() || !finite)
-        throwFileError(path, std::string(name) + " is no list of " +
+        throwFileError(path, std::string(name) + " is not a list of " +
                                  std::to_string(fallback.size()) + " finite numbers");
     return values;
 }
@@ -59,16 +59,17 @@ DynamicFile parseDynamic(const std::string& text) {
 
 std::vector<Affine> readTransformTrack(const std::filesystem::path& path) {
     const std::string text = readFileBytes(path);
-    if (!isShallowJson(text)) throwFileError(path, "JSON nested deeper than 256 levels");
+    if (!isShallowJson(text))
+        throwFileError(path, "JSON nested deeper than 256 levels, expected fewer");
     const Json json = Json::parse(text, nullptr, false);
-    if (json.is_discarded()) throwFileError(path, "no JSON, expected a track of transforms");
+    if (json.is_discarded()) throwFileError(path, "is not JSON, expected a track of transforms");
     const auto frames = json.is_object() ? json.find("frames") : json.end();
     if (!json.is_object() || frames == json.end() || !frames->is_array() || frames->empty())
         throwFileError(path, "has no list of frames, expected {\"frames\": [...]}");
     std::vector<Affine> track;
     for (const Json& frame : *frames) {
         if (!frame.is_object())
-            throwFileError(path, "frame " + std::to_string(track.size() + 1) + " is no object");
+            throwFileError(path, "frame " + std::to_string(track.size() + 1) + " is not an object");
         const auto t = numbers(path, frame, "translation", {0, 0, 0});
         const auto q = numbers(path, frame, "rotation", {0, 0, 0, 1});
         const auto s = numbers(path, frame, "scale", {1, 1, 1});

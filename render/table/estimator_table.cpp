@@ -71,7 +71,7 @@ const EstimatorEntry& findEstimator(const std::string& name) {
         names.emplace_back(entry.name);
         known += (known.empty() ? "" : ", ") + names.back();
     }
-    throw Error("--estimator " + name + ": wanted one of " + known + suggestion(name, names));
+    throw Error("--estimator " + name + ": expected one of " + known + suggestion(name, names));
 }
 
 }  // namespace shadowcache

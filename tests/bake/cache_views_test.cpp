@@ -211,7 +211,7 @@ TEST(Grids, OfTheCacheFileAreTyped) {
 
 TEST(Grids, RefuseWhatTheyDoNotKnow) {
     test::expectError([] { parseGridRequest("opennes"); }, "opennes", "did you mean openness?");
-    test::expectError([] { parseGridRequest("a:b:c"); }, "a:b:c", "wanted [NAME:]KIND");
+    test::expectError([] { parseGridRequest("a:b:c"); }, "a:b:c", "expected [NAME:]KIND");
     const BakeResult result = baked(floorAndBlock(), 0);
     const test::TemporaryFolder folder;
     const auto path = folder.path() / "grids.vdb";
@@ -226,8 +226,8 @@ TEST(Grids, RefuseWhatTheyDoNotKnow) {
     };
     for (const std::string wrong :
          {"direction", "direction=", "direction=0,0,0", "direction=1,2", "direction=nan,0,1"})
-        refuses({wrong}, "direction", "wanted a direction");
-    refuses({"env"}, "env", "wanted a map");
+        refuses({wrong}, "direction", "expected a direction");
+    refuses({"env"}, "env", "expected a map");
     refuses({"env=missing.exr"}, "missing.exr", "no such file");
     refuses({"openness", "openness"}, "openness", "two grids");
 }

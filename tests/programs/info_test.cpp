@@ -84,7 +84,7 @@ TEST_F(Info, Refuses) {
     refuses("set.vdb --export-grid sky -o a.vdb", "sky", "no such grid");
     refuses("set.vdb --export-grid mean-directoin -o a.vdb", "did you mean mean-direction?");
     refuses("set.vdb --export-grid env=none.exr -o a.vdb", "none.exr: no such file");
-    refuses("set.vdb --export-grid openness", "wanted -o");
+    refuses("set.vdb --export-grid openness", "requires -o");
     refuses("set.vdb --export-grid openness -o a.png", "a.png", ".vdb");
     refuses("set.vdb --export-grid openness -o set.vdb", "set.vdb", "the cache itself");
     refuses("set.vdb --export-grid openness -o none/a.vdb", "none/a.vdb");
@@ -92,7 +92,7 @@ TEST_F(Info, Refuses) {
     refuses("set.vdb --report a.txt", "a.txt", ".html");
     refuses("set.vdb --report none/a.html", "none/a.html");
     for (const std::string place : {"0,0,0", "0,0,0,0,0,0", "0,0,0,0,1,x", "inf,0,0,0,1,0"})
-        refuses("set.vdb --at " + place, "--at " + place, "wanted X,Y,Z");
+        refuses("set.vdb --at " + place, "--at " + place, "expected X,Y,Z");
     refuses("set.vdb --at 0,0,0,0,1,0 -o a.vdb", "a.vdb", ".png");
     refuses("set.vdb --export-grid openness -o a.vdb", "a.vdb: cannot be written", "", {100, {}});
     refuses("set.vdb --at 0,0,0,0,1,0 -o a.png", "a.png: cannot be written", "", {100, {}});

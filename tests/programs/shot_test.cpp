@@ -75,7 +75,8 @@ TEST_F(ShotTest, ListsWhatAFileHolds) {
         EXPECT_NE(list.out.find(text), std::string::npos) << list.out;
     expectRefusal(run("render", shot("--camera nobody -o a.exr")), "render", "nobody",
                   "shot, plan");
-    expectRefusal(run("render", "set.obj --list"), "render", "set.obj", "no glTF");
+    expectRefusal(run("render", "set.obj --list"), "render", "set.obj",
+                  "--list supports glTF only");
 }
 
 TEST_F(ShotTest, ResumesWhatIsMissingBrokenOrOfOtherSettings) {

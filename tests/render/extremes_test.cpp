@@ -73,7 +73,7 @@ void expectTruth(const std::vector<test::NamedEstimator>& estimators, const Shad
             EXPECT_GT(test::agreementPValue(estimates, truth), level)
                 << name << ", " << samples << " samples: mean " << estimates.mean(1)
                 << ", standard error " << std::sqrt(estimates.sampleVariance(1) / count)
-                << ", wanted " << truth.y;
+                << ", expected " << truth.y;
             if (samples == 64) {
                 EXPECT_LT(test::agreementPValue(estimates, truth * 1.05f), level) << name;
             }
@@ -172,7 +172,7 @@ TEST(Spacing, BelowWhatVoxelsCanCountIsRefused) {
     const Scene scene(mesh);
     BakeOptions options;
     options.spacing = 1e-7;
-    test::expectError([&] { bake(scene, options); }, "spacing 1e-07", "wanted at least 9.5");
+    test::expectError([&] { bake(scene, options); }, "spacing 1e-07", "expected at least 9.5");
 }
 
 TEST(Samples, SixtyFiveThousandOfAPixelComeToTheTruth) {

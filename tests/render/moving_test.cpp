@@ -127,11 +127,11 @@ TEST(MovingTracks, AreReadOrRefused) {
         const auto path = folder.write("t.json", text);
         test::expectError([&] { readTransformTrack(path); }, "t.json", cause);
     };
-    refuses("{", "no JSON");
+    refuses("{", "is not JSON");
     refuses("[]", "has no list of frames");
     refuses(R"({"frames": []})", "has no list of frames");
-    refuses(R"({"frames": [{"scale": [1, 2]}]})", "scale is no list of 3 finite numbers");
-    refuses(R"({"frames": [{"rotation": [1, 2, 3, "x"]}]})", "rotation is no list of 4");
+    refuses(R"({"frames": [{"scale": [1, 2]}]})", "scale is not a list of 3 finite numbers");
+    refuses(R"({"frames": [{"rotation": [1, 2, 3, "x"]}]})", "rotation is not a list of 4");
     refuses(R"({"frames": [)" + std::string(1000, '[') + "]}", "nested deeper");
     EXPECT_EQ(parseDynamic("a@b.obj").mesh, "a@b.obj");
     EXPECT_EQ(parseDynamic("a@b.obj@c.json").track, "c.json");
