@@ -50,7 +50,7 @@ FilmRectangle parseCrop(const std::string& text) {
     static const std::regex crop(R"((\d{1,5}),(\d{1,5}),(\d{1,5})x(\d{1,5}))");
     std::smatch match;
     if (!std::regex_match(text, match, crop))
-        throw Error("--crop " + text + ": wanted X,Y,WxH, as in 100,50,320x180");
+        throw Error("--crop " + text + ": expected X,Y,WxH, as in 100,50,320x180");
     return {std::stoi(match[1]), std::stoi(match[2]), std::stoi(match[3]), std::stoi(match[4])};
 }
 

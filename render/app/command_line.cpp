@@ -25,8 +25,7 @@ void defineScene(CLI::App& app, Arguments& arguments) {
         ->group(group);
     app.add_option("--env-rotate", job.environmentRotation,
                    "Rotation of the map about +Y in degrees, counter-clockwise seen from above; "
-                   "A-B: from A "
-                   "in the first frame to B in the last")
+                   "A-B: from A in the first frame to B in the last")
         ->capture_default_str()
         ->group(group);
     app.add_option("--dynamic", arguments.dynamic,

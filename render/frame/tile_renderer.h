@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "render/frame/integrator.h"
+#include "render/frame/frame_request.h"
 #include "render/frame/pixel_filter.h"
 #include "render/frame/pixel_sum.h"
 #include "render/frame/tiles.h"

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "render/estimators/estimator.h"
+#include "render/frame/camera.h"
+#include "render/frame/options.h"
+
+namespace shadowcache {
+
+/// What rendering took.
+struct RenderStats {
+    double seconds = 0;
+    /// Of it in the estimator's set-up, summed over threads and divided by their number.
+    double setupSeconds = 0;
+    double traceSeconds = 0;  ///< of it in tracing shadow rays and adding them up, likewise
+    std::uint64_t cameraRays = 0;
+    std::uint64_t shadowRays = 0;
+    std::uint64_t reusedRays = 0;  ///< those of shadowRays that reuse what other pixels found
+    int samples = 0;               ///< of a camera ray, in the last frame
+    double ownError = 0;           ///< relMSE of the last frame, estimated from its own samples
+};
+
+/// A frame to render.
+struct FrameRequest {
+    Estimator& estimator;
+    Camera camera;
+    int number;
+    RenderOptions options;
+};
+
+/// One camera ray's place on the set and the estimate there; `samples` are those it was made of.
+struct CameraSample {
+    const ShadingPoint& point;
+    const Rgb& albedo;
+    const Estimate& estimate;
+    const LightSamples& samples;
+};
+using CameraSampleObserver = std::function<void(const CameraSample&)>;
+
+/// Everything random about a sample is a pure function of (seed, frame, pixel, camera ray, index,
+/// dimension).
+std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraRay);
+
+}  // namespace shadowcache
