@@ -6,7 +6,7 @@ namespace shadowcache {
 
 // Second words of hashWords: what the numbers drawn from a seed are for. Two uses of one seed with
 // one salt would draw the same numbers, so every salt has a value and a use of its own, which
-// tests/source_check verifies. The bake's seeds never meet the renderer's.
+// tests/source_check verifies. Seeds of one enumeration never meet those of another.
 
 enum class BakeSalt : std::uint64_t {
     originU = 1,  ///< place of an origin in its triangle
@@ -15,11 +15,27 @@ enum class BakeSalt : std::uint64_t {
     patch = 0x7061746368,  ///< a patch's own seed; third word: its code
 };
 
-/// With a family's name stands the number of values that follow it.
+/// Seeds of frames and of their pilots' places.
+enum class FrameSalt : std::uint64_t {
+    pilotColumn = 1,  ///< place of a pilot ray in the frame
+    pilotRow = 2,
+    someTiles = 82,  ///< which tiles are rendered for an estimate of the whole frame
+    tileBorder =
+        84,  ///< offsets the borders of tiles pixel by pixel; the first word, without a seed
+};
+
+/// Seeds of pixels. A family takes as many values as its comment says.
 enum class RenderSalt : std::uint64_t {
-    owenScramble = 1,  ///< a dimension of Sobol' points; family of 4
-    randomWord = 16,   ///< a word of a random sequence, by dimension; family of 4
-    larcherWord = 32,  ///< randomises a dimension of Larcher-Pillichshammer points; family of 4
+    owenScramble = 1,    ///< a dimension of Sobol' points; family of 4
+    randomWord = 16,     ///< a word of a random sequence, by dimension; family of 4
+    larcherWord = 32,    ///< randomises a dimension of Larcher-Pillichshammer points; family of 4
+    lowBits = 77,        ///< bits of a sample word below its 32nd
+    texelPlace = 78,     ///< place of a sample in a texel of the map
+    misTurn = 79,        ///< which of `mis`'s strategies has the first sample
+    pilotRay = 81,       ///< regions and directions of a pilot point's rays
+    shareRounding = 82,  ///< rounds the samples of a cluster's points
+    clusterJitter = 83,  ///< numbers of a point's samples in a cluster
+    clusterOrder = 85,   ///< the sequence that orders the samples of a cluster
 };
 
 /// Member `i` of a salt's family.
@@ -30,6 +46,12 @@ constexpr RenderSalt operator+(RenderSalt family, int i) {
 
 constexpr std::uint64_t hashWords(std::uint64_t seed, BakeSalt salt, std::uint64_t c = 0) {
     return hashWords(seed, static_cast<std::uint64_t>(salt), c);
+}
+constexpr std::uint64_t hashWords(std::uint64_t seed, FrameSalt salt, std::uint64_t c = 0) {
+    return hashWords(seed, static_cast<std::uint64_t>(salt), c);
+}
+constexpr std::uint64_t hashWords(FrameSalt salt, std::uint64_t b, std::uint64_t c) {
+    return hashWords(static_cast<std::uint64_t>(salt), b, c);
 }
 constexpr std::uint64_t hashWords(std::uint64_t seed, RenderSalt salt, std::uint64_t c = 0) {
     return hashWords(seed, static_cast<std::uint64_t>(salt), c);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/base/parallel.h"
+#include "common/base/salts.h"
 #include "common/base/sequence.h"
 #include "common/base/tuned.h"
 #include "common/predict/cache_preview.h"
@@ -238,7 +239,8 @@ private:
             estimates[point].irradiance = predicted.integral(batch.points[point].normal);
         const ShadingPoint& first = batch.points[members.front()];
         const std::span<const PointShare> shares = sharePoints(
-            members.size(), share, toUnit(hashWords(first.seed, 82, first.cameraRay)), w.shares);
+            members.size(), share,
+            toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)), w.shares);
         reuse.addCluster(regions, plan, members, shares);
         return {regions, plan,
                 w.sampler.draw(batch, members, shares, regions, plan, context_.sequence)};

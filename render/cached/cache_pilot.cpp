@@ -1,5 +1,6 @@
 #include "render/cached/cache_pilot.h"
 
+#include "common/base/salts.h"
 #include "common/base/sequence.h"
 #include "common/base/tuned.h"
 
@@ -42,7 +43,7 @@ void PilotRays::draw(const Environment& environment, const ShadingPoint& point, 
     double below = 0;
     int j = 0;
     const auto numberOf = [&](int dimension) {
-        return hashWords(point.seed, 81,
+        return hashWords(point.seed, RenderSalt::pilotRay,
                          static_cast<std::uint64_t>(j) * 8 + static_cast<std::uint64_t>(k) * 4 +
                              static_cast<std::uint64_t>(dimension));
     };

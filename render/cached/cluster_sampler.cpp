@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/salts.h"
+
 namespace shadowcache {
 
 namespace {
@@ -72,7 +74,8 @@ void ClusterSampler::drawNumbers(const PointBatch& batch, std::span<const std::u
     for (std::size_t i = 0; i < members.size(); ++i) {
         const ShadingPoint& point = batch.points[members[i]];
         const int count = shares[i].count;
-        const std::uint64_t base = hashWords(point.seed, 83, point.cameraRay);
+        const std::uint64_t base =
+            hashWords(point.seed, RenderSalt::clusterJitter, point.cameraRay);
         for (int j = 0; j < count; ++j)
             numbers_.push_back(
                 {0, static_cast<std::uint32_t>(i),
@@ -80,7 +83,7 @@ void ClusterSampler::drawNumbers(const PointBatch& batch, std::span<const std::u
     }
     words_.resize(numbers_.size());
     const ShadingPoint& first = batch.points[members.front()];
-    fillSequence(sequence, 0, hashWords(first.seed, 85, first.cameraRay), 0,
+    fillSequence(sequence, 0, hashWords(first.seed, RenderSalt::clusterOrder, first.cameraRay), 0,
                  static_cast<std::uint32_t>(words_.size()), words_);
     for (std::size_t k = 0; k < numbers_.size(); ++k)
         numbers_[k].key = std::uint64_t{words_[k]} << 32 | mixBits(numbers_[k].jitter) >> 32;

@@ -5,17 +5,12 @@
 
 #include "common/base/sequence.h"
 #include "render/estimators/basic_estimators.h"
+#include "render/estimators/full_precision.h"
 #include "render/estimators/hemisphere.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// Full-precision number from a stratified word: its lower bits come from a hash.
-double refine(std::uint32_t word, std::uint64_t seed, std::uint64_t i) {
-    const std::uint64_t low = hashWords(seed, 77, i) >> 43;
-    return (static_cast<double>(word) + static_cast<double>(low) * 0x1p-21) * 0x1p-32;
-}
 
 class Uniform final : public PointEstimator {
     using PointEstimator::PointEstimator;
@@ -56,8 +51,9 @@ protected:
             w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
         for (std::size_t k = 0; k < u.size(); ++k) {
             const std::uint64_t number = slice.first + k;
-            const auto jitter = static_cast<std::uint32_t>(hashWords(point.seed, 78, number) >> 32);
-            const EnvironmentSample s = environment.sample(refine(u[k], point.seed, number),
+            const auto jitter = static_cast<std::uint32_t>(
+                hashWords(point.seed, RenderSalt::texelPlace, number) >> 32);
+            const EnvironmentSample s = environment.sample(fullPrecision(u[k], point.seed, number),
                                                            toUnitFloat(v[k]), toUnitFloat(jitter));
             const float cosine = s.direction.dot(point.normal);
             if (cosine > 0)
@@ -126,7 +122,8 @@ public:
 private:
     Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
         if (context_.environment.luminanceIntegral() <= 0) return {0, 0, 0};
-        const auto turn = static_cast<std::uint32_t>(hashWords(point.seed, 79) >> 63);
+        const auto turn =
+            static_cast<std::uint32_t>(hashWords(point.seed, RenderSalt::misTurn) >> 63);
         const auto samples = static_cast<float>(slice.count);
         addEnvironmentSamples(point, everySecond(slice, turn), samples, w);
         addCosineSamples(point, everySecond(slice, 1 - turn), samples, w);

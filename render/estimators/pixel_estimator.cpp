@@ -7,6 +7,7 @@
 
 #include "common/base/option_checks.h"
 #include "render/estimators/basic_estimators.h"
+#include "render/estimators/full_precision.h"
 
 namespace shadowcache {
 
@@ -145,9 +146,7 @@ private:
         const auto v =
             w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
         for (std::size_t j = 0; j < u.size(); ++j) {
-            const double x =
-                (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, slice.first + j))) *
-                0x1p-32 * total;
+            const double x = fullPrecision(u[j], point.seed, slice.first + j) * total;
             auto k = static_cast<std::size_t>(std::upper_bound(w.cdf.begin(), w.cdf.end(), x) -
                                               w.cdf.begin());
             k = std::min(k, pixels_.size() - 1);

@@ -5,7 +5,8 @@
 
 #include "common/base/error.h"
 #include "common/base/progress.h"
-#include "common/base/sequence.h"
+#include "common/base/salts.h"
+#include "common/base/hash.h"
 #include "render/frame/tile_loop.h"
 
 namespace shadowcache {
@@ -48,14 +49,6 @@ void place(std::span<const FilmPlace> places, std::span<const Pixel> pixels, Fil
 
 }  // namespace
 
-std::uint64_t pixelSeed(std::uint64_t seed, int frame, int x, int y, int cameraRay) {
-    const auto word = [](int high, int low) {
-        return static_cast<std::uint64_t>(static_cast<std::uint32_t>(high)) << 32 |
-               static_cast<std::uint32_t>(low);
-    };
-    return hashWords(seed, word(frame, cameraRay), word(y, x));
-}
-
 Film render(const FrameRequest& frame, RenderStats& stats) {
     const RenderOptions& options = frame.options;
     Film film = makeFilm(options);
@@ -75,7 +68,8 @@ std::vector<Pixel> renderSomeTiles(const FrameRequest& frame, int apart, RenderS
     std::vector<std::size_t> some;
     const auto step = static_cast<std::size_t>(apart);
     for (std::size_t t = 0; t < all.size(); t += step)
-        some.push_back(all[std::min(t + hashWords(options.seed, 82, t) % step, all.size() - 1)]);
+        some.push_back(all[std::min(t + hashWords(options.seed, FrameSalt::someTiles, t) % step,
+                                    all.size() - 1)]);
     std::vector<std::vector<Pixel>> parts(some.size());
     renderTiles(frame, some, stats, [&](const TileTurn& turn, std::span<const Pixel> pixels) {
         parts[turn.index].assign(pixels.begin(), pixels.end());

@@ -1,7 +1,8 @@
 #include <chrono>
 #include <vector>
 
-#include "common/base/sequence.h"
+#include "common/base/salts.h"
+#include "common/base/hash.h"
 #include "render/frame/tile_renderer.h"
 
 namespace shadowcache {
@@ -23,7 +24,8 @@ void runPilot(const FrameRequest& frame, RenderStats& stats) {
     for (int k = 0; k < kPilotPlaces; ++k) {
         // The numbers of a pilot belong to no pixel.
         const std::uint64_t seed = pixelSeed(options.seed, frame.number, -1, -1, k);
-        const double u = toUnit(hashWords(seed, 1)), v = toUnit(hashWords(seed, 2));
+        const double u = toUnit(hashWords(seed, FrameSalt::pilotColumn)),
+                     v = toUnit(hashWords(seed, FrameSalt::pilotRow));
         const View view = renderer.look(u, v);
         if (view.hit.found)
             points.push_back(renderer.shadingPoint(view, seed, static_cast<int>(u * options.width),

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "common/base/sequence.h"
+#include "common/base/salts.h"
+#include "common/base/hash.h"
 
 namespace shadowcache {
 
@@ -33,8 +34,8 @@ Tiles::Tiles(const RenderOptions& options)
       down_((options.height + kTile - 1) / kTile) {}
 
 std::size_t Tiles::tileOf(int x, int y) const {
-    const std::uint64_t hash =
-        hashWords(84, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y));
+    const std::uint64_t hash = hashWords(FrameSalt::tileBorder, static_cast<std::uint64_t>(x),
+                                         static_cast<std::uint64_t>(y));
     const auto shaken = [&](int place, int shift, int tiles) {
         const int shake = static_cast<int>(hash >> shift & 0xffff) * (2 * kReach + 1) >> 16;
         return std::clamp((place + shake - kReach + kTile) / kTile - 1, 0, tiles - 1);

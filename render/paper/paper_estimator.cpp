@@ -6,6 +6,7 @@
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
+#include "render/estimators/full_precision.h"
 #include "render/estimators/hemisphere.h"
 #include "render/paper/spherical_polygon.h"
 
@@ -73,10 +74,7 @@ Rgb Paper::prepare(const ShadingPoint& point, const SampleSlice& slice,
     const auto v =
         w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
     for (std::size_t j = 0; j < u.size(); ++j) {
-        // The lower bits come from a hash: 32 bits would be few for a large table.
-        const double x =
-            (static_cast<double>(u[j]) + toUnit(hashWords(point.seed, 81, slice.first + j))) *
-            0x1p-32;
+        const double x = fullPrecision(u[j], point.seed, slice.first + j);
         Vec3f direction;
         std::uint32_t triangle = 0;
         if (x < beta) {
