@@ -40,21 +40,6 @@ void parseShard(const std::string& text, BakeOptions& options) {
     options.shards = std::stoi(match[2]);
 }
 
-void defineSet(CLI::App& app, Job& job, std::string& up) {
-    const std::string group = "Set";
-    app.add_option("SET", job.files,
-                   "Geometry files (glTF, OBJ, PLY, STL, OFF, OM); several files form one set")
-        ->required()
-        ->take_all();
-    app.add_option("--up", up, "Up axis of the files: y or z")
-        ->check(CLI::IsMember({"y", "z"}))
-        ->capture_default_str()
-        ->group(group);
-    app.add_option("--scale", job.mesh.scale, "Metres per unit of the files, above 0")
-        ->capture_default_str()
-        ->group(group);
-}
-
 void defineBake(CLI::App& app, Job& job, std::string& shard, bool& uniform) {
     const std::string group = "Bake";
     app.add_option("--spacing", job.bake.spacing,
@@ -88,9 +73,7 @@ void defineOutput(CLI::App& app, Job& job) {
         ->required()
         ->group(group);
     app.add_option("--stats", job.stats, "Write times, rays and sizes as JSON")->group(group);
-    app.add_option("--threads", job.threads, "Threads; 0: one per core")
-        ->capture_default_str()
-        ->group(group);
+    addThreadsOption(app, job.threads, group);
 }
 
 constexpr const char* kFooter =
@@ -173,7 +156,7 @@ int main(int argc, char** argv) try {
     std::string up = "y", shard;
     bool uniform = false;
     beginCommandLine(app);
-    defineSet(app, job, up);
+    addSetOptions(app, job.files, up, job.mesh.scale, "Set");
     defineBake(app, job, shard, uniform);
     defineOutput(app, job);
     app.footer(kFooter);

@@ -55,9 +55,7 @@ void define(CLI::App& app, Arguments& a) {
         ->capture_default_str()
         ->group(group);
     app.add_option("-o,--output", a.output, "File for --at or --export-grid")->group("Output");
-    app.add_option("--threads", a.threads, "Threads; 0: one per core")
-        ->capture_default_str()
-        ->group("Output");
+    addThreadsOption(app, a.threads, "Output");
     app.footer(
         "Examples:\n"
         "  shadowcache-info room.vdb\n"

@@ -130,6 +130,27 @@ void beginCommandLine(CLI::App& app) {
     app.config_formatter(std::make_shared<SettingsFormat>());
 }
 
+void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std::string& up,
+                   double& scale, const std::string& group) {
+    app.add_option("SET", files,
+                   "Geometry files (glTF, OBJ, PLY, STL, OFF, OM); several files form one set")
+        ->required()
+        ->take_all();
+    app.add_option("--up", up, "Up axis of the files: y or z")
+        ->check(CLI::IsMember({"y", "z"}))
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--scale", scale, "Metres per unit of the files, above 0")
+        ->capture_default_str()
+        ->group(group);
+}
+
+void addThreadsOption(CLI::App& app, int& threads, const std::string& group) {
+    app.add_option("--threads", threads, "Threads; 0: one per core")
+        ->capture_default_str()
+        ->group(group);
+}
+
 std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
                                     const std::function<void()>& check) {
     const std::string group = "Settings file";

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -20,6 +21,13 @@ namespace shadowcache {
 /// Call before the options are defined. Of an option given twice the last value counts, so that
 /// scripts can append to a command line.
 void beginCommandLine(CLI::App& app);
+
+/// Defines SET, --up and --scale, which say what a set is read from.
+void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std::string& up,
+                   double& scale, const std::string& group);
+
+/// Defines --threads.
+void addThreadsOption(CLI::App& app, int& threads, const std::string& group);
 
 /// Parses the command line once all options are defined; writes the settings file if requested.
 ///

@@ -14,10 +14,7 @@ namespace {
 void defineScene(CLI::App& app, Arguments& arguments) {
     RenderJob& job = arguments.job;
     const std::string group = "Scene";
-    app.add_option("SET", job.files,
-                   "Geometry files (glTF, OBJ, PLY, STL, OFF, OM); several files form one set")
-        ->required()
-        ->take_all();
+    addSetOptions(app, job.files, arguments.up, job.mesh.scale, group);
     app.add_option(
            "--env", job.environment,
            "Lat-long map (EXR or HDR), or a constant radiance R,G,B; for one map per frame: maps "
@@ -38,13 +35,6 @@ void defineScene(CLI::App& app, Arguments& arguments) {
         ->group(group);
     app.add_option("--albedo", arguments.albedo,
                    "Albedo of surfaces without vertex colours: one value, or R,G,B, 0 to 1")
-        ->capture_default_str()
-        ->group(group);
-    app.add_option("--up", arguments.up, "Up axis of the files: y or z")
-        ->check(CLI::IsMember({"y", "z"}))
-        ->capture_default_str()
-        ->group(group);
-    app.add_option("--scale", job.mesh.scale, "Metres per unit of the files, above 0")
         ->capture_default_str()
         ->group(group);
 }
@@ -231,9 +221,7 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
            "Print the estimator, its inputs, and the expected noise and time; write no picture")
         ->configurable(false)
         ->group(group);
-    app.add_option("--threads", job.threads, "Threads; 0: one per core")
-        ->capture_default_str()
-        ->group(group);
+    addThreadsOption(app, job.threads, group);
 }
 
 /// CLI11 would require these with --list, too.
