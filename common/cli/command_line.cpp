@@ -71,7 +71,7 @@ std::string meantOption(const CLI::App& app, const std::string& word) {
 std::string messageOf(const CLI::App& app, const CLI::ParseError& error) {
     const std::string text = error.what();
     std::smatch m;
-    static const std::regex unconverted("Could not convert: (\\S+) = (.*)");
+    static const std::regex unconverted("Could not convert: (\\S+) = (?:.*,)?(.*)");
     if (std::regex_match(text, m, unconverted)) {
         const CLI::Option* option = app.get_option_no_throw(m[1]);
         const bool whole = option && option->get_type_name().find("INT") != std::string::npos;
@@ -84,7 +84,7 @@ std::string messageOf(const CLI::App& app, const CLI::ParseError& error) {
         for (std::string choice; std::getline(list, choice, ',');) choices.push_back(choice);
         return m[1].str() + " " + m[2].str() + ": expected one of " +
                std::regex_replace(m[3].str(), std::regex(","), ", ") +
-               suggestion(m[2].str(), choices);
+               (m[2].length() > 1 ? suggestion(m[2].str(), choices) : "");
     }
     static const std::regex refused("(--\\S+): (.+), expected (.*)");
     if (std::regex_match(text, m, refused))
@@ -117,7 +117,7 @@ void requireValues(const CLI::App& app) {
         if (option->count() > 0)
             for (const std::string& value : option->results())
                 if (value.empty())
-                    throw CLI::ValidationError(option->get_name(), "empty, expected a value");
+                    throw CLI::ValidationError(option->get_name(), "expected a value");
 }
 
 }  // namespace

@@ -226,7 +226,7 @@ TEST_F(CliRefusal, WrongUsage) {
         {"--sequence soboll",
          "--sequence soboll: expected one of sobol, random, larcher-xor, "
          "larcher-shift, did you mean sobol?"},
-        {"--camera move.json", "--eye cannot be combined with --camera"},
+        {"--camera move.json", "--camera cannot be combined with --eye"},
         {"--seed", "--seed: expected a value"},
         {"--config none.toml", "none.toml: cannot be read"},
     };
