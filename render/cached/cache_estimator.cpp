@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <utility>
 
 #include "common/base/parallel.h"
 #include "common/base/salts.h"
@@ -101,7 +100,7 @@ public:
                              reuse, estimates);
             w.traceNanoseconds += watch.sinceLast();
         }
-        std::move(reuse).finish(context_.scene, estimates);
+        reuse.finish(context_.scene, estimates);
         w.traceNanoseconds += watch.sinceLast();
     }
 

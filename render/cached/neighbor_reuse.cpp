@@ -95,7 +95,7 @@ void NeighborReuse::addOffers(const Regions& regions, const SamplingPlan& plan,
     }
 }
 
-void NeighborReuse::Batch::finish(const Scene& scene, std::span<Estimate> estimates) && {
+void NeighborReuse::Batch::finish(const Scene& scene, std::span<Estimate> estimates) {
     NeighborReuse& r = reuse_;
     r.offered_.resize(r.count_);
     r.offeredNumber_.resize(std::max(r.offeredNumber_.size(), r.count_), 0);
@@ -140,7 +140,7 @@ std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
     const double most =
         std::clamp(kGroupPerFind * weight / std::max(chance, 1e-12), 1.0, kMostGroupPoints);
     sizeBatch_[found.cell] = batchNumber_;
-    return sizes_[found.cell] = std::bit_floor(static_cast<std::uint32_t>(most));
+    return sizes_[found.cell] = std::max(1u, std::bit_floor(static_cast<std::uint32_t>(most)));
 }
 
 void NeighborReuse::findCandidates(const Misprediction& found) {

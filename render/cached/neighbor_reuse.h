@@ -42,7 +42,7 @@ public:
         void add(const Misprediction& found) { reuse_.found_.push_back(found); }
         /// Adds to the points' estimates what all mispredictions contribute, the finders' share
         /// too.
-        void finish(const Scene& scene, std::span<Estimate> estimates) &&;
+        void finish(const Scene& scene, std::span<Estimate> estimates);
 
     private:
         friend class NeighborReuse;

@@ -1,5 +1,4 @@
-// Neighbouring points that tell one another of surprises: unbiased whatever the cache says, and
-// worth it.
+// Neighbouring points reuse mispredictions: unbiased whatever the cache predicts, and worth it.
 
 #include <gtest/gtest.h>
 
@@ -76,9 +75,9 @@ std::vector<test::Estimates> run(const Estimator& estimator, std::vector<Shading
     return all;
 }
 
-class Surprises : public testing::TestWithParam<std::pair<int, int>> {};
+class Mispredictions : public testing::TestWithParam<std::pair<int, int>> {};
 
-INSTANTIATE_TEST_SUITE_P(Caches, Surprises,
+INSTANTIATE_TEST_SUITE_P(Caches, Mispredictions,
                          testing::Values(std::pair(0, 0), std::pair(0, 200), std::pair(200, 200),
                                          std::pair(120, 200), std::pair(190, 200)),
                          [](const auto& test) {
@@ -89,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Caches, Surprises,
                          });
 
 // Against `mis`, and with its control: the same estimates must not agree with 10 % more.
-TEST_P(Surprises, ChangeNoMean) {
+TEST_P(Mispredictions, ChangeNoMean) {
     const TriangleMesh mesh = slitMesh();
     const Scene scene(mesh);
     const Environment environment = test::environmentOf(test::noiseMap(16, 8, 3));
@@ -112,7 +111,7 @@ TEST_P(Surprises, ChangeNoMean) {
 }
 
 // Control: alone, the same points with the same numbers are noisier.
-TEST(SharedSurprises, LessenTheNoise) {
+TEST(NeighborReuse, LessenTheNoise) {
     const TriangleMesh mesh = slitMesh();
     const Scene scene(mesh);
     const Environment environment = test::environmentOf(test::noiseMap(16, 8, 3));
@@ -170,9 +169,9 @@ double noiseWith(int samples) {
     return sum;
 }
 
-// More samples leave fewer surprises heavy enough to be shared. Were they judged by the samples
-// there are, sixteen times as many would lessen the noise by a factor of only 20; it is 60.
-TEST(SharedSurprises, MoreSamplesMeanLessNoise) {
+// More samples leave fewer mispredictions heavy enough to be reused. Were they judged by the
+// samples there are, sixteen times as many would lessen the noise by a factor of only 20; it is 60.
+TEST(NeighborReuse, MoreSamplesMeanLessNoise) {
     const double at64 = noiseWith(64);
     EXPECT_LT(noiseWith(1024), at64 / 35);
     EXPECT_GT(noiseWith(256), at64 / 35);  // control
