@@ -58,7 +58,7 @@ void installInterruptHandler() {
 }
 
 void throwIfInterrupted() {
-    if (interrupted.load(std::memory_order_relaxed)) throw Error("interrupted");
+    if (interrupted.load(std::memory_order_relaxed)) throw Interrupted();
 }
 
 }  // namespace shadowcache

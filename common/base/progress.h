@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "common/base/error.h"
+
 namespace shadowcache {
 
 /// Counts finished work and shows it, with the time left, on standard error when that is a
@@ -36,8 +38,13 @@ private:
 /// signal does kill it).
 void installInterruptHandler();
 
-/// @throws Error("interrupted") once a signal has asked for the end. Cheap; long loops call it
-/// often.
+/// A signal has asked for the end.
+class Interrupted : public Error {
+public:
+    Interrupted() : Error("interrupted") {}
+};
+
+/// @throws Interrupted once a signal has asked for the end. Cheap; long loops call it often.
 void throwIfInterrupted();
 
 }  // namespace shadowcache

@@ -7,12 +7,16 @@
 #include <sstream>
 
 #include "common/base/error.h"
+#include "common/base/option_checks.h"
 #include "common/cli/command_line.h"
 #include "render/shot/frames.h"
 
 namespace shadowcache {
 
 namespace {
+
+/// Samples of a camera ray where --target-error chooses the camera rays.
+constexpr int kTargetErrorSamples = 4;
 
 /// "A,B,C" -> finite numbers, as many as `count`.
 std::vector<double> parseNumbers(const char* option, const std::string& text, std::size_t count,
@@ -79,6 +83,12 @@ RenderJob jobOf(const Arguments& arguments) {
     job.render.height = height;
     if (!arguments.crop.empty()) job.render.crop = parseCrop(arguments.crop);
     job.render.filter = static_cast<FilterKind>(placeOf(arguments.filter, filterNames()));
+    if (job.targetError > 0 && !arguments.samplesGiven) job.render.samples = kTargetErrorSamples;
+    if (arguments.spp != 0) {
+        requireRange("spp", arguments.spp, 1, kMostCameraRays);
+        job.render.cameraRays = arguments.spp;
+        job.render.samples = 1;
+    }
     const bool grey = arguments.albedo.find(',') == std::string::npos;
     job.render.albedo =
         Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])

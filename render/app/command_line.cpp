@@ -151,14 +151,26 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
     app.add_flag("--stale-ok", job.staleOk,
                  "Accept a cache baked for another set: unbiased, but noisier")
         ->group(group);
+    auto* spp = app.add_option("--spp", arguments.spp,
+                               "Shadow rays per pixel: as many camera rays with one each")
+                    ->type_name("S")
+                    ->group(group);
     auto* samples =
         app.add_option("--samples", job.render.samples,
-                       "Shadow rays per camera ray; 0 with `cache`: a biased, noise-free preview");
+                       "Shadow rays per camera ray; 0 with `cache`: a biased, noise-free preview")
+            ->excludes(spp);
     samples->capture_default_str()->group(group);
+    auto* rays = app.add_option("--camera-rays", job.render.cameraRays,
+                                "Camera rays per pixel (antialiasing)")
+                     ->excludes(spp);
+    rays->capture_default_str()->group(group);
     app.add_option(
            "--target-error", job.targetError,
-           "Target relMSE: choose the samples of each frame from an independent pilot render")
-        ->excludes(samples)
+           "Choose the camera rays of each part of a frame so that the frame's relMSE comes "
+           "to about this, from a pilot whose numbers the picture does not use; --samples is 4 "
+           "then, unless given")
+        ->excludes(spp)
+        ->excludes(rays)
         ->group(group);
     app.add_option(
            "--budget", arguments.budget,
@@ -167,7 +179,10 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
         ->check(CLI::IsMember({"uniform", "adaptive"}))
         ->capture_default_str()
         ->group(group);
-    app.add_option("--camera-rays", job.render.cameraRays, "Camera rays per pixel (antialiasing)")
+    app.add_option(
+           "--pass-rays", job.render.passRays,
+           "Camera rays of a pixel that are lit together, at most; --progressive writes the "
+           "picture after each such pass")
         ->capture_default_str()
         ->group(group);
     app.add_option("--seed", job.render.seed, "Seed of all random numbers")
@@ -190,6 +205,15 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
     for (const std::string& name : aovNames()) aovs += " " + name;
     app.add_option("-o,--output", job.output,
                    "EXR to write (.exr); #### or %04d becomes the frame number")
+        ->group(group);
+    auto* progressive = app.add_flag(
+        "--progressive", job.progressive,
+        "Render in passes of --pass-rays camera rays a pixel and write the EXR after each; Ctrl-C "
+        "ends with the last pass that is complete, a second one at once");
+    progressive->group(group);
+    app.add_option("--time-limit", job.timeLimit,
+                   "Seconds for the passes of a frame; the first is always completed")
+        ->needs(progressive)
         ->group(group);
     app.add_flag("--resume", job.resume,
                  "Skip frames that are complete and were rendered from the same settings and files")
@@ -262,6 +286,7 @@ std::optional<int> parseArguments(int argc, char** argv, Arguments& arguments) {
         if (!arguments.list) requireWhatRendersNeed(arguments);
     };
     if (const auto status = parseCommandLine(app, argc, argv, check)) return status;
+    arguments.samplesGiven = app.get_option("--samples")->count() > 0;
     arguments.job.settings = settingsOf(app);
     return std::nullopt;
 }

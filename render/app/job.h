@@ -40,7 +40,9 @@ struct RenderJob {
     std::vector<int> frames{1};
 
     std::filesystem::path output;
-    bool resume = false;  ///< keep frames that are done
+    bool progressive = false;  ///< write the EXR after each pass
+    double timeLimit = 0;      ///< seconds for the passes of a frame; 0: none
+    bool resume = false;       ///< keep frames that are done
     std::vector<std::string> aovs;
     bool half = false;
     bool png = false;

@@ -97,10 +97,12 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const 
     return metadata;
 }
 
-void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, double seconds,
-                int frame) {
+void writeFrame(const RenderJob& job, const Film& film, Metadata metadata,
+                const FrameProgress& progress, int frame) {
     const auto path = frameFile(job, frame);
-    metadata.emplace_back("shadowcache:seconds", std::to_string(seconds));
+    metadata.emplace_back("shadowcache:seconds", std::to_string(progress.seconds));
+    metadata.emplace_back("shadowcache:camera-rays-done", std::to_string(progress.cameraRays));
+    if (!progress.complete) metadata.emplace_back("shadowcache:incomplete", "true");
     writeExr(path, film.width, film.height, channels(film, job.aovs), metadata,
              job.half ? PixelType::half : PixelType::full,
              {film.x, film.y, film.frameWidth, film.frameHeight});
@@ -133,6 +135,7 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
     out.set("cache.bytes", std::uint64_t{cache ? cache->memoryBytes() : 0});
     if (cache) addMemoryUse(out, cache->memoryUse());
     out.set("samples", static_cast<std::uint64_t>(stats.samples));
+    out.set("camera_rays_a_pixel", stats.cameraRaysAPixel);
     out.set("error.by_own_variance", stats.ownError);
     if (error) {
         out.set("error.relmse", error->mean);

@@ -33,9 +33,16 @@ std::filesystem::path frameFile(const RenderJob& job, int frame);
 Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
                        const LightPlan::Light& light, int frame);
 
+/// What a frame's file tells of how it came about.
+struct FrameProgress {
+    double seconds = 0;
+    int cameraRays = 0;    ///< that each pixel has so far
+    bool complete = true;  ///< false: --resume renders it again
+};
+
 /// The EXR, and with --png its pictures. @throws Error
-void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, double seconds,
-                int frame);
+void writeFrame(const RenderJob& job, const Film& film, Metadata metadata,
+                const FrameProgress& progress, int frame);
 
 /// Seconds that all frames share.
 struct Timing {

@@ -62,12 +62,13 @@ void reportPixel(const FrameRequest& frame, int x, int y) {
                     text(point.position).c_str(), text(point.normal).c_str(),
                     text(point.rayOrigin).c_str());
         printItems(context, point);
-        for (std::size_t i = 0; i < sample.samples.size(); ++i)
-            printSample(context, point, i, sample.samples.direction(i));
-        std::printf("  irradiance: %s; variance %.6g; %u shadow rays; albedo: %s\n",
-                    text(sample.estimate.irradiance).c_str(),
-                    static_cast<double>(sample.estimate.variance), sample.estimate.rays,
-                    text(sample.albedo).c_str());
+        for (std::size_t i = 0; i < sample.directions.size(); ++i)
+            printSample(context, point, i, sample.directions[i]);
+        std::printf(
+            "  irradiance: %s; variance %.6g; %u shadow rays of its own, %u that reuse "
+            "samples of others; albedo: %s\n",
+            text(sample.estimate.irradiance).c_str(), static_cast<double>(sample.estimate.variance),
+            sample.estimate.rays, sample.estimate.reused, text(sample.albedo).c_str());
     };
     const Pixel pixel = renderPixel(frame, x, y, report);
     if (pixel.depth == 0) std::printf("  sees the environment\n");

@@ -11,8 +11,9 @@ namespace shadowcache {
 
 namespace {
 
-constexpr const char* kSilent[] = {"seconds", "threads", "output",   "frames",    "stats",
-                                   "resume",  "png",     "exposure", "reference", "memory"};
+constexpr const char* kSilent[] = {"seconds",   "threads", "output",      "frames",
+                                   "stats",     "resume",  "png",         "exposure",
+                                   "reference", "memory",  "progressive", "camera-rays-done"};
 
 bool matters(const std::string& name) {
     const std::string prefix = "shadowcache:";

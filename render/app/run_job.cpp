@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <memory>
 
 #include "common/base/error.h"
@@ -19,6 +20,7 @@
 #include "render/app/pixel_report.h"
 #include "render/app/resume.h"
 #include "render/frame/integrator.h"
+#include "render/frame/progressive.h"
 #include "render/frame/target_error.h"
 #include "render/shot/camera_source.h"
 #include "render/shot/environment_loader.h"
@@ -60,6 +62,7 @@ const EstimatorEntry& validate(const RenderJob& job) {
     requireRange("threads", job.threads, 0, kMaxThreads);
     requireRange("fps", job.fps, 1e-3, 1e6);
     requireRange("target-error", job.targetError, 0.0, 1e6);
+    requireRange("time-limit", job.timeLimit, 0.0, 1e9);
     requireRange("exposure", job.exposure, -64.0f, 64.0f);
     requireRange("fov-y", job.camera.fovYDegrees, 0.01, 179.0);
     if (job.debugPixel) {
@@ -75,6 +78,9 @@ const EstimatorEntry& validate(const RenderJob& job) {
     if (job.render.samples < entry.minSamples)
         throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
                     " expected at least " + std::to_string(entry.minSamples));
+    if (job.progressive && job.sequence != Sequence::sobol && job.sequence != Sequence::random)
+        throw Error(
+            "--progressive: expected --sequence sobol or random, which have no fixed length");
     validateOutputs(job, entry);
     return entry;
 }
@@ -115,11 +121,13 @@ public:
         for (std::size_t i = 0; i < job_.frames.size(); ++i) {
             frame(camera, i);
             if (job_.explain) return;
+            if (interrupted_) break;
         }
         if (job_.debugPixel) return;
         summarize();
         if (!job_.stats.empty())
             writeStats(job_, entry_, mesh_, cache_.get(), timing_, stats_, error_);
+        if (interrupted_ && rendered_ + skipped_ < job_.frames.size()) throw Interrupted();
     }
 
 private:
@@ -147,8 +155,9 @@ private:
             std::fputs(explain(request, forecast).c_str(), stdout);
             return;
         }
+        double correction = 1;
         if (job_.targetError > 0)
-            request.options.samples = samplesForError(request, job_.targetError, stats_);
+            correction = planForError(request, job_.targetError, stats_);
         else
             runPilot(request, stats_);
         if (job_.debugPixel) {
@@ -156,22 +165,51 @@ private:
             reportPixel(request, x, y);
             return;
         }
-        const Film film = render(request, stats_);
+        const ProgressiveFrame done = renderFrame(request, metadata, before);
+        const Film& film = done.film;
         stats_.samples = request.options.samples;
+        stats_.cameraRaysAPixel = meanCameraRays(film);
         stats_.ownError =
+            correction *
             measuredError(film.pixels, estimator_->context().environment.luminanceWeights());
         if (job_.targetError > 0) reportError(frame);
-        writeFrame(job_, film, std::move(metadata), stats_.seconds - before, frame);
+        writeFrame(job_, film, std::move(metadata),
+                   {stats_.seconds - before, done.cameraRays, done.end != FrameEnd::interrupted},
+                   frame);
         ++rendered_;
         if (reference_) error_ = relativeError(colorImage(film), *reference_);
+        if (done.end != FrameEnd::complete)
+            std::printf("frame %d: %s after %d of %d camera rays a pixel\n", frame,
+                        done.end == FrameEnd::interrupted ? "interrupted" : "out of time",
+                        done.cameraRays, request.options.cameraRays);
+        interrupted_ = done.end == FrameEnd::interrupted;
     }
 
-    /// Prints the error that the frame's own samples estimate.
+    /// The frame; with --progressive the file is written after each pass.
+    ProgressiveFrame renderFrame(const FrameRequest& request, const Metadata& metadata,
+                                 double before) {
+        if (!job_.progressive)
+            return {render(request, stats_), request.options.cameraRays, FrameEnd::complete};
+        if (estimator_->inOrder())
+            throw Error(std::string("--progressive: a pixel of --estimator ") + entry_.name +
+                        " depends on the pixels before it");
+        const double end =
+            job_.timeLimit > 0 ? secondsNow() + job_.timeLimit : std::numeric_limits<double>::max();
+        ProgressiveObserver observer;
+        observer.stop = [end] { return secondsNow() > end; };
+        observer.onPass = [&](const Film& film, int cameraRays) {
+            writeFrame(job_, film, metadata, {stats_.seconds - before, cameraRays, false},
+                       request.number);
+        };
+        return renderProgressive(request, stats_, observer);
+    }
+
+    /// Prints the error that the spread of the frame's camera rays tells.
     void reportError(int frame) const {
         std::printf(
-            "frame %d: %d samples, relMSE %.3g estimated from its own variance, target %.3g%s\n",
-            frame, stats_.samples, stats_.ownError, job_.targetError,
-            stats_.samples == kMostSamples ? " (the maximum of samples)" : "");
+            "frame %d: %.4g camera rays a pixel, relMSE %.3g by the spread of its camera rays, "
+            "target %.3g\n",
+            frame, stats_.cameraRaysAPixel, stats_.ownError, job_.targetError);
     }
 
     /// Whether the frame exists as it would be rendered; counts those that do, reports the others.
@@ -194,9 +232,8 @@ private:
         std::printf("%s: %zu frame%s", entry_.name, rendered_, rendered_ == 1 ? "" : "s");
         if (job_.resume)
             std::printf(" (%zu more %s done)", skipped_, skipped_ == 1 ? "was" : "were");
-        std::printf(", %d x %d samples, %.1f M camera rays, %.1f M shadow rays",
-                    job_.render.cameraRays,
-                    job_.targetError > 0 ? stats_.samples : job_.render.samples,
+        std::printf(", %.4g x %d samples, %.1f M camera rays, %.1f M shadow rays",
+                    stats_.cameraRaysAPixel, stats_.samples,
                     static_cast<double>(stats_.cameraRays) * 1e-6,
                     static_cast<double>(stats_.shadowRays) * 1e-6);
         if (stats_.reusedRays > 0)
@@ -223,6 +260,7 @@ private:
     RenderStats stats_;
     Timing timing_;
     std::size_t rendered_ = 0, skipped_ = 0;
+    bool interrupted_ = false;  ///< a progressive frame, which was written all the same
 };
 
 }  // namespace

@@ -95,6 +95,10 @@ public:
         NeighborReuse::Batch reuse = w.reuse.begin(batch, w.clusters);
         for (const PointCluster& cluster : w.clusters.clusters()) {
             const Prepared prepared = prepare(batch, cluster, w, reuse, estimates);
+            if (w.watchedPixel)
+                for (const ClusterSample& sample : prepared.samples)
+                    w.watch(batch.points[sample.point],
+                            sample.finish(context_.environment).direction);
             w.setupNanoseconds += watch.sinceLast();
             w.lighting.trace(context_, batch, prepared.regions, prepared.plan, prepared.samples,
                              reuse, estimates);

@@ -82,6 +82,8 @@ void PointEstimator::estimate(const PointBatch& batch, Workspace& workspace,
                     workspace);
         workspace.setupNanoseconds += watch.sinceLast();
         if (workspace.samples.size() == 0) continue;
+        for (std::size_t j = 0; workspace.watchedPixel && j < workspace.samples.size(); ++j)
+            workspace.watch(point, workspace.samples.direction(j));
         workspace.samples.trace(context_.scene, point, context_.environment, estimates[i]);
         workspace.traceNanoseconds += watch.sinceLast();
     }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -86,9 +87,23 @@ private:
     std::vector<std::size_t> groupEnds_;
 };
 
+/// A sample of a pixel that is watched.
+struct WatchedSample {
+    std::uint32_t cameraRay;
+    Vec3f direction;  ///< zero: no ray, contributes nothing
+};
+
 /// Scratch memory of one thread; estimators derive their own.
 struct Workspace {
     virtual ~Workspace() = default;
+
+    /// A pixel of the batch whose own samples are to be noted, for reports.
+    std::optional<std::uint32_t> watchedPixel;
+    std::vector<WatchedSample> watched;
+
+    void watch(const ShadingPoint& point, const Vec3f& direction) {
+        if (watchedPixel == point.pixel) watched.push_back({point.cameraRay, direction});
+    }
 
     LightSamples samples;
     std::uint64_t setupNanoseconds = 0;

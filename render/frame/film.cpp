@@ -46,6 +46,7 @@ const std::vector<Aov>& aovTable() {
         {"depth", {"Z"}, [](const Pixel& p, int) { return p.depth; }},
         {"variance", {"Y"}, [](const Pixel& p, int) { return p.variance; }},
         {"rays", {"Y"}, [](const Pixel& p, int) { return p.rays; }},
+        {"camera_rays", {"Y"}, [](const Pixel& p, int) { return p.cameraRays; }},
         scalarAov<&Pixel::openness>("openness", 1),
         scalarAov<&Pixel::expectedNoise>("expected_noise", 0),
         scalarAov<&Pixel::items>("items", 16),
@@ -111,6 +112,12 @@ std::vector<Channel> channels(const Film& film, const std::vector<std::string>& 
             }));
     }
     return out;
+}
+
+double meanCameraRays(const Film& film) {
+    double sum = 0;
+    for (const Pixel& p : film.pixels) sum += static_cast<double>(p.cameraRays);
+    return sum / static_cast<double>(film.pixels.size());
 }
 
 Image colorImage(const Film& film) {

@@ -62,6 +62,9 @@ bool needsInsight(const std::string& aov);
 /// @throws Error naming the AOVs there are
 std::vector<Channel> channels(const Film& film, const std::vector<std::string>& aovs);
 
+/// Camera rays a pixel, on the mean.
+double meanCameraRays(const Film& film);
+
 Image colorImage(const Film& film);
 
 }  // namespace shadowcache

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "render/estimators/estimator.h"
 #include "render/frame/camera.h"
@@ -19,6 +20,7 @@ struct RenderStats {
     std::uint64_t shadowRays = 0;
     std::uint64_t reusedRays = 0;  ///< those of shadowRays that reuse what other pixels found
     int samples = 0;               ///< of a camera ray, in the last frame
+    double cameraRaysAPixel = 0;   ///< in the last frame, on the mean
     double ownError = 0;           ///< relMSE of the last frame, estimated from its own samples
 };
 
@@ -28,14 +30,22 @@ struct FrameRequest {
     Camera camera;
     int number;
     RenderOptions options;
+    /// Camera rays of the pixels of each tile that the region touches, 1 .. options.cameraRays, in
+    /// the order of Tiles::touching; empty: options.cameraRays everywhere.
+    std::vector<int> tileRays = {};
+
+    int raysOfTile(std::size_t tile) const {
+        return tileRays.empty() ? options.cameraRays : tileRays[tile];
+    }
 };
 
-/// One camera ray's place on the set and the estimate there; `samples` are those it was made of.
+/// One camera ray's place on the set, the estimate there, and the directions of its own samples; a
+/// zero one has no ray.
 struct CameraSample {
     const ShadingPoint& point;
     const Rgb& albedo;
     const Estimate& estimate;
-    const LightSamples& samples;
+    const std::vector<Vec3f>& directions;
 };
 using CameraSampleObserver = std::function<void(const CameraSample&)>;
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "render/frame/film.h"
 #include "render/frame/frame_request.h"
 
@@ -15,8 +18,11 @@ void runPilot(const FrameRequest& frame, RenderStats& stats);
 /// @throws Error on non-finite estimates, with their number and the options that replay the first
 Film render(const FrameRequest& frame, RenderStats& stats);
 
-/// The pixels of one tile in `apart` of the region, chosen by the seed.
-std::vector<Pixel> renderSomeTiles(const FrameRequest& frame, int apart, RenderStats& stats);
+/// The pixels of some tiles of the region, by their numbers in the order of Tiles::touching; each
+/// has those camera rays that it has in the frame.
+std::vector<std::vector<Pixel>> renderSomeTiles(const FrameRequest& frame,
+                                                std::span<const std::size_t> numbers,
+                                                RenderStats& stats);
 
 /// The pixel (x, y) of the frame, bit for bit as render() makes it; `observer` sees each camera ray
 /// that meets the set.

@@ -11,6 +11,9 @@ namespace shadowcache {
 // 20 GB of film.
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
+// Their numbers have 32 bits.
+constexpr std::int64_t kMostPixelSamples = std::int64_t{1} << 31;
+
 const std::vector<std::string>& filterNames() {
     static const std::vector<std::string> names{"box", "gaussian", "blackman-harris"};
     return names;
@@ -32,6 +35,10 @@ void validate(const RenderOptions& options) {
         throw Error(size + ": expected at most " + std::to_string(kMaxPixels) + " pixels");
     requireRange("samples", options.samples, 0, kMostSamples);
     requireRange("camera-rays", options.cameraRays, 1, kMostCameraRays);
+    if (std::int64_t{options.cameraRays} * options.samples > kMostPixelSamples)
+        throw Error("--camera-rays " + std::to_string(options.cameraRays) + " with --samples " +
+                    std::to_string(options.samples) + ": wanted at most " +
+                    std::to_string(kMostPixelSamples) + " samples a pixel");
     requireRange("pass-rays", options.passRays, 1, kMostCameraRays);
     requireRange("filter-width", options.filterWidth, 0.0, 16.0);
     for (int k = 0; k < 3; ++k) requireRange("albedo", options.albedo[k], 0.0f, 1.0f);

@@ -1,8 +1,8 @@
 #include <chrono>
 #include <vector>
 
-#include "common/base/salts.h"
 #include "common/base/hash.h"
+#include "common/base/salts.h"
 #include "render/frame/tile_renderer.h"
 
 namespace shadowcache {

@@ -6,14 +6,15 @@
 
 namespace shadowcache {
 
-/// relMSE of a picture as the variance that its estimators found in their own samples tells it.
+/// relMSE of a picture as the spread of its camera rays tells it.
 double measuredError(std::span<const Pixel> pixels, const Rgb& luminanceWeights);
 
-/// Samples that bring a frame to relMSE `target` (> 0), from a pilot: a sixteenth of its tiles,
-/// drawn with other random numbers than the picture, so that the picture stays unbiased whatever
-/// the pilot found. Leaves the estimator surveyed for that number.
+/// Sets the camera rays of each tile of a frame so that its relMSE comes to `target` (> 0): pixels
+/// whole, with edges and sky. A pilot finds out where they are needed. Its random numbers are not
+/// the picture's, so that the picture stays unbiased whatever the pilot found. Leaves the estimator
+/// surveyed for the frame.
 ///
-/// @return 1 .. kMostSamples
-int samplesForError(FrameRequest frame, double target, RenderStats& stats);
+/// @return how much more error there is than measuredError() tells, as the pilot found
+double planForError(FrameRequest& frame, double target, RenderStats& stats);
 
 }  // namespace shadowcache

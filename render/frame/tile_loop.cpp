@@ -9,10 +9,36 @@
 
 namespace shadowcache {
 
+namespace {
+
+/// Adds the time of its life, however that ends.
+class TimeKeeper {
+public:
+    explicit TimeKeeper(RenderStats& stats) : stats_(stats) {}
+    ~TimeKeeper() {
+        stats_.seconds +=
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+    TimeKeeper(const TimeKeeper&) = delete;
+    TimeKeeper& operator=(const TimeKeeper&) = delete;
+
+private:
+    RenderStats& stats_;
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
 void RayCounts::add(const Pixel& pixel) {
     camera += static_cast<std::uint64_t>(pixel.cameraRays);
     shadow += static_cast<std::uint64_t>(pixel.rays);
     reused += static_cast<std::uint64_t>(pixel.reusedRays);
+}
+
+void RayCounts::add(const RayCounts& other) {
+    camera += other.camera;
+    shadow += other.shadow;
+    reused += other.reused;
 }
 
 void RayCounts::addTo(RenderStats& stats) const {
@@ -47,7 +73,7 @@ void Workspaces::addTimes(RenderStats& stats) {
 void forEachTile(const FrameRequest& frame, std::span<const std::size_t> tiles,
                  Workspaces& workspaces, RenderStats& stats,
                  const std::function<void(const TileTurn&)>& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const TimeKeeper time(stats);
     const Tiles all(frame.options);
     const std::size_t run = frame.estimator.inOrder() ? std::max<std::size_t>(1, tiles.size()) : 4;
     parallelFor(tiles.size(), run, [&](const Chunk& chunk) {
@@ -62,8 +88,6 @@ void forEachTile(const FrameRequest& frame, std::span<const std::size_t> tiles,
         workspaces.giveBack(std::move(workspace));
     });
     workspaces.addTimes(stats);
-    stats.seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, RenderStats& stats,
@@ -73,7 +97,8 @@ void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, 
     std::vector<RayCounts> counts(tiles.size());
     forEachTile(frame, tiles, workspaces, stats, [&](const TileTurn& turn) {
         std::vector<PixelSum> sums(turn.places.size());
-        renderer.renderTile(turn.places, turn.scratch, turn.workspace, sums);
+        renderer.renderTile(turn.places, frame.raysOfTile(turn.index), turn.scratch, turn.workspace,
+                            sums);
         std::vector<Pixel> pixels;
         pixels.reserve(sums.size());
         for (const PixelSum& sum : sums) {

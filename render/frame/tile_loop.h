@@ -32,6 +32,7 @@ struct RayCounts {
     std::uint64_t camera = 0, shadow = 0, reused = 0;
 
     void add(const Pixel& pixel);
+    void add(const RayCounts& other);
     void addTo(RenderStats& stats) const;
 };
 

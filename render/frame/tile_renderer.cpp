@@ -20,6 +20,11 @@ void addInsight(const CacheInsight& insight, Pixel& pixel) {
     pixel.misses += insight.items == 0 ? 1.0f : 0.0f;
 }
 
+int fewestRays(const FrameRequest& request) {
+    return request.tileRays.empty() ? request.options.cameraRays
+                                    : *std::ranges::min_element(request.tileRays);
+}
+
 }  // namespace
 
 TileRenderer::TileRenderer(const FrameRequest& request)
@@ -29,7 +34,7 @@ TileRenderer::TileRenderer(const FrameRequest& request)
       number_(request.number),
       options_(request.options),
       filter_(options_.filter, options_.filterWidth),
-      runLength_(spreadRunLength(std::min(options_.cameraRays, options_.passRays))) {}
+      runLength_(spreadRunLength(std::min(fewestRays(request), options_.passRays))) {}
 
 View TileRenderer::look(double filmX, double filmY) const {
     const double aspect = static_cast<double>(options_.width) / options_.height;
@@ -77,18 +82,28 @@ void TileRenderer::addCameraRays(std::span<const FilmPlace> places, int first, i
     }
 }
 
+PointBatch TileRenderer::batchOf(std::span<const ShadingPoint> points, std::size_t pixels,
+                                 int first, int count) const {
+    return {points,
+            options_.samples,
+            static_cast<std::uint32_t>(pixels),
+            static_cast<std::uint32_t>(count),
+            static_cast<std::uint32_t>(first),
+            static_cast<std::uint32_t>(options_.cameraRays) *
+                static_cast<std::uint32_t>(options_.samples)};
+}
+
 void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int count,
                             TileScratch& scratch, Workspace& workspace,
                             std::span<PixelSum> sums) const {
     sendCameraRays(places, first, count, scratch, sums);
     scratch.estimates.resize(scratch.points.size());
-    const PointBatch batch{scratch.points,
-                           options_.samples,
-                           static_cast<std::uint32_t>(places.size()),
-                           static_cast<std::uint32_t>(count),
-                           static_cast<std::uint32_t>(first),
-                           static_cast<std::uint32_t>(options_.cameraRays) *
-                               static_cast<std::uint32_t>(options_.samples)};
+    const PointBatch batch = batchOf(scratch.points, places.size(), first, count);
+    workspace.watchedPixel.reset();
+    workspace.watched.clear();
+    for (std::size_t p = 0; observer_ && p < places.size(); ++p)
+        if (places[p].x == observed_.x && places[p].y == observed_.y)
+            workspace.watchedPixel = static_cast<std::uint32_t>(p);
     estimator_.estimate(batch, workspace, scratch.estimates);
     std::size_t i = 0;
     for (const TileScratch::Ray& ray : scratch.rays) {
@@ -134,8 +149,10 @@ void TileRenderer::addToPixel(const ShadingPoint& point, const Hit& hit, const E
     const Rgb albedo =
         albedoAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v, options_.albedo);
     if (observer_ && point.filmX == observed_.x && point.filmY == observed_.y) {
-        estimator_.estimate(point, options_.samples, workspace);  // for its samples
-        (*observer_)({point, albedo, e, workspace.samples});
+        std::vector<Vec3f> directions;
+        for (const WatchedSample& sample : workspace.watched)
+            if (sample.cameraRay == point.cameraRay) directions.push_back(sample.direction);
+        (*observer_)({point, albedo, e, directions});
     }
     const Rgb color = albedo * e.irradiance * static_cast<float>(1 / kPi);
     Pixel& sum = pixel.sum;
@@ -155,11 +172,12 @@ void TileRenderer::addToPixel(const ShadingPoint& point, const Hit& hit, const E
         addInsight(estimator_.insights()->insight(point, options_.samples, workspace), sum);
 }
 
-void TileRenderer::renderTile(std::span<const FilmPlace> places, TileScratch& scratch,
-                              Workspace& workspace, std::span<PixelSum> sums) const {
-    for (int first = 0; first < options_.cameraRays; first += options_.passRays)
-        addCameraRays(places, first, std::min(options_.passRays, options_.cameraRays - first),
-                      scratch, workspace, sums);
+void TileRenderer::renderTile(std::span<const FilmPlace> places, int cameraRays,
+                              TileScratch& scratch, Workspace& workspace,
+                              std::span<PixelSum> sums) const {
+    for (int first = 0; first < cameraRays; first += options_.passRays)
+        addCameraRays(places, first, std::min(options_.passRays, cameraRays - first), scratch,
+                      workspace, sums);
 }
 
 Pixel TileRenderer::average(const PixelSum& sum) const {

@@ -47,9 +47,9 @@ public:
     void addCameraRays(std::span<const FilmPlace> places, int first, int count,
                        TileScratch& scratch, Workspace& workspace, std::span<PixelSum> sums) const;
 
-    /// All camera rays of a tile, pass by pass.
-    void renderTile(std::span<const FilmPlace> places, TileScratch& scratch, Workspace& workspace,
-                    std::span<PixelSum> sums) const;
+    /// Camera rays 0 to `cameraRays - 1` of each pixel of a tile, pass by pass.
+    void renderTile(std::span<const FilmPlace> places, int cameraRays, TileScratch& scratch,
+                    Workspace& workspace, std::span<PixelSum> sums) const;
 
     /// The pixel so far.
     Pixel average(const PixelSum& sum) const;
@@ -63,6 +63,8 @@ private:
                   Workspace& workspace, std::span<PixelSum> sums) const;
     void sendCameraRays(std::span<const FilmPlace> places, int first, int count,
                         TileScratch& scratch, std::span<PixelSum> sums) const;
+    PointBatch batchOf(std::span<const ShadingPoint> points, std::size_t pixels, int first,
+                       int count) const;
     void addToPixel(const ShadingPoint& point, const Hit& hit, const Estimate& estimate,
                     Workspace& workspace, PixelSum& pixel) const;
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "common/base/salts.h"
 #include "common/base/hash.h"
+#include "common/base/salts.h"
 
 namespace shadowcache {
 

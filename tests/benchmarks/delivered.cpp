@@ -22,8 +22,8 @@ struct Split {
     bool operator==(const Split&) const = default;
 };
 
-/// Of each half of a reference.
-constexpr Split kReferenceSplit{64, 64};
+/// Of each half of a reference, which then has 64 x 64.
+constexpr Split kReferenceSplit{32, 64};
 
 /// The control: a reference so much brighter must be told from the true one.
 constexpr double kControl = 1.02;

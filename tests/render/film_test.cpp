@@ -2,13 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <cstdio>
+#include <optional>
 #include <vector>
 
 #include "common/base/sequence.h"
+#include "render/frame/compare.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pixel_filter.h"
+#include "render/frame/progressive.h"
+#include "render/frame/target_error.h"
 #include "tests/support/plain_set.h"
 #include "tests/support/statistics.h"
 
@@ -193,6 +200,99 @@ TEST_F(Frame, VarianceOfAPixelCountsEdges) {
     // Of radiances 1 and about 0.5 in turns: some 0.06 a ray; stratification takes most of it.
     EXPECT_GT(edges / edgePixels, 1e-5);
     EXPECT_LT(edges / edgePixels, 0.06 / 64);
+}
+
+/// Whether two films have the same bits.
+bool same(const Film& a, const Film& b) {
+    return std::ranges::equal(a.pixels, b.pixels, [](const Pixel& p, const Pixel& q) {
+        return p.color == q.color && p.variance == q.variance && p.rays == q.rays;
+    });
+}
+
+class Progressive : public Frame {
+protected:
+    Progressive() {
+        BakeOptions bakeOptions;
+        bakeOptions.spacing = 0.25;
+        bakeOptions.level = 3;
+        cache_.emplace(bake(scene_, bakeOptions));
+    }
+
+    /// Passes until `passes` are complete.
+    ProgressiveFrame progress(const std::string& name, int passes) {
+        const auto made =
+            findEstimator(name).make({scene_, environment_, &cache_->cache(), sequence_});
+        RenderStats stats;
+        std::atomic<int> complete{0};
+        ProgressiveObserver observer;
+        observer.stop = [&] { return complete >= passes; };
+        observer.onPass = [&](const Film&, int) { ++complete; };
+        runPilot({*made, camera_, 1, options_}, stats);
+        return renderProgressive({*made, camera_, 1, options_}, stats, observer);
+    }
+    Film atOnce(const std::string& name) {
+        const auto made =
+            findEstimator(name).make({scene_, environment_, &cache_->cache(), sequence_});
+        RenderStats stats;
+        runPilot({*made, camera_, 1, options_}, stats);
+        return shadowcache::render({*made, camera_, 1, options_}, stats);
+    }
+
+    std::optional<test::TestCache> cache_;
+};
+
+TEST_F(Progressive, PassesMakeTheBitsOfAllAtOnce) {
+    options_.passRays = 4;
+    for (const char* name : {"mis", "cache"}) {
+        options_.cameraRays = 16;
+        const ProgressiveFrame all = progress(name, 99);
+        EXPECT_EQ(all.cameraRays, 16);
+        EXPECT_EQ(all.end, FrameEnd::complete);
+        EXPECT_TRUE(same(all.film, atOnce(name))) << name;
+        const ProgressiveFrame some = progress(name, 2);
+        EXPECT_EQ(some.cameraRays, 8);
+        EXPECT_EQ(some.end, FrameEnd::stopped);
+        // Control: it is not the whole one.
+        EXPECT_FALSE(same(some.film, all.film)) << name;
+        options_.cameraRays = 8;
+        EXPECT_TRUE(same(some.film, atOnce(name))) << name;
+        // The first pass is completed whatever happens.
+        EXPECT_EQ(progress(name, 0).cameraRays, 4);
+    }
+}
+
+/// The target is met within a factor, edges included, for estimators of very different noise; with
+/// rays where they are needed.
+TEST_F(Progressive, TargetErrorIsMet) {
+    options_.cameraRays = 128;
+    options_.samples = 16;
+    options_.seed = 77;
+    const Image reference = colorImage(atOnce("cache"));
+    options_.seed = 1;
+    options_.samples = 4;
+    for (const char* name : {"mis", "cache"})
+        for (const double target : {0.02, 0.002}) {
+            const auto made =
+                findEstimator(name).make({scene_, environment_, &cache_->cache(), sequence_});
+            RenderStats stats;
+            FrameRequest frame{*made, camera_, 1, options_};
+            const double told = planForError(frame, target, stats);
+            const Film film = shadowcache::render(frame, stats);
+            const double error = relativeError(colorImage(film), reference).mean;
+            // Four camera rays, the fewest, may do better.
+            if (meanCameraRays(film) > 5) {
+                EXPECT_GT(error, target / 4) << name << ' ' << target;
+            }
+            EXPECT_LT(error, 3 * target) << name << ' ' << target;
+            const auto [least, most] = std::ranges::minmax(frame.tileRays);
+            if (most > 16) {
+                EXPECT_LT(least, most) << name << ' ' << target;
+            }
+            std::printf("%s %g: %g, %g rays, told %g, tiles %d to %d\n", name, target, error,
+                        meanCameraRays(film),
+                        told * measuredError(film.pixels, environment_.luminanceWeights()), least,
+                        most);
+        }
 }
 
 }  // namespace
