@@ -18,8 +18,7 @@ constexpr int kPlaces = 200;
 constexpr int kEstimates = 40;  ///< of each place
 
 /// A cache whose only item was traced from `point`.
-test::TestCache cacheAt(const Scene& scene, const ShadingPoint& point, const BakeOptions& options,
-                        const DirectionTable& directions) {
+test::TestCache cacheAt(const Scene& scene, const ShadingPoint& point, const BakeOptions& options) {
     BakeResult baked;
     baked.header.level = options.level;
     baked.header.spacing = options.spacing;
@@ -31,15 +30,13 @@ test::TestCache cacheAt(const Scene& scene, const ShadingPoint& point, const Bak
     patch.meanPosition = Vec3f(0, 0, 0);
     patch.origin.fill(point.rayOrigin);
     patch.originNormal.fill(point.normal);
-    const BaseCells base(baked.header.tiers());
-    ItemBaker baker(scene, directions, base, options, options.spacing);
-    const Probe probe = baker.probe(patch);
+    const ItemBaker baker(scene, options, options.spacing);
+    const Pilot pilot = baker.tracePilot(patch);
     const Vec3d voxel = point.position / options.spacing;
-    baker.finish(
-        patch,
-        Vec3i(static_cast<int>(std::lround(voxel.x)), static_cast<int>(std::lround(voxel.y)),
-              static_cast<int>(std::lround(voxel.z))),
-        probe, probe.open & probe.blocked, false, baked.items);
+    store(baker.refine(patch, pilot, pilot.mixed(), {}), patch,
+          Vec3i(static_cast<int>(std::lround(voxel.x)), static_cast<int>(std::lround(voxel.y)),
+                static_cast<int>(std::lround(voxel.z))),
+          baked.items);
     return test::TestCache(baked);
 }
 
@@ -71,7 +68,6 @@ double relativeVariance(const Estimator& estimator, const ShadingPoint& point, i
 void oracle(const Settings& settings) {
     JsonFile json;
     std::printf("%-9s %-13s %12s %12s %7s\n", "scene", "map", "baked", "traced", "ratio");
-    const DirectionTable directions;
     for (const std::string& name : settings.scenes) {
         const auto set = loadSet(settings, name);
         BakeOptions bake = settings.bake;
@@ -89,7 +85,7 @@ void oracle(const Settings& settings) {
             double ours = 0, best = 0;
             for (const ShadingPoint& p : points) {
                 ours += relativeVariance(*made, p, settings.samples, 0.1 * bright) / kPlaces;
-                const test::TestCache traced = cacheAt(*set->scene, p, bake, directions);
+                const test::TestCache traced = cacheAt(*set->scene, p, bake);
                 const auto there =
                     findEstimator("cache").make({*set->scene, *environment, &traced.cache(), {}});
                 there->pilot()->run({&p, 1}, settings.samples);
