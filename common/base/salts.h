@@ -26,16 +26,20 @@ enum class FrameSalt : std::uint64_t {
 
 /// Seeds of pixels. A family takes as many values as its comment says.
 enum class RenderSalt : std::uint64_t {
-    owenScramble = 1,    ///< a dimension of Sobol' points; family of 4
-    randomWord = 16,     ///< a word of a random sequence, by dimension; family of 4
-    larcherWord = 32,    ///< randomises a dimension of Larcher-Pillichshammer points; family of 4
-    lowBits = 77,        ///< bits of a sample word below its 32nd
-    texelPlace = 78,     ///< place of a sample in a texel of the map
-    misTurn = 79,        ///< which of `mis`'s strategies has the first sample
-    pilotRay = 81,       ///< regions and directions of a pilot point's rays
-    shareRounding = 82,  ///< rounds the samples of a cluster's points
-    clusterJitter = 83,  ///< numbers of a point's samples in a cluster
-    clusterOrder = 85,   ///< the sequence that orders the samples of a cluster
+    owenScramble = 1,     ///< a dimension of Sobol' points; family of 4
+    randomWord = 16,      ///< a word of a random sequence, by dimension; family of 4
+    larcherWord = 32,     ///< randomises a dimension of Larcher-Pillichshammer points; family of 4
+    lowBits = 77,         ///< bits of a sample word below its 32nd
+    texelPlace = 78,      ///< place of a sample in a texel of the map
+    misTurn = 79,         ///< which of `mis`'s strategies has the first sample
+    pilotRay = 81,        ///< regions and directions of a pilot point's rays
+    shareRounding = 82,   ///< rounds the samples of a cluster's points
+    clusterJitter = 83,   ///< numbers of a point's samples in a cluster
+    clusterOrder = 85,    ///< the sequence that orders the samples of a cluster
+    domePilotTile = 90,   ///< tiles of the map that `dome`'s pilot rays go to
+    domePilotTexel = 91,  ///< places of these rays in their texels
+    domeTurn = 92,        ///< which of `dome`'s samples is the first drawn by the cosine
+    domeTexel = 93,       ///< place of a sample in a texel of its tile
 };
 
 /// Member `i` of a salt's family.

@@ -275,8 +275,8 @@ Rgb Environment::radiance(const Vec3f& direction) const noexcept {
 }
 
 EnvironmentSample Environment::lookUp(const Vec3f& direction) const noexcept {
-    const MapTexel& t = map_[texelAlong(direction)];
-    return {direction, t.radiance, t.density};
+    const std::size_t i = texelAlong(direction);
+    return {direction, map_[i].radiance, map_[i].density, 0, static_cast<std::uint32_t>(i)};
 }
 
 Environment::Texel Environment::texel(std::size_t i) const noexcept {
@@ -289,7 +289,8 @@ Environment::Texel Environment::texel(std::size_t i) const noexcept {
               static_cast<float>(std::cos(polar)),
               static_cast<float>(std::sin(polar) * std::cos(longitude))),
         sorted_[i].radiance,
-        static_cast<float>(kTwoPi / static_cast<double>(width_)) * (rowCos_[y] - rowCos_[y + 1])};
+        static_cast<float>(kTwoPi / static_cast<double>(width_)) * (rowCos_[y] - rowCos_[y + 1]),
+        sorted_[i].index};
 }
 
 Vec3d Environment::placeIn(std::size_t i, double x, double y) const noexcept {

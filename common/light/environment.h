@@ -14,8 +14,9 @@ namespace shadowcache {
 struct EnvironmentSample {
     Vec3f direction;
     Rgb radiance;
-    float density;           ///< [1/sr] with respect to the region that was sampled
-    std::uint32_t cell = 0;  ///< of level Environment::kLevel, that holds the texel
+    float density;            ///< [1/sr] with respect to the region that was sampled
+    std::uint32_t cell = 0;   ///< of level Environment::kLevel, that holds the texel; if drawn
+    std::uint32_t texel = 0;  ///< Environment::Texel::index
 };
 
 /// Sixteen consecutive cells of a level (at level 2 and finer, those with a common ancestor two
@@ -94,6 +95,7 @@ public:
         Vec3f center;
         Rgb radiance;
         float solidAngle;
+        std::uint32_t index;  ///< place in the map, below texelCount()
     };
     std::size_t texelCount() const { return sorted_.size(); }
     /// Unit direction to place (x, y) in [0, 1]^2 of texel i; uniform places are uniform in solid

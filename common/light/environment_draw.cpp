@@ -75,6 +75,7 @@ EnvironmentSample Environment::finishDraw(const Draw& draw, float jitterX,
                         sinPolar * (columnCos_[column] * cosD + columnSin_[column] * sinD)};
     sample.radiance = sorted_[draw.texel].radiance;
     sample.cell = draw.cell;
+    sample.texel = texel;
     sample.density = static_cast<float>(static_cast<double>(draw.cellShare) * share /
                                         static_cast<double>(texelWidth * (cosTop - cosBottom)));
     return sample;

@@ -22,6 +22,7 @@ std::unique_ptr<Estimator> makeUniform(const EstimatorContext& context);
 std::unique_ptr<Estimator> makeCosine(const EstimatorContext& context);
 std::unique_ptr<Estimator> makeEnvironment(const EstimatorContext& context);
 std::unique_ptr<Estimator> makeMis(const EstimatorContext& context);
+std::unique_ptr<Estimator> makeDome(const EstimatorContext& context);
 std::unique_ptr<Estimator> makePixel(const EstimatorContext& context, const PixelOptions& options);
 std::unique_ptr<Estimator> makePixelPrinted(const EstimatorContext& context,
                                             const PixelOptions& options);

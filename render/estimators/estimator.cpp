@@ -64,6 +64,10 @@ std::span<const std::uint32_t> Workspace::numbers(Sequence sequence, std::uint64
     return out;
 }
 
+std::size_t FramePilot::places(std::uint64_t) const {
+    return 1024;
+}
+
 std::unique_ptr<Workspace> Estimator::makeWorkspace() const {
     return std::make_unique<Workspace>();
 }

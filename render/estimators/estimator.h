@@ -123,6 +123,9 @@ class FramePilot {
 public:
     virtual ~FramePilot() = default;
 
+    /// Places on the film that it wants of a frame of `samples` samples in all.
+    virtual std::size_t places(std::uint64_t samples) const;
+
     /// Replaces whatever was learned from earlier frames.
     ///
     /// @param samples  what each pixel will be given, or their mean where the estimator shares out

@@ -1,18 +1,13 @@
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "common/base/hash.h"
+#include "common/base/parallel.h"
 #include "common/base/salts.h"
 #include "render/frame/tile_renderer.h"
 
 namespace shadowcache {
-
-namespace {
-
-/// Places of the frame that a pilot looks at.
-constexpr int kPilotPlaces = 1024;
-
-}  // namespace
 
 void runPilot(const FrameRequest& frame, RenderStats& stats) {
     const RenderOptions& options = frame.options;
@@ -20,19 +15,29 @@ void runPilot(const FrameRequest& frame, RenderStats& stats) {
     if (options.samples == 0 || !pilot) return;
     const auto start = std::chrono::steady_clock::now();
     const TileRenderer renderer(frame);
+    const std::size_t places = pilot->places(static_cast<std::uint64_t>(options.width) *
+                                             static_cast<std::uint64_t>(options.height) *
+                                             static_cast<std::uint64_t>(options.cameraRays) *
+                                             static_cast<std::uint64_t>(options.samples));
+    std::vector<std::optional<ShadingPoint>> seen(places);
+    parallelFor(places, 256, [&](const Chunk& chunk) {
+        for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
+            // The numbers of a pilot belong to no pixel.
+            const std::uint64_t seed =
+                pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k));
+            const double u = toUnit(hashWords(seed, FrameSalt::pilotColumn)),
+                         v = toUnit(hashWords(seed, FrameSalt::pilotRow));
+            const View view = renderer.look(u, v);
+            if (view.hit.found)
+                seen[k] = renderer.shadingPoint(view, seed, static_cast<int>(u * options.width),
+                                                static_cast<int>(v * options.height));
+        }
+    });
     std::vector<ShadingPoint> points;
-    for (int k = 0; k < kPilotPlaces; ++k) {
-        // The numbers of a pilot belong to no pixel.
-        const std::uint64_t seed = pixelSeed(options.seed, frame.number, -1, -1, k);
-        const double u = toUnit(hashWords(seed, FrameSalt::pilotColumn)),
-                     v = toUnit(hashWords(seed, FrameSalt::pilotRow));
-        const View view = renderer.look(u, v);
-        if (view.hit.found)
-            points.push_back(renderer.shadingPoint(view, seed, static_cast<int>(u * options.width),
-                                                   static_cast<int>(v * options.height)));
-    }
+    for (const std::optional<ShadingPoint>& point : seen)
+        if (point) points.push_back(*point);
     stats.shadowRays += pilot->run(points, options.samples);
-    stats.cameraRays += kPilotPlaces;
+    stats.cameraRays += places;
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.seconds += seconds;

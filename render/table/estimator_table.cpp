@@ -25,6 +25,8 @@ constexpr EstimatorEntry kEstimators[] = {
     {"environment", "directions in proportion to the map's luminance", 1, false,
      plain<makeEnvironment>},
     {"mis", "half environment, half cosine, balance heuristic", 1, false, plain<makeMis>},
+    {"dome", "`mis` with tiles of the map chosen by what a pilot learned of their visibility", 1,
+     false, plain<makeDome>},
     {"paper", "piecewise-constant importance over a triangulated map, times cached visibility", 1,
      false, with<makePaper, &EstimatorOptions::paper>},
     {"paper-image", "`paper` with its own cache: filled by the picture's earlier pixels", 1, false,

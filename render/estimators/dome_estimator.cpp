@@ -1,0 +1,282 @@
+// The adaptive dome light [Atanasov et al. 2018]: a pilot learns which tiles of the map are visible
+// from where on the film; samples choose a tile by that, then a direction in it by its luminance.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "common/base/parallel.h"
+#include "common/base/salts.h"
+#include "render/estimators/basic_estimators.h"
+#include "render/estimators/dome_cells.h"
+#include "render/estimators/full_precision.h"
+#include "render/estimators/hemisphere.h"
+#include "render/estimators/light_tiles.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Parts of the map.
+constexpr std::size_t kTiles = 128;
+/// One sample in how many is in proportion to the cosine.
+constexpr std::uint32_t kCosinePeriod = 4;
+/// Share of the tiles' samples that knows the light and the cosine only.
+constexpr float kDefensiveShare = 0.2f;
+/// The pilot's rays at a place, and their share in the frame's samples.
+constexpr std::size_t kPilotRays = RayPacket::kSize;
+constexpr double kPilotShare = 0.06;
+constexpr std::size_t kMostPlaces = 1 << 18;
+
+/// Eight sums at a time, which SIMD registers like.
+float sumOf(std::span<const float> x) {
+    float lanes[8] = {};
+    const std::size_t whole = x.size() / 8 * 8;
+    for (std::size_t i = 0; i < whole; i += 8)
+        for (std::size_t k = 0; k < 8; ++k) lanes[k] += x[i + k];
+    for (std::size_t i = whole; i < x.size(); ++i) lanes[i - whole] += x[i];
+    return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) +
+           ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
+}
+
+/// Probabilities of the tiles at a point.
+class TileChoice {
+public:
+    /// Sets the probabilities in proportion to `weights`.
+    ///
+    /// @return whether any is positive
+    bool set(std::span<const float> weights) {
+        begin_.resize(weights.size() + 1);
+        double sum = 0;
+        for (std::size_t i = 0; i < weights.size(); ++i) {
+            begin_[i] = sum;
+            sum += static_cast<double>(weights[i]);
+        }
+        begin_.back() = sum;
+        return sum > 0;
+    }
+    float probability(std::size_t tile) const {
+        return static_cast<float>((begin_[tile + 1] - begin_[tile]) / begin_.back());
+    }
+    /// Tile that u in [0, 1) chooses, one of positive probability; u becomes the place in it.
+    std::size_t choose(double& u) const {
+        const double x = u * begin_.back();
+        const auto end = std::upper_bound(begin_.begin() + 1, begin_.end() - 1, x);
+        auto tile = static_cast<std::size_t>(end - begin_.begin()) - 1;
+        while (tile > 0 && !(begin_[tile + 1] > begin_[tile])) --tile;
+        while (!(begin_[tile + 1] > begin_[tile])) ++tile;
+        u = std::clamp((x - begin_[tile]) / (begin_[tile + 1] - begin_[tile]), 0.0, 1 - 0x1p-53);
+        return tile;
+    }
+
+private:
+    std::vector<double> begin_;
+};
+
+struct DomeWorkspace final : Workspace {
+    std::vector<float> cosines, weights;
+    TileChoice choice;
+};
+
+/// Learns the cells of a frame.
+class DomePilot final : public FramePilot {
+public:
+    DomePilot(const EstimatorContext& context, const LightTiles& tiles)
+        : context_(context), tiles_(tiles) {}
+
+    std::size_t places(std::uint64_t samples) const override {
+        const double wanted = kPilotShare * static_cast<double>(samples) / kPilotRays;
+        return static_cast<std::size_t>(std::clamp(wanted,
+                                                   static_cast<double>(FramePilot::places(samples)),
+                                                   static_cast<double>(kMostPlaces)));
+    }
+
+    std::uint64_t run(std::span<const ShadingPoint> points, int) override {
+        std::vector<TileRay> rays(points.size() * kPilotRays);
+        std::vector<std::uint8_t> counts(points.size(), 0);
+        parallelFor(points.size(), 64, [&](const Chunk& chunk) {
+            DomeWorkspace w;
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                counts[i] = trace(points[i], w, &rays[i * kPilotRays]);
+        });
+        cells_.emplace(points, rays, counts, kPilotRays, tiles_.size());
+        std::uint64_t sum = 0;
+        for (const std::uint8_t count : counts) sum += count;
+        return sum;
+    }
+
+    /// Null before the first frame's pilot.
+    const DomeCells* cells() const { return cells_ ? &*cells_ : nullptr; }
+
+private:
+    /// Sends rays to the tiles, more of them to bright ones and to those above.
+    ///
+    /// @return number of rays in `out`
+    std::uint8_t trace(const ShadingPoint& point, DomeWorkspace& w, TileRay* out) const {
+        w.samples.clear();
+        w.cosines.resize(tiles_.size());
+        tiles_.cosines(point.normal, w.cosines);
+        for (std::size_t t = 0; t < tiles_.size(); ++t)
+            w.cosines[t] *= std::sqrt(tiles_.light()[t]);
+        if (!w.choice.set(w.cosines)) return 0;
+        std::uint8_t count = 0;
+        for (std::size_t j = 0; j < kPilotRays; ++j) {
+            double u = (static_cast<double>(j) +
+                        toUnit(hashWords(point.seed, RenderSalt::domePilotTile, j))) /
+                       kPilotRays;
+            const std::size_t tile = w.choice.choose(u);
+            const std::uint64_t h = hashWords(point.seed, RenderSalt::domePilotTexel, j);
+            const Vec3f direction =
+                context_.environment
+                    .sampleCell(tiles_[tile].level, tiles_[tile].cell, u,
+                                toUnitFloat(static_cast<std::uint32_t>(h)),
+                                toUnitFloat(static_cast<std::uint32_t>(h >> 32)))
+                    .direction;
+            if (direction.dot(point.normal) <= 0) continue;
+            w.samples.add(direction, Rgb(0, 0, 0));
+            out[count++].tile = static_cast<std::uint8_t>(tile);
+        }
+        Estimate unused;
+        w.samples.trace(context_.scene, point, context_.environment, unused);
+        for (std::size_t k = 0; k < count; ++k) out[k].open = w.samples.open(k);
+        return count;
+    }
+
+    const EstimatorContext& context_;
+    const LightTiles& tiles_;
+    std::optional<DomeCells> cells_;
+};
+
+class Dome final : public PointEstimator {
+public:
+    explicit Dome(const EstimatorContext& context)
+        : PointEstimator(context),
+          tiles_(context.environment, kTiles),
+          pilot_(context_, tiles_),
+          mapShare_(tiles_.size()) {
+        for (std::size_t t = 0; t < tiles_.size(); ++t)
+            mapShare_[t] = static_cast<float>(static_cast<double>(tiles_.light()[t]) /
+                                              context.environment.luminanceIntegral());
+    }
+
+    std::unique_ptr<Workspace> makeWorkspace() const override {
+        return std::make_unique<DomeWorkspace>();
+    }
+    FramePilot* pilot() override { return &pilot_; }
+
+private:
+    /// The samples of a pixel take turns: one in kCosinePeriod is in proportion to the cosine, the
+    /// others to the map. Chance decides which is the first, so that every one of them, whatever
+    /// its number, is as likely of the one kind as any other.
+    Rgb prepare(const ShadingPoint& point, const SampleSlice& slice,
+                Workspace& workspace) const override {
+        if (context_.environment.luminanceIntegral() <= 0) return {0, 0, 0};
+        auto& w = static_cast<DomeWorkspace&>(workspace);
+        const bool anyTile = chooseTiles(point, w);
+        const auto turn = static_cast<std::uint32_t>(
+            toUnit(hashWords(point.seed, RenderSalt::domeTurn)) * kCosinePeriod);
+        const auto cosinesBefore = [turn](std::uint32_t i) {
+            return (i + turn + kCosinePeriod - 1) / kCosinePeriod -
+                   (turn + kCosinePeriod - 1) / kCosinePeriod;
+        };
+        const std::uint32_t end = slice.first + static_cast<std::uint32_t>(slice.count);
+        const std::uint32_t firstCosine = cosinesBefore(slice.first);
+        const auto cosines = static_cast<int>(cosinesBefore(end) - firstCosine);
+        addCosineSamples(point, {firstCosine, cosines, slice.total / kCosinePeriod + 1},
+                         slice.count, anyTile, w);
+        if (anyTile)
+            addTileSamples(point,
+                           {slice.first - firstCosine, slice.count - cosines,
+                            slice.total - slice.total / kCosinePeriod + 1},
+                           slice.count, w);
+        return {0, 0, 0};
+    }
+
+    /// Sets w.choice to light * cosine * sqrt(visibility), which is the best for a tile whose rays
+    /// are open with that chance; the defensive share to light * cosine.
+    bool chooseTiles(const ShadingPoint& point, DomeWorkspace& w) const {
+        const std::size_t count = tiles_.size();
+        w.cosines.resize(count);
+        w.weights.resize(count);
+        tiles_.cosines(point.normal, w.cosines);
+        float* plain = w.cosines.data();
+        float* learned = w.weights.data();
+        const float* light = tiles_.light().data();
+        for (std::size_t t = 0; t < count; ++t) plain[t] *= light[t];
+        if (!pilot_.cells()) return w.choice.set(w.cosines);
+        const float* visibility = pilot_.cells()->visibility(point).data();
+        for (std::size_t t = 0; t < count; ++t) learned[t] = plain[t] * std::sqrt(visibility[t]);
+        const float learnedSum = sumOf(w.weights);
+        if (!(learnedSum > 0)) return w.choice.set(w.cosines);
+        const float plainFactor = kDefensiveShare / sumOf(w.cosines);
+        const float learnedFactor = (1 - kDefensiveShare) / learnedSum;
+        for (std::size_t t = 0; t < count; ++t)
+            learned[t] = learned[t] * learnedFactor + plain[t] * plainFactor;
+        return w.choice.set(w.weights);
+    }
+
+    void addTileSamples(const ShadingPoint& point, const SampleSlice& slice, int samples,
+                        DomeWorkspace& w) const {
+        const auto u =
+            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
+        const auto v =
+            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
+        for (std::size_t k = 0; k < u.size(); ++k) {
+            const std::uint64_t number = slice.first + k;
+            double place = fullPrecision(u[k], point.seed, number);
+            const std::size_t tile = w.choice.choose(place);
+            const auto jitter = static_cast<std::uint32_t>(
+                hashWords(point.seed, RenderSalt::domeTexel, number) >> 32);
+            const EnvironmentSample s =
+                context_.environment.sampleCell(tiles_[tile].level, tiles_[tile].cell, place,
+                                                toUnitFloat(v[k]), toUnitFloat(jitter));
+            const float cosine = s.direction.dot(point.normal);
+            if (cosine > 0)
+                w.samples.add(s.direction,
+                              s.radiance * (cosine / density(w.choice.probability(tile) * s.density,
+                                                             cosine, samples)));
+            else
+                w.samples.addZero();
+        }
+        w.samples.endGroup();
+    }
+
+    void addCosineSamples(const ShadingPoint& point, const SampleSlice& slice, int samples,
+                          bool anyTile, DomeWorkspace& w) const {
+        const auto a =
+            w.numbers(context_.sequence, point.seed, 2, slice.first, slice.count, slice.total);
+        const auto b =
+            w.numbers(context_.sequence, point.seed, 3, slice.first, slice.count, slice.total);
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            const float cosine = std::sqrt(1 - toUnitFloat(a[i]));
+            const Vec3f direction = aroundNormal(point.normal, cosine, toUnitFloat(b[i]));
+            const EnvironmentSample s = context_.environment.lookUp(direction);
+            float ofTiles = 0;
+            if (anyTile && s.density > 0) {
+                const std::size_t tile = tiles_.tileOf(s.texel);
+                ofTiles = w.choice.probability(tile) * (s.density / mapShare_[tile]);
+            }
+            w.samples.add(direction, s.radiance * (cosine / density(ofTiles, cosine, samples)));
+        }
+        w.samples.endGroup();
+    }
+
+    /// Of `samples` samples together.
+    static float density(float ofTiles, float cosine, int samples) {
+        const float cosineShare = 1.0f / static_cast<float>(kCosinePeriod);
+        return static_cast<float>(samples) *
+               ((1 - cosineShare) * ofTiles + cosineShare * cosine / static_cast<float>(kPi));
+    }
+
+    const LightTiles tiles_;
+    DomePilot pilot_;
+    std::vector<float> mapShare_;  ///< of each tile in the light of the map
+};
+
+}  // namespace
+
+std::unique_ptr<Estimator> makeDome(const EstimatorContext& context) {
+    return std::make_unique<Dome>(context);
+}
+
+}  // namespace shadowcache
