@@ -78,7 +78,9 @@ TEST_F(Tiles, CosinesAreNearTheMeansAndPositiveAboveTheHorizon) {
                 const float cosine = std::max(0.0f, draw(t, i).direction.dot(normal));
                 mean += static_cast<double>(cosine) / kDraws;
             }
-            if (mean > 0) EXPECT_GT(cosines[t], 0) << t;
+            if (mean > 0) {
+                EXPECT_GT(cosines[t], 0) << t;
+            }
             difference += std::abs(mean - static_cast<double>(cosines[t]));
             // Control: another tile's.
             control += std::abs(mean - static_cast<double>(cosines[(t + 40) % tiles_.size()]));
@@ -206,9 +208,10 @@ TEST_F(DomeLight, IsUnbiasedWhateverItHasLearned) {
                 const auto estimates = test::runEstimator(*dome, point, samples, count);
                 EXPECT_GT(test::agreementPValue(estimates, truth), level)
                     << lie.name << " at " << place << ", " << samples << " samples";
-                if (samples > 1)
+                if (samples > 1) {
                     EXPECT_LT(test::agreementPValue(estimates, truth * 1.1f), level)
                         << lie.name << " at " << place;
+                }
             }
         }
     }
