@@ -7,11 +7,9 @@ namespace shadowcache {
 
 BaseCells::BaseCells(const DirectionTiers& tiers) {
     for (std::uint32_t c = 0; c < tiers.baseCells(); ++c) {
-        const SphericalTriangle t = cellTriangle(tiers.baseLevel(), c);
-        const Vec3d center = cellCenter(tiers.baseLevel(), c);
-        axis.emplace_back(center);
-        const double least = std::min({center.dot(t.a), center.dot(t.b), center.dot(t.c)});
-        radius.push_back(static_cast<float>(std::acos(least)));
+        const CellCap cap = cellCap(tiers.baseLevel(), c);
+        axis.emplace_back(cap.axis);
+        radius.push_back(static_cast<float>(cap.angle));
     }
 }
 

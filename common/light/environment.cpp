@@ -202,12 +202,10 @@ void Environment::tabulate() {
         for (std::uint32_t c = 0; c < cellCount(level); ++c) {
             CellMoments& m = moments_[l][c / 16];
             const std::size_t i = c % 16;
-            const SphericalTriangle t = cellTriangle(level, c);
-            const Vec3d axis = cellCenter(level, c);
-            const double minCos = std::min({axis.dot(t.a), axis.dot(t.b), axis.dot(t.c)});
-            const double radius = std::acos(std::clamp(minCos, -1.0, 1.0)) + texelRadius + 1e-6;
+            const CellCap cap = cellCap(level, c);
+            const double radius = cap.angle + texelRadius + 1e-6;
             for (std::size_t k = 0; k < 3; ++k) {
-                m.axis[k][i] = static_cast<float>(axis[static_cast<int>(k)]);
+                m.axis[k][i] = static_cast<float>(cap.axis[static_cast<int>(k)]);
                 for (std::size_t j = 0; j < 3; ++j)
                     m.firstMoment[k][j][i] =
                         static_cast<float>(sums_[l][c].firstMoment[k][static_cast<int>(j)]);

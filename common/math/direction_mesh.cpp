@@ -165,6 +165,12 @@ Vec3d cellCenter(int level, std::uint32_t index) noexcept {
     return (t.a + t.b + t.c).normalized();
 }
 
+CellCap cellCap(int level, std::uint32_t index) noexcept {
+    const SphericalTriangle t = cellTriangle(level, index);
+    const Vec3d axis = (t.a + t.b + t.c).normalized();
+    return {axis, std::acos(std::min({axis.dot(t.a), axis.dot(t.b), axis.dot(t.c)}))};
+}
+
 std::uint32_t locateCell(int level, const Vec3d& direction) noexcept {
     assert(level >= 0 && level <= kMaxDirectionLevel);
     const Tables& table = tables();

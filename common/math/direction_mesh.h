@@ -27,6 +27,13 @@ SphericalTriangle cellTriangle(int level, std::uint32_t index) noexcept;
 /// Unit vector at the cell's centroid.
 Vec3d cellCenter(int level, std::uint32_t index) noexcept;
 
+/// The smallest circle around a cell's centroid that holds the cell.
+struct CellCap {
+    Vec3d axis;    ///< unit vector: cellCenter()
+    double angle;  ///< between the axis and the farthest corner [rad]
+};
+CellCap cellCap(int level, std::uint32_t index) noexcept;
+
 /// Cell of `level` that holds `direction` (unit, within 1e-6); on a border, one of its neighbours.
 std::uint32_t locateCell(int level, const Vec3d& direction) noexcept;
 

@@ -21,19 +21,18 @@ void addCounts16(PooledBlock& block, const std::uint8_t* n, const std::uint8_t* 
     }
 }
 
-/// Middle of a cell, and the angle around it that holds the cell.
-struct CellCap {
+/// A cap of a cell in single precision, rounded up.
+struct Cap {
     Vec3f axis;
     float angle;
 };
 
-std::vector<CellCap> makeCaps(int level) {
-    std::vector<CellCap> caps;
+std::vector<Cap> makeCaps(int level) {
+    constexpr float kRounding = 1e-4f;
+    std::vector<Cap> caps;
     for (std::uint32_t c = 0; c < cellCount(level); ++c) {
-        const SphericalTriangle t = cellTriangle(level, c);
-        const Vec3d axis = cellCenter(level, c);
-        const double least = std::min({axis.dot(t.a), axis.dot(t.b), axis.dot(t.c)});
-        caps.push_back({Vec3f(axis), static_cast<float>(std::acos(std::min(1.0, least))) + 1e-4f});
+        const CellCap cap = cellCap(level, c);
+        caps.push_back({Vec3f(cap.axis), static_cast<float>(cap.angle) + kRounding});
     }
     return caps;
 }
@@ -41,13 +40,13 @@ std::vector<CellCap> makeCaps(int level) {
 /// Levels that have caps: the bases and their children.
 constexpr int kCapLevels = 4;
 
-const std::vector<CellCap>& capsOf(int level) {
-    static const std::array<std::vector<CellCap>, kCapLevels> kCaps{makeCaps(0), makeCaps(1),
+const std::vector<Cap>& capsOf(int level) {
+    static const std::array<std::vector<Cap>, kCapLevels> kCaps{makeCaps(0), makeCaps(1),
                                                                     makeCaps(2), makeCaps(3)};
     return kCaps[static_cast<std::size_t>(level)];
 }
 
-bool touches(const CellCap& cap, const Vec3f& axis, float angle) {
+bool touches(const Cap& cap, const Vec3f& axis, float angle) {
     const float sum = cap.angle + angle;
     return sum >= static_cast<float>(kPi) || axis.dot(cap.axis) >= std::cos(sum);
 }

@@ -97,9 +97,9 @@ MapTriangle makeTriangle(const Environment& environment, int level, std::uint32_
     t.level = level;
     t.cell = cell;
     t.corners = cellTriangle(level, cell);
-    t.axis = cellCenter(level, cell);
-    t.radius = std::acos(
-        std::min({t.axis.dot(t.corners.a), t.axis.dot(t.corners.b), t.axis.dot(t.corners.c)}));
+    const CellCap cap = cellCap(level, cell);
+    t.axis = cap.axis;
+    t.radius = cap.angle;
     t.sinRadius = std::sin(t.radius);
     t.area = solidAngle(t.corners);
     t.flux = sums.flux;
