@@ -1,33 +1,38 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "common/cache/shadow_cache.h"
+#include "common/cache/cache_items.h"
+#include "common/predict/count_tree.h"
 
 namespace shadowcache {
 
-/// One region of an item with its counts, d > 0.
+/// One region of an item with its counts.
 struct CountedRegion {
-    int level;
-    std::uint32_t cell;
-    unsigned n, d;
-    double posterior;  ///< probability that a direction in it is open, by its counts and its
-                       ///< ancestors', never quite 0 or 1 [docs/estimator.md]
+    int level;           ///< of the direction mesh
+    std::uint32_t cell;  ///< of that level
+    unsigned n, d;       ///< rays that reached the sky, and all rays
+    double posterior;    ///< probability that a direction in it is visible, by its counts and its
+                         ///< ancestors', in (0, 1) [docs/estimator.md]
 
+    /// Visible share, in [0, 1]; d must be positive.
     double share() const { return static_cast<double>(n) / d; }
 };
 
-/// The counts of an item, wherever they are kept, as a tree of regions.
+/// The counts of an item, wherever they are kept, as regions of directions. Reused from item to
+/// item; use() comes first.
 class ItemRegions {
 public:
     explicit ItemRegions(const DirectionTiers& tiers) : tiers_(tiers) {}
 
     /// An item of an open cache, as long as that is open.
-    void use(const ItemView& item) { item_ = item; }
+    void use(const ItemView& item) { counts_.emplace(item, tiers_); }
     /// Item i of `items`, as long as they stay.
     void use(const CacheItems& items, std::size_t i);
 
-    /// The finest regions that rays were counted in; no two overlap. Valid until the next call.
+    /// The finest regions that rays were counted in, d > 0; no two overlap. Valid until the next
+    /// call.
     const std::vector<CountedRegion>& finest();
 
     /// The finest of them around a direction, given as its cell of level kMaxCacheLevel; d = 0 if
@@ -35,16 +40,14 @@ public:
     CountedRegion along(std::uint32_t finestCell) const;
 
 private:
-    const std::uint8_t* block(int tier, std::uint32_t parent, const std::uint8_t*& d) const;
-    void addCell(int tier, const CountedRegion& cell);
     double prior() const;
-    int levelOf(int tier) const { return tiers_.baseLevel() + 2 * tier; }
+    CountedRegion region(int tier, std::uint32_t cell, const BlockCounts& counts,
+                         double prior) const;
 
     DirectionTiers tiers_;
-    ItemView item_{};
+    std::optional<ItemCounts> counts_;
     std::vector<CountedRegion> finest_;
     std::vector<std::int16_t> keys_;  ///< of an item of CacheItems, whose blocks hold them apart
-    std::vector<std::uint8_t> blockN_, blockD_;
 };
 
 }  // namespace shadowcache

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <tuple>
 
 namespace shadowcache {
@@ -26,12 +25,6 @@ void addCounts(std::uint8_t& n, std::uint8_t& d, unsigned moreN, unsigned moreD)
     }
     n = static_cast<std::uint8_t>(sumN);
     d = static_cast<std::uint8_t>(sumD);
-}
-
-std::string fingerprintText(std::uint64_t fingerprint) {
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(fingerprint));
-    return text;
 }
 
 int sideOf(const Vec3f& n) {

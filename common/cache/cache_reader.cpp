@@ -4,18 +4,19 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
-#include <mutex>
 #include <system_error>
 
 #include "common/base/error.h"
 #include "common/cache/cache_grids.h"
+#include "common/cache/cache_items.h"
+#include "common/cache/grid_leaves.h"
+#include "common/cache/vdb_archive.h"
 
 namespace shadowcache {
 
 namespace {
 
 namespace fs = std::filesystem;
-using openvdb::points::AttributeSet;
 
 template <class T>
 T metaValue(const openvdb::MetaMap& meta, const char* key, const fs::path& path) {
@@ -94,91 +95,6 @@ void requireWhole(const fs::path& path) {
     }
 }
 
-}  // namespace
-
-void initializeOpenVdb() {
-    static std::once_flag once;
-    std::call_once(once, [] { openvdb::initialize(); });
-}
-
-template <class Array>
-const Array& attribute(const PointLeaf& leaf, const char* name, openvdb::Index stride,
-                       const fs::path& path) {
-    const std::size_t pos = leaf.attributeSet().find(name);
-    if (pos == AttributeSet::INVALID_POS ||
-        !leaf.constAttributeArray(pos).template isType<Array>() ||
-        leaf.constAttributeArray(pos).stride() != stride)
-        throwFileError(path, std::string("attribute '") + name + "' is missing or of another type");
-    const auto& array = Array::cast(leaf.constAttributeArray(pos));
-    array.loadData();
-    return array;
-}
-
-template const ByteArray& attribute(const PointLeaf&, const char*, openvdb::Index, const fs::path&);
-template const ShortArray& attribute(const PointLeaf&, const char*, openvdb::Index,
-                                     const fs::path&);
-template const IntArray& attribute(const PointLeaf&, const char*, openvdb::Index, const fs::path&);
-template const VectorArray& attribute(const PointLeaf&, const char*, openvdb::Index,
-                                      const fs::path&);
-
-namespace {
-
-std::uint8_t countAt(const ByteArray& array, std::size_t i) {
-    return static_cast<std::uint8_t>(array.constData()[array.isUniform() ? 0 : i]);
-}
-
-/// Appends the items of one leaf, and their blocks.
-void appendLeaf(const PointLeaf& leaf, const PointLeaf* blocks, std::size_t baseCells,
-                const fs::path& path, CacheItems& items) {
-    const auto& position = attribute<VectorArray>(leaf, "P", 1, path);
-    const auto& normal = attribute<VectorArray>(leaf, "normal", 1, path);
-    const auto& patch = attribute<ShortArray>(leaf, "patch", 1, path);
-    const auto& count = attribute<ShortArray>(leaf, "block_count", 1, path);
-    const auto& n = attribute<ByteArray>(leaf, "n", static_cast<openvdb::Index>(baseCells), path);
-    const auto& d = attribute<ByteArray>(leaf, "d", static_cast<openvdb::Index>(baseCells), path);
-    std::size_t block = 0;
-    for (auto point = leaf.beginIndexAll(); point; ++point) {
-        const openvdb::Index i = *point;
-        const openvdb::Coord voxel = point.getCoord();
-        const openvdb::Vec3f p = position.get(i), v = normal.get(i);
-        items.voxel.emplace_back(voxel.x(), voxel.y(), voxel.z());
-        items.patch.push_back(patch.get(i));
-        if (!PatchCode::isValid(items.patch.back()))
-            throwFileError(path, "damaged: an item's patch does not exist");
-        items.normal.emplace_back(v.x(), v.y(), v.z());
-        items.position.emplace_back(p.x(), p.y(), p.z());
-        for (std::size_t c = 0; c < baseCells; ++c) {
-            items.n.push_back(countAt(n, i * baseCells + c));
-            items.d.push_back(countAt(d, i * baseCells + c));
-        }
-        const auto more = static_cast<std::size_t>(std::max<std::int16_t>(0, count.get(i)));
-        if (more > 0) {
-            if (!blocks) throwFileError(path, "damaged: an item's blocks are missing");
-            const auto& key = attribute<ShortArray>(*blocks, "key", 1, path);
-            const auto& bn = attribute<ByteArray>(*blocks, "n", kBlockCells, path);
-            const auto& bd = attribute<ByteArray>(*blocks, "d", kBlockCells, path);
-            if (block + more > key.size())
-                throwFileError(path, "damaged: an item's blocks lie outside the file's");
-            for (const std::size_t end = block + more; block < end; ++block) {
-                CountBlock b{
-                    static_cast<std::uint16_t>(key.get(static_cast<openvdb::Index>(block))),
-                    {},
-                    {}};
-                for (std::size_t c = 0; c < kBlockCells; ++c) {
-                    b.n[c] = countAt(bn, block * kBlockCells + c);
-                    b.d[c] = countAt(bd, block * kBlockCells + c);
-                }
-                items.blocks.push_back(b);
-            }
-        }
-        items.firstBlock.push_back(static_cast<std::uint32_t>(items.blocks.size()));
-    }
-}
-
-}  // namespace
-
-namespace {
-
 /// Opens a cache file for `read`, and says what is wrong with it in our own words.
 template <class Read>
 auto withCacheFile(const fs::path& path, const Read& read) {
@@ -202,6 +118,34 @@ auto withCacheFile(const fs::path& path, const Read& read) {
     }
 }
 
+/// Appends the items of one leaf in the order of their voxels, and their blocks.
+void appendLeaf(const openvdb::Coord& origin, const LeafView& leaf, std::size_t baseCells,
+                CacheItems& items) {
+    const auto row = [](std::vector<std::uint8_t>& out, const std::uint8_t* counts,
+                        std::size_t cells) { out.insert(out.end(), counts, counts + cells); };
+    std::uint32_t i = 0;
+    for (openvdb::Index v = 0; v < kLeafVoxels; ++v) {
+        const openvdb::Coord voxel = origin + PointLeaf::offsetToLocalCoord(v);
+        for (; i < leaf.voxelEnd[v]; ++i) {
+            items.voxel.emplace_back(voxel.x(), voxel.y(), voxel.z());
+            items.patch.push_back(leaf.patch[i]);
+            items.normal.push_back(leaf.normal[i]);
+            items.position.push_back(leaf.position[i]);
+            row(items.n, leaf.n.row(i), baseCells);
+            row(items.d, leaf.d.row(i), baseCells);
+            const auto first = static_cast<std::size_t>(leaf.firstBlock[i]);
+            const auto count = static_cast<std::size_t>(leaf.blockCount[i]);
+            for (std::size_t b = first; b < first + count; ++b) {
+                CountBlock block{static_cast<std::uint16_t>(leaf.blockKeys[b]), {}, {}};
+                std::copy_n(leaf.blockN.row(b), kBlockCells, block.n.begin());
+                std::copy_n(leaf.blockD.row(b), kBlockCells, block.d.begin());
+                items.blocks.push_back(block);
+            }
+            items.firstBlock.push_back(static_cast<std::uint32_t>(items.blocks.size()));
+        }
+    }
+}
+
 }  // namespace
 
 CacheGrids readGrids(const fs::path& path) {
@@ -221,11 +165,12 @@ CacheHeader readHeader(const fs::path& path) {
 CacheItems readCache(const fs::path& path, CacheHeader& header) {
     const CacheGrids grids = readGrids(path);
     header = grids.header;
-    const std::size_t baseCells = header.tiers().baseCells();
+    const DirectionTiers tiers = header.tiers();
     CacheItems items;
-    for (auto leaf = grids.items->tree().cbeginLeaf(); leaf; ++leaf)
-        appendLeaf(*leaf, grids.blocks->tree().probeConstLeaf(leaf->origin()), baseCells, path,
-                   items);
+    for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf)
+        appendLeaf(leaf->origin(),
+                   viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), tiers, path),
+                   tiers.baseCells(), items);
     return items;
 }
 

@@ -1,10 +1,13 @@
 #include <algorithm>
+#include <span>
 
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/parallel.h"
-#include "common/cache/cache_grids.h"
+#include "common/cache/cache_items.h"
+#include "common/cache/cache_schema.h"
 #include "common/cache/vdb_archive.h"
+#include "common/cache/vdb_volumes.h"
 
 namespace shadowcache {
 
@@ -30,22 +33,16 @@ std::vector<LeafRange> splitByLeaf(const CacheItems& items) {
     return leaves;
 }
 
-struct AttributeSpec {
-    const char* name;
-    openvdb::NamePair type;
-    openvdb::Index stride;
-};
-
-/// A points leaf with `count` points and the attributes that `specs` list after the position "P".
-/// `descriptors` holds the chain of descriptors, shared by all leaves.
-void initializeLeaf(PointLeaf& leaf, std::size_t count, const std::vector<AttributeSpec>& specs,
+/// A points leaf with `count` points, the position and the attributes `specs`. `descriptors` holds
+/// the chain of descriptors, shared by all leaves.
+void initializeLeaf(PointLeaf& leaf, std::size_t count, std::span<const AttributeSpec> specs,
                     std::vector<AttributeSet::Descriptor::Ptr>& descriptors) {
     leaf.initializeAttributes(descriptors[0], static_cast<openvdb::Index>(count));
     for (std::size_t k = 0; k < specs.size(); ++k)
         leaf.appendAttribute(*descriptors[k], descriptors[k + 1], k + 1, specs[k].stride, true);
 }
 
-std::vector<AttributeSet::Descriptor::Ptr> describe(const std::vector<AttributeSpec>& specs) {
+std::vector<AttributeSet::Descriptor::Ptr> describe(std::span<const AttributeSpec> specs) {
     std::vector<AttributeSet::Descriptor::Ptr> chain{
         AttributeSet::Descriptor::create(VectorArray::attributeType())};
     for (const AttributeSpec& spec : specs)
@@ -53,9 +50,10 @@ std::vector<AttributeSet::Descriptor::Ptr> describe(const std::vector<AttributeS
     return chain;
 }
 
+/// The array of a leaf's attribute, by its place in the file's order.
 template <class Array>
-Array& expanded(PointLeaf& leaf, const char* name) {
-    auto& array = Array::cast(leaf.attributeArray(name));
+Array& expanded(PointLeaf& leaf, std::size_t place) {
+    auto& array = Array::cast(leaf.attributeArray(place));
     array.expand();
     return array;
 }
@@ -76,13 +74,13 @@ void fillItemLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& ite
                   std::size_t baseCells) {
     setOffsets(leaf, range.end - range.begin,
                [&](std::size_t i) { return toCoord(items.voxel[range.begin + i]); });
-    auto& position = expanded<VectorArray>(leaf, "P");
-    auto& normal = expanded<VectorArray>(leaf, "normal");
-    auto& patch = expanded<ShortArray>(leaf, "patch");
-    auto& n = expanded<ByteArray>(leaf, "n");
-    auto& d = expanded<ByteArray>(leaf, "d");
-    auto& firstBlock = expanded<IntArray>(leaf, "first_block");
-    auto& blockCount = expanded<ShortArray>(leaf, "block_count");
+    auto& position = expanded<VectorArray>(leaf, kPosition);
+    auto& normal = expanded<VectorArray>(leaf, kNormal);
+    auto& patch = expanded<ShortArray>(leaf, kPatch);
+    auto& n = expanded<ByteArray>(leaf, kItemN);
+    auto& d = expanded<ByteArray>(leaf, kItemD);
+    auto& firstBlock = expanded<IntArray>(leaf, kFirstBlock);
+    auto& blockCount = expanded<ShortArray>(leaf, kBlockCount);
     const std::uint32_t leafBlocks = items.firstBlock[range.begin];
     for (std::size_t i = range.begin; i < range.end; ++i) {
         const auto k = static_cast<openvdb::Index>(i - range.begin);
@@ -113,9 +111,10 @@ void fillBlockLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& it
                   itemOf.begin() + (items.firstBlock[i + 1] - first),
                   static_cast<std::uint32_t>(i));
     setOffsets(leaf, count, [&](std::size_t b) { return toCoord(items.voxel[itemOf[b]]); });
-    auto& key = expanded<ShortArray>(leaf, "key");
-    auto& n = expanded<ByteArray>(leaf, "n");
-    auto& d = expanded<ByteArray>(leaf, "d");
+    constexpr std::size_t kBehindPosition = 1;
+    auto& key = expanded<ShortArray>(leaf, kBehindPosition + kKey);
+    auto& n = expanded<ByteArray>(leaf, kBehindPosition + kBlockN);
+    auto& d = expanded<ByteArray>(leaf, kBehindPosition + kBlockD);
     for (std::size_t b = 0; b < count; ++b) {
         const CountBlock& block = items.blocks[first + b];
         key.setUnsafe(static_cast<openvdb::Index>(b), static_cast<std::int16_t>(block.key));
@@ -140,16 +139,10 @@ struct PointGrids {
 };
 
 PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
-    const auto baseCells = static_cast<openvdb::Index>(header.tiers().baseCells());
-    const std::vector<AttributeSpec> itemSpecs{{"normal", VectorArray::attributeType(), 1},
-                                               {"patch", ShortArray::attributeType(), 1},
-                                               {"n", ByteArray::attributeType(), baseCells},
-                                               {"d", ByteArray::attributeType(), baseCells},
-                                               {"first_block", IntArray::attributeType(), 1},
-                                               {"block_count", ShortArray::attributeType(), 1}};
-    const std::vector<AttributeSpec> blockSpecs{{"key", ShortArray::attributeType(), 1},
-                                                {"n", ByteArray::attributeType(), kBlockCells},
-                                                {"d", ByteArray::attributeType(), kBlockCells}};
+    const std::uint32_t baseCells = header.tiers().baseCells();
+    const auto itemAttributeSpecs = itemAttributes(header.tiers());
+    const auto itemSpecs = std::span(itemAttributeSpecs).subspan(kPosition + 1);
+    const auto blockSpecs = blockAttributes();
     auto itemDescriptors = describe(itemSpecs);
     auto blockDescriptors = describe(blockSpecs);
     PointGrids grids{makePointGrid(kItemGrid, header.spacing),

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "common/base/error.h"
+#include "common/cache/patch_code.h"
 
 namespace shadowcache {
 
@@ -23,6 +24,7 @@ void requireSound(const LeafView& leaf, const DirectionTiers& tiers,
             throwFileError(path, "damaged: a voxel's items lie outside the file's");
         end = leaf.voxelEnd[v];
     }
+    if (end != leaf.items) throwFileError(path, "damaged: an item lies in no voxel");
     std::int64_t next = 0;
     for (std::uint32_t i = 0; i < leaf.items; ++i) {
         const std::int64_t past = next + leaf.blockCount[i];

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "common/cache/cache_items.h"
+#include "common/cache/cache_header.h"
+#include "common/math/vec.h"
 
 namespace shadowcache {
 

@@ -19,9 +19,6 @@ void fillIndex(openvdb::Int32Tree& index, const PointLayout& leaves) {
         accessor.setValue(leafOf(leaves[i].origin), static_cast<std::int32_t>(i));
 }
 
-enum ItemArray : std::size_t { kPosition, kNormal, kN, kD, kPatch, kFirstBlock, kBlockCount };
-enum BlockArray : std::size_t { kKey, kBlockN, kBlockD };
-
 template <class T>
 const T* valuesAt(const PagePin& page, const ArrayPlace& place) {
     return reinterpret_cast<const T*>(page.get() + place.offset);
@@ -37,20 +34,10 @@ CountRows countsAt(const PagePin& page, const ArrayPlace& place, std::uint32_t s
 PagedLeaves::PagedLeaves(const std::filesystem::path& path, const DirectionTiers& tiers,
                          std::uint64_t budget)
     : path_(path), tiers_(tiers) {
-    const ArraySpec itemArrays[] = {{"P", VectorArray::attributeType(), 1},
-                                    {"normal", VectorArray::attributeType(), 1},
-                                    {"n", ByteArray::attributeType(), tiers.baseCells()},
-                                    {"d", ByteArray::attributeType(), tiers.baseCells()},
-                                    {"patch", ShortArray::attributeType(), 1},
-                                    {"first_block", IntArray::attributeType(), 1},
-                                    {"block_count", ShortArray::attributeType(), 1}};
-    const ArraySpec blockArrays[] = {{"key", ShortArray::attributeType(), 1},
-                                     {"n", ByteArray::attributeType(), kBlockCells},
-                                     {"d", ByteArray::attributeType(), kBlockCells}};
     std::vector<FilePage> pages;
     PointLayoutReader reader(path);
-    const PointLayout items = reader.read(kItemGrid, itemArrays, pages);
-    blockLeaves_ = reader.read(kBlockGrid, blockArrays, pages);
+    const PointLayout items = reader.read(kItemGrid, itemAttributes(tiers), pages);
+    blockLeaves_ = reader.read(kBlockGrid, blockAttributes(), pages);
     fillIndex(index_, items);
     openvdb::Int32Tree blockIndex(-1);
     fillIndex(blockIndex, blockLeaves_);
@@ -97,8 +84,9 @@ void PagedLeaves::Reader::fill(Slot& slot, std::int32_t leaf) {
     std::array<std::uint32_t, kPlaces> pages;
     std::size_t count = 0;
     pages[count++] = place.items.voxelEnds.page;
-    for (std::size_t a = 0; a < kMostArrays; ++a) pages[count++] = place.items.arrays[a].page;
-    for (std::size_t a = 0; blocks && a < 3; ++a) pages[count++] = blocks->arrays[a].page;
+    for (std::size_t a = 0; a < kItemAttributes; ++a) pages[count++] = place.items.arrays[a].page;
+    for (std::size_t a = 0; blocks && a < kBlockAttributes; ++a)
+        pages[count++] = blocks->arrays[a].page;
     const auto wanted = std::span(pages).first(count);
     if (!leaves_.pages_->pinHeld(wanted, slot.pins)) {
         releaseOthers();
@@ -115,13 +103,13 @@ void PagedLeaves::Reader::fill(Slot& slot, std::int32_t leaf) {
     view.firstItem = place.firstItem;
     view.position = valuesAt<Vec3f>(pin[kPosition], item[kPosition]);
     view.normal = valuesAt<Vec3f>(pin[kNormal], item[kNormal]);
-    view.n = countsAt(pin[kN], item[kN], baseCells);
-    view.d = countsAt(pin[kD], item[kD], baseCells);
+    view.n = countsAt(pin[kItemN], item[kItemN], baseCells);
+    view.d = countsAt(pin[kItemD], item[kItemD], baseCells);
     view.patch = valuesAt<std::int16_t>(pin[kPatch], item[kPatch]);
     view.firstBlock = valuesAt<std::int32_t>(pin[kFirstBlock], item[kFirstBlock]);
     view.blockCount = valuesAt<std::int16_t>(pin[kBlockCount], item[kBlockCount]);
     if (blocks) {
-        pin += kMostArrays;
+        pin += kItemAttributes;
         view.blocks = blocks->points;
         view.blockKeys = valuesAt<std::int16_t>(pin[kKey], blocks->arrays[kKey]);
         view.blockN = countsAt(pin[kBlockN], blocks->arrays[kBlockN], kBlockCells);

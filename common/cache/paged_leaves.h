@@ -37,7 +37,7 @@ public:
         const LeafView* find(const openvdb::Coord& voxel);
 
     private:
-        static constexpr std::size_t kPlaces = 1 + kMostArrays + 3;
+        static constexpr std::size_t kPlaces = 1 + kItemAttributes + kBlockAttributes;
 
         struct Slot {
             std::int32_t leaf = -1;

@@ -105,7 +105,7 @@ PointLayout PointLayoutReader::readTopology(const openvdb::io::GridDescriptor& g
     return leaves;
 }
 
-PointLayout PointLayoutReader::read(const char* grid, std::span<const ArraySpec> wanted,
+PointLayout PointLayoutReader::read(const char* grid, std::span<const AttributeSpec> wanted,
                                     std::vector<FilePage>& pages) {
     const openvdb::io::GridDescriptor& descriptor = find(grid);
     try {
@@ -138,7 +138,7 @@ PointLayout PointLayoutReader::read(const char* grid, std::span<const ArraySpec>
     }
 }
 
-void PointLayoutReader::readSizes(Pass& pass, std::span<const ArraySpec> wanted) {
+void PointLayoutReader::readSizes(Pass& pass, std::span<const AttributeSpec> wanted) {
     const auto header = number<std::uint8_t>();
     if (header != 1) failLayout("its leaves differ in their attributes");
     AttributeSet::Descriptor descriptor;
@@ -165,14 +165,11 @@ void PointLayoutReader::readSizes(Pass& pass, std::span<const ArraySpec> wanted)
             pass.bytes.push_back(static_cast<std::uint32_t>(length - 6));
             const std::size_t w = pass.wantedIndex[a];
             if (w == kMostArrays) continue;
-            const std::size_t value = wanted[w].type.first == "vec3s"   ? 12
-                                      : wanted[w].type.first == "int32" ? 4
-                                      : wanted[w].type.first == "int16" ? 2
-                                                                        : 1;
             const bool uniform = layout & kUniform;
             if (uniform && stride == 1 && points > 1) failLayout("one value for all of a leaf");
             if (stride != wanted[w].stride ||
-                length - 6 != value * (uniform ? 1 : std::uint64_t{points} * stride) ||
+                length - 6 !=
+                    wanted[w].valueBytes * (uniform ? 1 : std::uint64_t{points} * stride) ||
                 (leaf.points != 0 && leaf.points != points))
                 throwFileError(
                     path_, std::string("damaged: attribute '") + wanted[w].name + "' of a leaf");

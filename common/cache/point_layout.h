@@ -11,20 +11,14 @@
 #include <span>
 #include <vector>
 
-#include "common/cache/cache_grids.h"
 #include "common/cache/cache_pages.h"
+#include "common/cache/cache_schema.h"
 
 namespace shadowcache {
 
-/// An attribute that a reader of a point grid wants.
-struct ArraySpec {
-    const char* name;
-    openvdb::NamePair type;
-    openvdb::Index stride;
-};
-
 /// Most attributes that are wanted of one grid.
-inline constexpr std::size_t kMostArrays = 7;
+inline constexpr std::size_t kMostArrays = kItemAttributes;
+static_assert(kMostArrays >= kBlockAttributes);
 
 /// Where the values of a leaf's attribute lie: `offset` bytes behind the start of an unpacked page.
 struct ArrayPlace {
@@ -53,7 +47,7 @@ public:
     /// Where the attributes `wanted` of a grid are; their pages are appended to `pages`.
     ///
     /// @throws Error also where the grid is laid out otherwise than OpenVDB 10 does with Blosc
-    PointLayout read(const char* grid, std::span<const ArraySpec> wanted,
+    PointLayout read(const char* grid, std::span<const AttributeSpec> wanted,
                      std::vector<FilePage>& pages);
 
 private:
@@ -69,7 +63,7 @@ private:
     [[noreturn]] void failLayout(const char* cause) const;
     const openvdb::io::GridDescriptor& find(const char* grid) const;
     PointLayout readTopology(const openvdb::io::GridDescriptor& grid);
-    void readSizes(Pass& pass, std::span<const ArraySpec> wanted);
+    void readSizes(Pass& pass, std::span<const AttributeSpec> wanted);
     void readPageTable(Pass& pass, std::size_t attribute);
     void placeVoxelEnds(Pass& pass);
 };

@@ -9,6 +9,8 @@
 
 #include "common/base/error.h"
 #include "common/cache/cache_grids.h"
+#include "common/cache/cache_items.h"
+#include "common/cache/grid_leaves.h"
 #include "common/cache/paged_leaves.h"
 
 namespace shadowcache {
@@ -16,55 +18,6 @@ namespace shadowcache {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Values of an attribute, one a point, as a plain array.
-template <class Value, class Array>
-const Value* values(PointLeaf& leaf, const char* name, const fs::path& path) {
-    attribute<Array>(leaf, name, 1, path);
-    auto& array = Array::cast(leaf.attributeArray(name));
-    array.expand();
-    static_assert(sizeof(Value) == sizeof(typename Array::ValueType));
-    return reinterpret_cast<const Value*>(array.constData());
-}
-
-CountRows countRows(const PointLeaf& leaf, const char* name, std::uint32_t stride,
-                    const fs::path& path) {
-    const auto& array = attribute<ByteArray>(leaf, name, stride, path);
-    if (array.isUniform()) return constantRows(static_cast<std::uint8_t>(array.get(0)));
-    return {reinterpret_cast<const std::uint8_t*>(array.constData()), stride};
-}
-
-std::uint32_t pointCount(const PointLeaf& leaf, const fs::path& path) {
-    const auto& attributes = leaf.attributeSet();
-    const openvdb::Index count = attributes.get(0)->size();
-    for (std::size_t a = 1; a < attributes.size(); ++a)
-        if (attributes.get(a)->size() != count)
-            throwFileError(path, "damaged: attributes of one leaf differ in their number");
-    return count;
-}
-
-LeafView makeView(PointLeaf& items, PointLeaf* blocks, const DirectionTiers& tiers,
-                  const fs::path& path) {
-    LeafView view;
-    static_assert(sizeof *view.voxelEnd == sizeof *items.buffer().data());
-    view.voxelEnd = reinterpret_cast<const std::uint32_t*>(items.buffer().data());
-    view.items = pointCount(items, path);
-    view.n = countRows(items, "n", tiers.baseCells(), path);
-    view.d = countRows(items, "d", tiers.baseCells(), path);
-    view.normal = values<Vec3f, VectorArray>(items, "normal", path);
-    view.position = values<Vec3f, VectorArray>(items, "P", path);
-    view.patch = values<std::int16_t, ShortArray>(items, "patch", path);
-    view.firstBlock = values<std::int32_t, IntArray>(items, "first_block", path);
-    view.blockCount = values<std::int16_t, ShortArray>(items, "block_count", path);
-    if (blocks) {
-        view.blocks = pointCount(*blocks, path);
-        view.blockKeys = values<std::int16_t, ShortArray>(*blocks, "key", path);
-        view.blockN = countRows(*blocks, "n", kBlockCells, path);
-        view.blockD = countRows(*blocks, "d", kBlockCells, path);
-    }
-    requireSound(view, tiers, path);
-    return view;
-}
 
 /// What a lookup knows of an item beside its view.
 struct Found {
@@ -193,7 +146,7 @@ void ShadowCache::Impl::readAll(const fs::path& path) {
     for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf) {
         leaf->setTransientData(static_cast<openvdb::Index32>(leaves.size()));
         leaves.push_back(
-            makeView(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header.tiers(), path));
+            viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header.tiers(), path));
         leaves.back().firstItem = items;
         items += leaves.back().items;
         blocks += leaves.back().blocks;

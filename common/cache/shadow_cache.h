@@ -6,8 +6,9 @@
 #include <memory>
 #include <span>
 
-#include "common/cache/cache_items.h"
+#include "common/cache/cache_header.h"
 #include "common/cache/memory_use.h"
+#include "common/math/vec.h"
 
 namespace shadowcache {
 

@@ -2,6 +2,7 @@
 
 #include <openvdb/io/Archive.h>
 
+#include <mutex>
 #include <ostream>
 #include <streambuf>
 
@@ -51,6 +52,19 @@ public:
 };
 
 }  // namespace
+
+void initializeOpenVdb() {
+    static std::once_flag once;
+    std::call_once(once, [] { openvdb::initialize(); });
+}
+
+openvdb::math::Transform::Ptr makeTransform(double spacing) {
+    // OpenVDB refuses voxels below 1.5e-5 units: finer ones are shown a thousandfold; lookups go by
+    // the metadata's spacing.
+    constexpr double kLeastVoxel = 2e-5;
+    while (spacing > 0 && spacing < kLeastVoxel) spacing *= 1000;
+    return openvdb::math::Transform::createLinearTransform(spacing);
+}
 
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,
               const openvdb::MetaMap& metadata) {

@@ -6,11 +6,22 @@
 
 #include <filesystem>
 
+#include "common/math/vec.h"
+
 namespace shadowcache {
 
-/// Writes an OpenVDB file, beside the target first, then renamed. OpenVDB's own File::write does
-/// not look whether its stream still works: on a full disk it leaves a broken file and says
-/// nothing.
+/// Registers OpenVDB's types. Idempotent and thread-safe.
+void initializeOpenVdb();
+
+inline openvdb::Coord toCoord(const Vec3i& v) {
+    return {v.x, v.y, v.z};
+}
+
+/// Index to world space for voxels of side `spacing` > 0 [world units].
+openvdb::math::Transform::Ptr makeTransform(double spacing);
+
+/// Writes an OpenVDB file to a temporary file that is then renamed. OpenVDB's own File::write does
+/// not check its stream: on a full disk it leaves a broken file without an error.
 ///
 /// @throws Error when it cannot be written
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,

@@ -1,8 +1,5 @@
 #include "common/cache/volume_grids.h"
 
-#include "common/cache/cache_grids.h"
-#include "common/cache/vdb_archive.h"
-
 namespace shadowcache {
 
 namespace {
@@ -23,15 +20,6 @@ void forBaseRegions(const CacheHeader& header, const CacheItems& items, const Vo
                         weight);
             }
         }
-}
-
-template <class Grid>
-typename Grid::Ptr makeGrid(const CacheHeader& header, const VolumeGrid& grid) {
-    auto out = Grid::create();
-    out->setName(grid.name);
-    out->setTransform(makeTransform(header.spacing));
-    out->setSaveFloatAsHalf(true);
-    return out;
 }
 
 }  // namespace
@@ -77,41 +65,6 @@ VolumeGrid bentNormalGrid(const CacheHeader& header, const CacheItems& items,
     for (std::size_t v = 0; v < counted.size(); ++v)
         if (counted[v] > 0) grid.values[v] /= counted[v];
     return grid;
-}
-
-openvdb::math::Transform::Ptr makeTransform(double spacing) {
-    // OpenVDB refuses voxels below 1.5e-5 units: finer ones are shown a thousandfold; lookups go by
-    // the metadata's spacing.
-    constexpr double kLeastVoxel = 2e-5;
-    while (spacing > 0 && spacing < kLeastVoxel) spacing *= 1000;
-    return openvdb::math::Transform::createLinearTransform(spacing);
-}
-
-openvdb::GridBase::Ptr makeVdbGrid(const CacheHeader& header, const std::vector<Vec3i>& voxels,
-                                   const VolumeGrid& grid) {
-    const auto fill = [&](auto out, auto valueOf) -> openvdb::GridBase::Ptr {
-        auto accessor = out->getAccessor();
-        for (std::size_t v = 0; v < voxels.size(); ++v)
-            accessor.setValue(toCoord(voxels[v]), valueOf(grid.values[v]));
-        return out;
-    };
-    if (grid.kind == VolumeKind::fog) {
-        auto out = makeGrid<openvdb::FloatGrid>(header, grid);
-        out->setGridClass(openvdb::GRID_FOG_VOLUME);
-        return fill(out, [](const Vec3f& value) { return value.x; });
-    }
-    auto out = makeGrid<openvdb::Vec3SGrid>(header, grid);
-    out->setVectorType(grid.kind == VolumeKind::direction ? openvdb::VEC_CONTRAVARIANT_RELATIVE
-                                                          : openvdb::VEC_INVARIANT);
-    return fill(out, [](const Vec3f& value) { return openvdb::Vec3s(value.x, value.y, value.z); });
-}
-
-void writeVolumes(const std::filesystem::path& path, const CacheHeader& header,
-                  const std::vector<Vec3i>& voxels, const std::vector<VolumeGrid>& grids) {
-    initializeOpenVdb();
-    openvdb::GridCPtrVec out;
-    for (const VolumeGrid& grid : grids) out.push_back(makeVdbGrid(header, voxels, grid));
-    writeVdb(path, out, {});
 }
 
 }  // namespace shadowcache

@@ -7,6 +7,10 @@
 
 namespace shadowcache {
 
+/// Names of the volume grids in a cache file (docs/format.md).
+inline constexpr const char* kSkyVisibilityGrid = "openness";
+inline constexpr const char* kBentNormalGrid = "open_direction";
+
 /// What a grid's numbers are, so that a volume tool treats them right.
 enum class VolumeKind {
     fog,        ///< a share, 0 to 1: a fog volume
@@ -14,18 +18,21 @@ enum class VolumeKind {
     color       ///< does not turn
 };
 
-/// A grid as volume tools show it: one value a voxel.
+/// A grid as volume tools show it: one value a voxel of the cache, in the order of
+/// VoxelRuns::voxels.
 struct VolumeGrid {
     std::string name;
     VolumeKind kind;
-    std::vector<Vec3f> values;  ///< a fog volume's in x
+    std::vector<Vec3f> values;  ///< of a fog volume only x counts
 };
 
-/// The voxels of a cache, each with its run of items.
+/// The voxels of a cache, each with its run of items: voxel v has those from firstItem[v] up to,
+/// but without, firstItem[v + 1].
 struct VoxelRuns {
     std::vector<Vec3i> voxels;
     std::vector<std::size_t> firstItem;  ///< voxels + 1
 };
+/// @param items  in the file's order
 VoxelRuns findVoxels(const CacheItems& items);
 
 /// Sky visibility: mean of n/d over the counted base regions of all items of each voxel (grid
@@ -38,7 +45,7 @@ VolumeGrid skyVisibilityGrid(const CacheHeader& header, const CacheItems& items,
 VolumeGrid bentNormalGrid(const CacheHeader& header, const CacheItems& items,
                           const VoxelRuns& runs);
 
-/// Writes grids over the voxels to an OpenVDB file of their own; beside it first, then renamed.
+/// Writes grids over the voxels to an OpenVDB file of their own, by way of a temporary file.
 ///
 /// @throws Error when it cannot be written
 void writeVolumes(const std::filesystem::path& path, const CacheHeader& header,

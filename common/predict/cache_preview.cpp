@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/predict/count_tree.h"
 #include "common/predict/lanes.h"
 
 namespace shadowcache {
@@ -16,82 +17,35 @@ constexpr float kLeastShare = 8e-3f;
 /// Blocks of base cells: twenty cells of level 0, or eighty of level 1.
 constexpr std::size_t kMostBaseBlocks = 5;
 
-/// Visible shares of sixteen cells at a time by the counts of several items, 0 without counts.
-class PooledShares {
-public:
-    explicit PooledShares(const PooledVisibility& pooled) : pooled_(pooled) {}
+/// Visible shares of sixteen cells, in [0, 1], 0 without counts.
+void visibleShares(const PooledBlock& counts, float* c) {
+    for (int i = 0; i < kBlockCells; ++i) c[i] = counts.ratioOrNone(i);
+}
 
-    void base(std::uint32_t block, float* c) const { write(pooled_.base(block), c); }
-    bool hasChildren(int tier, std::uint32_t cell) const { return pooled_.hasChildren(tier, cell); }
-    /// @return false where nobody counted children of the cell
-    bool children(int tier, std::uint32_t cell, float* c) const {
-        const PooledBlock* block = pooled_.children(tier, cell);
-        if (block) write(*block, c);
-        return block != nullptr;
+void visibleShares(const BlockCounts& counts, float* c) {
+    // Copies, so that the compiler need not fear that c is where the counts are.
+    std::array<std::uint8_t, kBlockCells> n, d;
+    std::copy_n(counts.n, kBlockCells, n.begin());
+    std::copy_n(counts.d, kBlockCells, d.begin());
+    for (std::size_t i = 0; i < kBlockCells; ++i) {
+        const auto rays = static_cast<float>(d[i]);
+        const float share = static_cast<float>(n[i]) / (rays > 1 ? rays : 1.0f);
+        c[i] = share < rays ? share : rays;
     }
+    for (int i = 0; i < kBlockCells; ++i) c[i] = c[i] < 1 ? c[i] : 1.0f;
+}
 
-private:
-    const PooledVisibility& pooled_;
-
-    static void write(const PooledBlock& block, float* c) {
-        for (int i = 0; i < kBlockCells; ++i) c[i] = block.ratioOrNone(i);
-    }
-};
-
-/// The same by the counts of one item.
-class ItemShares {
-public:
-    ItemShares(const ItemView& item, const DirectionTiers& tiers) : item_(item), tiers_(tiers) {
-        // Most of it is far from the processor still, and waits overlap.
-        fetch(item.n, tiers.baseCells());
-        fetch(item.d, tiers.baseCells());
-        fetch(item.blockN, std::size_t{item.blockCount} * item.blockNStep);
-        fetch(item.blockD, std::size_t{item.blockCount} * item.blockDStep);
-    }
-
-    void base(std::uint32_t block, float* c) const {
-        const std::uint32_t first = block * kBlockCells;
-        const std::uint32_t cells =
-            std::min<std::uint32_t>(kBlockCells, tiers_.baseCells() - first);
-        if (cells == kBlockCells) return write(item_.n + first, item_.d + first, c);
-        std::array<std::uint8_t, kBlockCells> n{}, d{};  // 20 cells of level 0
-        std::copy_n(item_.n + first, cells, n.begin());
-        std::copy_n(item_.d + first, cells, d.begin());
-        write(n.data(), d.data(), c);
-    }
-    bool hasChildren(int tier, std::uint32_t cell) const {
-        return item_.findBlock(tiers_.blockKey(tier, cell)) >= 0;
-    }
-    bool children(int tier, std::uint32_t cell, float* c) const {
-        if (tier >= tiers_.refinements()) return false;
-        const int found = item_.findBlock(tiers_.blockKey(tier, cell));
-        if (found < 0) return false;
-        const BlockCounts counts = item_.block(static_cast<std::size_t>(found));
-        write(counts.n, counts.d, c);
-        return true;
-    }
-
-private:
-    const ItemView& item_;
-    const DirectionTiers& tiers_;
-
-    static void fetch(const std::uint8_t* bytes, std::size_t count) {
+/// Asks for an item's counts ahead of their use: most are far from the processor still, and waits
+/// overlap.
+void prefetch(const ItemView& item, const DirectionTiers& tiers) {
+    const auto fetch = [](const std::uint8_t* bytes, std::size_t count) {
         for (std::size_t i = 0; i < count; i += 64) __builtin_prefetch(bytes + i);
-    }
-
-    static void write(const std::uint8_t* n, const std::uint8_t* d, float* c) {
-        // Copies, so that the compiler need not fear that c is where n or d are.
-        std::array<std::uint8_t, kBlockCells> open, all;
-        std::copy_n(n, kBlockCells, open.begin());
-        std::copy_n(d, kBlockCells, all.begin());
-        for (std::size_t i = 0; i < kBlockCells; ++i) {
-            const auto rays = static_cast<float>(all[i]);
-            const float share = static_cast<float>(open[i]) / (rays > 1 ? rays : 1.0f);
-            c[i] = share < rays ? share : rays;
-        }
-        for (int i = 0; i < kBlockCells; ++i) c[i] = c[i] < 1 ? c[i] : 1.0f;
-    }
-};
+    };
+    fetch(item.n, tiers.baseCells());
+    fetch(item.d, tiers.baseCells());
+    fetch(item.blockN, std::size_t{item.blockCount} * item.blockNStep);
+    fetch(item.blockD, std::size_t{item.blockCount} * item.blockDStep);
+}
 
 /// Light through sixteen cells at a time, summed in sixteen lanes.
 struct IrradianceSum {
@@ -128,85 +82,94 @@ struct GradientSum : IrradianceSum {
 };
 
 /// The sum over the tree of regions above a place: coarse where that is as good.
-template <class Shares, class Sum>
+template <class Sum>
 class Summation {
 public:
-    Summation(const Environment& environment, const DirectionTiers& tiers,
-              const CellSplitter& splitter, const Shares& shares, const Vec3f& normal)
-        : environment_(environment),
-          tiers_(tiers),
-          splitter_(splitter),
-          shares_(shares),
-          normal_(normal) {}
+    Summation(const Environment& environment, const CellSplitter& splitter, const Vec3f& normal)
+        : environment_(environment), splitter_(splitter), normal_(normal) {}
 
-    const Sum& run() {
-        struct Base {
-            CellLight sky;
-            alignas(64) float c[kBlockCells];
-            bool open;
-        };
-        std::array<Base, kMostBaseBlocks> bases;
-        const std::uint32_t blocks = (tiers_.baseCells() + kBlockCells - 1) / kBlockCells;
+    template <CountTree Tree>
+    const Sum& run(const Tree& tree) {
+        lightBase(tree);
+        walk(tree, 0.0f,
+             [&](int tier, std::uint32_t block, const auto& counts, float parent,
+                 const auto& descend) {
+                 if (tier == 0) {
+                     const Base& base = bases_[block];
+                     if (base.visible) addBlock(tree, 0, block, base.sky, base.c, descend);
+                     return;
+                 }
+                 alignas(64) float c[kBlockCells];
+                 if (counts)
+                     visibleShares(*counts, c);
+                 else
+                     std::fill_n(c, kBlockCells, parent);
+                 if (!(maximumOf(c) > 0)) return;
+                 CellLight sky;
+                 light(tree, tier, block, sky);
+                 addBlock(tree, tier, block, sky, c, descend);
+             });
+        return sum_;
+    }
+
+private:
+    struct Base {
+        CellLight sky;
+        alignas(64) float c[kBlockCells];
+        bool visible;
+    };
+
+    const Environment& environment_;
+    const CellSplitter& splitter_;
+    const Vec3f normal_;
+    float leastNoise_ = 0;
+    Sum sum_;
+    std::array<Base, kMostBaseBlocks> bases_;
+
+    template <CountTree Tree>
+    const CellMoments& moments(const Tree& tree, int tier, std::uint32_t block) const {
+        return environment_.cells(tree.tiers().levelOf(tier), block);
+    }
+
+    template <CountTree Tree>
+    void light(const Tree& tree, int tier, std::uint32_t block, CellLight& sky) const {
+        lightCells(moments(tree, tier, block), normal_, environment_.luminanceWeights(), sky);
+    }
+
+    /// Lights the base cells: what noise is too much depends on all of them.
+    template <CountTree Tree>
+    void lightBase(const Tree& tree) {
         float bright = 0;
-        for (std::uint32_t b = 0; b < blocks; ++b) {
-            Base& base = bases[b];
-            shares_.base(b, base.c);
-            base.open = maximumOf(base.c) > 0;
-            if (!base.open) continue;
-            light(0, b, base.sky);
+        for (std::uint32_t b = 0; b < tree.tiers().baseBlocks(); ++b) {
+            Base& base = bases_[b];
+            visibleShares(tree.base(b), base.c);
+            base.visible = maximumOf(base.c) > 0;
+            if (!base.visible) continue;
+            light(tree, 0, b, base.sky);
             alignas(64) float seen[kBlockCells];
             for (int i = 0; i < kBlockCells; ++i) seen[i] = base.c[i] * base.sky.light[i];
             bright += sumOf(seen);
         }
         leastNoise_ = std::max(splitter_.leastNoise(), kLeastShare * bright);
-        for (std::uint32_t b = 0; b < blocks; ++b)
-            if (bases[b].open) addSplit(0, b, bases[b].sky, bases[b].c);
-        return sum_;
     }
 
-private:
-    const Environment& environment_;
-    const DirectionTiers& tiers_;
-    const CellSplitter& splitter_;
-    const Shares& shares_;
-    const Vec3f normal_;
-    float leastNoise_ = 0;
-    Sum sum_;
-
-    const CellMoments& moments(int tier, std::uint32_t block) const {
-        return environment_.cells(tiers_.baseLevel() + 2 * tier, block);
-    }
-
-    void light(int tier, std::uint32_t block, CellLight& sky) const {
-        lightCells(moments(tier, block), normal_, environment_.luminanceWeights(), sky);
-    }
-
-    /// Adds the cells of a block that stay whole, and the children of the others.
-    void addSplit(int tier, std::uint32_t block, const CellLight& sky, const float* c) {
+    /// Adds the cells of a block that stay whole, and goes on with the children of the others;
+    /// those without counts of their own are as visible as their parent.
+    template <CountTree Tree, class Descend>
+    void addBlock(const Tree& tree, int tier, std::uint32_t block, const CellLight& sky,
+                  const float* c, const Descend& descend) {
         Splits split;
-        splitter_.mark(shares_, tier, block, sky, c, leastNoise_, split);
+        splitter_.mark(tree, tier, block, sky, c, leastNoise_, split);
         alignas(64) float whole[kBlockCells];
         for (int i = 0; i < kBlockCells; ++i) whole[i] = split.any && split.marks[i] ? 0.0f : c[i];
-        sum_.add(moments(tier, block), sky, normal_, whole);
-        split.forEach([&](int i) {
-            addChildren(tier, block * kBlockCells + static_cast<std::uint32_t>(i), c[i]);
-        });
-    }
-
-    /// Adds the children of a cell; without counts of their own they are as open as it.
-    void addChildren(int tier, std::uint32_t cell, float open) {
-        alignas(64) float c[kBlockCells];
-        if (!shares_.children(tier, cell, c)) std::fill_n(c, kBlockCells, open);
-        if (!(maximumOf(c) > 0)) return;
-        CellLight sky;
-        light(tier + 1, cell, sky);
-        addSplit(tier + 1, cell, sky, c);
+        sum_.add(moments(tree, tier, block), sky, normal_, whole);
+        split.forEach([&](int i) { descend(i, c[i]); });
     }
 };
 
 }  // namespace
 
-Rgb IrradianceNear::at(const Vec3f& tilt) const {
+Rgb IrradianceWithGradient::at(const Vec3f& tilt) const {
     Rgb irradiance;
     for (int k = 0; k < 3; ++k) irradiance[k] = std::max(0.0f, value[k] + tilt.dot(gradient[k]));
     return irradiance;
@@ -216,24 +179,22 @@ CachePreview::CachePreview(const Environment& environment, const DirectionTiers&
     : environment_(environment), tiers_(tiers), splitter_(environment, tiers) {}
 
 Rgb CachePreview::irradiance(const PooledVisibility& pooled, const Vec3f& normal) const {
-    const PooledShares shares(pooled);
-    return Summation<PooledShares, IrradianceSum>(environment_, tiers_, splitter_, shares, normal)
-        .run()
-        .total();
+    return Summation<IrradianceSum>(environment_, splitter_, normal).run(pooled).total();
 }
 
 Rgb CachePreview::irradiance(const ItemView& item, const Vec3f& normal) const {
-    const ItemShares shares(item, tiers_);
-    return Summation<ItemShares, IrradianceSum>(environment_, tiers_, splitter_, shares, normal)
-        .run()
-        .total();
+    prefetch(item, tiers_);
+    const ItemCounts counts(item, tiers_);
+    return Summation<IrradianceSum>(environment_, splitter_, normal).run(counts).total();
 }
 
-IrradianceNear CachePreview::irradianceNear(const ItemView& item, const Vec3f& normal) const {
-    const ItemShares shares(item, tiers_);
-    Summation<ItemShares, GradientSum> summation(environment_, tiers_, splitter_, shares, normal);
-    const GradientSum& sum = summation.run();
-    IrradianceNear irradiance{sum.total(), {}};
+IrradianceWithGradient CachePreview::irradianceWithGradient(const ItemView& item,
+                                                            const Vec3f& normal) const {
+    prefetch(item, tiers_);
+    const ItemCounts counts(item, tiers_);
+    Summation<GradientSum> summation(environment_, splitter_, normal);
+    const GradientSum& sum = summation.run(counts);
+    IrradianceWithGradient irradiance{sum.total(), {}};
     for (std::size_t k = 0; k < 3; ++k)
         for (int axis = 0; axis < 3; ++axis)
             irradiance.gradient[k][axis] = sumOf(sum.byNormal[k][axis]);

@@ -9,7 +9,7 @@
 namespace shadowcache {
 
 /// Irradiance of surfaces whose unit normals are near one.
-struct IrradianceNear {
+struct IrradianceWithGradient {
     Rgb value;                      ///< at the normal itself
     std::array<Vec3f, 3> gradient;  ///< [colour]: of the irradiance by the normal
 
@@ -27,7 +27,7 @@ public:
     Rgb irradiance(const PooledVisibility& pooled, const Vec3f& normal) const;
     Rgb irradiance(const ItemView& item, const Vec3f& normal) const;
     /// On surfaces of unit normals near `normal`, by the counts of one item.
-    IrradianceNear irradianceNear(const ItemView& item, const Vec3f& normal) const;
+    IrradianceWithGradient irradianceWithGradient(const ItemView& item, const Vec3f& normal) const;
 
 private:
     const Environment& environment_;

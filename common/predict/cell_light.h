@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/cache/cache_items.h"
+#include "common/cache/cache_header.h"
 #include "common/light/environment.h"
 
 namespace shadowcache {

@@ -63,10 +63,10 @@ const Rgb& ItemIrradiance::flat(const ItemView& item, std::uint64_t key) {
     return found.irradiance.value;
 }
 
-const IrradianceNear& ItemIrradiance::near(const ItemView& item, std::uint64_t key,
-                                           const Vec3f& normal) {
+const IrradianceWithGradient& ItemIrradiance::near(const ItemView& item, std::uint64_t key,
+                                                   const Vec3f& normal) {
     Entry& found = entry(key);
-    if (found.key != key) found = {key, preview_.irradianceNear(item, normal)};
+    if (found.key != key) found = {key, preview_.irradianceWithGradient(item, normal)};
     return found.irradiance;
 }
 

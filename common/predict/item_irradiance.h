@@ -22,14 +22,15 @@ public:
 private:
     struct Entry {
         std::uint64_t key = std::numeric_limits<std::uint64_t>::max();
-        IrradianceNear irradiance;
+        IrradianceWithGradient irradiance;
     };
 
     const CachePreview& preview_;
     std::vector<Entry> entries_;  ///< by a hash of their keys
 
     const Rgb& flat(const ItemView& item, std::uint64_t key);
-    const IrradianceNear& near(const ItemView& item, std::uint64_t key, const Vec3f& normal);
+    const IrradianceWithGradient& near(const ItemView& item, std::uint64_t key,
+                                       const Vec3f& normal);
     Entry& entry(std::uint64_t key);
 };
 

@@ -42,7 +42,7 @@ constexpr int kCapLevels = 4;
 
 const std::vector<Cap>& capsOf(int level) {
     static const std::array<std::vector<Cap>, kCapLevels> kCaps{makeCaps(0), makeCaps(1),
-                                                                    makeCaps(2), makeCaps(3)};
+                                                                makeCaps(2), makeCaps(3)};
     return kCaps[static_cast<std::size_t>(level)];
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "common/cache/cache_items.h"
 #include "render/paper/paper_estimator.h"
 
 namespace shadowcache {

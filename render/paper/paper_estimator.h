@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/base/sequence.h"
-#include "render/paper/cached_visibility.h"
+#include "common/predict/cached_visibility.h"
 #include "render/paper/convolution.h"
 #include "render/paper/linear_triangle.h"
 #include "render/paper/paper_estimators.h"

@@ -2,7 +2,7 @@
 // occlusion. Biased. [paper 3.1]
 
 #include "render/estimators/hemisphere.h"
-#include "render/paper/cached_visibility.h"
+#include "common/predict/cached_visibility.h"
 #include "render/paper/convolution.h"
 #include "render/paper/paper_estimators.h"
 #include "render/paper/spherical_polygon.h"

@@ -98,7 +98,7 @@ TEST_P(Preview, OfOneItemIsThatOfThePoolOfIt) {
     std::vector<Rgb> one, pool, another;
     for (const Place& place : places())
         for (const ItemView& item : place.items) {
-            one.push_back(preview_.irradianceNear(item, item.normal).value);
+            one.push_back(preview_.irradianceWithGradient(item, item.normal).value);
             pool.push_back(pooled(item, item.normal));
             another.push_back(pooled(place.items.front(), item.normal));
         }
@@ -116,7 +116,7 @@ TEST_P(Preview, GradientIsThatOfTheIrradiance) {
         for (const ItemView& item : place.items) {
             Vec3d s, t;
             tangentFrame(Vec3d(item.normal), s, t);
-            const IrradianceNear near = preview_.irradianceNear(item, item.normal);
+            const IrradianceWithGradient near = preview_.irradianceWithGradient(item, item.normal);
             for (const Vec3d& tangent : {s, t}) {
                 const Vec3f a = (item.normal + Vec3f(tangent) * kStep).normalized();
                 const Vec3f b = (item.normal - Vec3f(tangent) * kStep).normalized();

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/math/direction_mesh.h"
+
+namespace shadowcache {
+
+/// Version of the file format; raised on any change of its bytes or of the direction mesh.
+inline constexpr int kCacheFormat = 2;
+
+/// Finest level of the direction mesh that counts may have.
+inline constexpr int kMaxCacheLevel = 5;
+
+/// Finer cells that share a block of counts.
+inline constexpr int kBlockCells = 16;
+
+/// How the counts of a cache refine in direction. The coarsest (base) level is 0 or 1, whichever
+/// has the parity of the finest; every further tier is two levels finer, so that kBlockCells finer
+/// counts share a block.
+struct DirectionTiers {
+    int finest;  ///< level of the direction mesh, 0 .. kMaxCacheLevel
+
+    /// Level of the base cells, 0 or 1.
+    constexpr int baseLevel() const { return finest & 1; }
+    /// Level of the cells of `tier`, 0 .. refinements().
+    constexpr int levelOf(int tier) const { return baseLevel() + 2 * tier; }
+    /// Tiers finer than the base cells: 0, 1 or 2.
+    constexpr int refinements() const { return finest / 2; }
+    /// Number of base cells: 20 at level 0, 80 at level 1.
+    constexpr std::uint32_t baseCells() const { return cellCount(baseLevel()); }
+    /// Blocks that hold the base cells, the last one in part at level 0.
+    constexpr std::uint32_t baseBlocks() const {
+        return (baseCells() + kBlockCells - 1) / kBlockCells;
+    }
+    /// Key of the block that refines cell `parent` of `tier` (0: the base, or 1). In an item the
+    /// blocks stand in the order of their keys.
+    constexpr std::uint16_t blockKey(int tier, std::uint32_t parent) const {
+        return static_cast<std::uint16_t>(parent + (tier == 0 ? 0u : baseCells()));
+    }
+};
+
+/// What a cache records of its bake; all of it is kept in the file's metadata.
+struct CacheHeader {
+    int level = kMaxCacheLevel;     ///< finest direction level
+    bool adaptive = true;           ///< blocks only where rays disagreed
+    double spacing = 0;             ///< side of a voxel [world units]
+    int rays = 0;                   ///< rays per finest mixed region
+    std::string seeds;              ///< of the bakes merged into it, in the order of merging
+    std::string upAxis = "y";       ///< of the files the set was read from: "y" or "z"
+    double unit = 1;                ///< metres per unit of those files
+    std::uint64_t fingerprint = 0;  ///< hash of the set's triangles
+    std::string version;            ///< of the program that baked
+
+    DirectionTiers tiers() const { return {level}; }
+};
+
+/// The fingerprint as sixteen hexadecimal digits, as the file and all messages have it.
+std::string fingerprintText(std::uint64_t fingerprint);
+
+}  // namespace shadowcache
