@@ -53,6 +53,7 @@ struct CacheHeader {
     std::uint64_t fingerprint = 0;  ///< hash of the set's triangles
     std::string version;            ///< of the program that baked
 
+    /// How its counts refine in direction.
     DirectionTiers tiers() const { return {level}; }
 };
 

@@ -12,35 +12,34 @@
 
 namespace shadowcache {
 
-/// Finer counts of one region: kBlockCells open and all rays.
+/// Counts of kBlockCells cells of an item.
 struct BlockCounts {
-    const std::uint8_t* n;
-    const std::uint8_t* d;
+    const std::uint8_t* n;  ///< rays that reached the sky, by cell
+    const std::uint8_t* d;  ///< rays counted, by cell; n <= d, and 0: nothing is known
 };
 
 /// One item near a place, as a view into an open cache.
 struct ItemView {
-    const std::uint8_t* n;  ///< baseCells counts
-    const std::uint8_t* d;
-    const std::int16_t* blockKeys;  ///< sorted
-    const std::uint8_t* blockN;     ///< kBlockCells counts of the first block
-    const std::uint8_t* blockD;
-    std::uint32_t
-        blockNStep;  ///< from one block's counts to the next: kBlockCells, or 0 if all are alike
-    std::uint32_t blockDStep;
-    std::uint32_t blockCount;
-    Vec3f normal;
-    float weight;          ///< share in the pooled counts; those of one lookup sum to 1
-    std::uint64_t number;  ///< of the item in the open cache, from 0 on
+    const std::uint8_t* n;          ///< rays that reached the sky, by base cell
+    const std::uint8_t* d;          ///< rays counted, by base cell; n <= d, and 0: nothing is known
+    const std::int16_t* blockKeys;  ///< DirectionTiers::blockKey of each block, ascending
+    const std::uint8_t* blockN;     ///< kBlockCells counts n of the first block
+    const std::uint8_t* blockD;     ///< kBlockCells counts d of the first block
+    std::uint32_t blockNStep;       ///< from one block's n to the next; 0 if all blocks are alike
+    std::uint32_t blockDStep;       ///< from one block's d to the next; 0 if all blocks are alike
+    std::uint32_t blockCount;       ///< blocks, the finer counts
+    Vec3f normal;                   ///< unit mean normal of the item's surface, world space
+    float weight;                   ///< share in the lookup, in (0, 1]; shares of a lookup sum to 1
+    std::uint64_t number;           ///< of the item in the open cache, from 0
 
-    /// Its k-th block.
+    /// Block `k` < blockCount.
     BlockCounts block(std::size_t k) const {
         return {blockN + k * blockNStep, blockD + k * blockDStep};
     }
 
-    /// Which of its blocks has `key`; -1: none.
+    /// The block that has `key`, or -1.
     int findBlock(std::uint16_t key) const {
-        // Halves long lists. To count all of a short one is faster than to branch.
+        // Bisects long lists. Counting through a short one is faster than branching.
         std::uint32_t first = 0, count = blockCount;
         while (count > 64) {
             const std::uint32_t half = count / 2;
@@ -56,44 +55,51 @@ struct ItemView {
     }
 };
 
-/// An open cache: items found by place and normal through OpenVDB. Lookups are thread-safe through
-/// one Reader a thread. All of it is in memory, or, with a budget, what is in use.
+/// An open cache: items found by place and normal. Immutable; all members are thread-safe. All of
+/// it is in memory or, with a budget, what is in use.
 class ShadowCache {
 public:
-    /// Most items that one lookup pools.
+    /// Most items that one lookup finds.
     static constexpr int kMaxItems = 32;
 
-    /// @param memoryBudget  bytes of memory to keep to, as far as what is looked at at one time
-    ///                      allows; 0: reads the whole file now
-    /// @throws Error naming the file and the cause: missing, truncated, foreign, of another format
-    /// version
+    /// @param path          a file written by shadowcache-bake or shadowcache-merge
+    /// @param memoryBudget  bytes of memory to keep to, as far as the lookups under way allow;
+    ///                      0: reads the whole file now
+    /// @throws Error naming the file and the cause: missing, truncated, foreign, damaged, of
+    /// another format version
     explicit ShadowCache(const std::filesystem::path& path, std::uint64_t memoryBudget = 0);
     ~ShadowCache();
     ShadowCache(const ShadowCache&) = delete;
     ShadowCache& operator=(const ShadowCache&) = delete;
 
+    /// What the cache records of its bake.
     const CacheHeader& header() const;
+    /// Number of items.
     std::size_t itemCount() const;
+    /// Number of blocks of finer counts.
     std::size_t blockCount() const;
-    /// Memory of the items and of the grid around them, now.
+    /// Bytes of memory that the items and their index take now.
     std::size_t memoryBytes() const;
-    /// What the budget came to, if there is one.
+    /// Use of the memory budget; all 0 without one.
     MemoryUse memoryUse() const;
 
-    /// A thread's access to the cache; remembers the nodes it last visited.
+    /// A thread's access to the cache; keeps the nodes it last visited. One Reader a thread.
     class Reader {
     public:
+        /// @param cache  stays open as long as the reader
         explicit Reader(const ShadowCache& cache);
         ~Reader();
         Reader(Reader&&) noexcept;
 
-        /// Items of the 8 voxels around a place whose side agrees with the unit normal, weighted
-        /// trilinearly and by their distance from the plane of the place; parts of patches go
-        /// before whole ones where they reach. Of more than kMaxItems the first in the file count.
+        /// Items of the 8 voxels around a place whose normals are within 60 degrees of `normal`,
+        /// weighted trilinearly and by their distance from the plane of the place. Subpatches
+        /// replace the patches that they were cut from. [docs/format.md, Pooling]
         ///
         /// @param position world space
-        /// @param out      at least kMaxItems
-        /// @return number of items found; with a budget they are valid until the next call
+        /// @param normal   unit, towards the side that is lit
+        /// @param out      receives the items; at least kMaxItems
+        /// @return number of items found, 0 away from the set's surfaces. Their views are valid as
+        /// long as the cache is open; with a memory budget, until the next call
         /// @throws Error naming the file if there is a budget and the file cannot be read any more
         int lookUp(const Vec3d& position, const Vec3f& normal, std::span<ItemView> out);
 

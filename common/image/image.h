@@ -6,11 +6,11 @@
 
 namespace shadowcache {
 
-/// Linear RGB picture, row 0 at the top, `pixels[y * width + x]`.
+/// Linear RGB picture, row 0 at the top.
 struct Image {
-    int width = 0;
-    int height = 0;
-    std::vector<Rgb> pixels;
+    int width = 0;            ///< pixels
+    int height = 0;           ///< pixels
+    std::vector<Rgb> pixels;  ///< width * height, `pixels[y * width + x]`
 };
 
 }  // namespace shadowcache

@@ -8,7 +8,7 @@ namespace shadowcache {
 
 /// Reads radiance from OpenEXR (scan lines or tiles, one part or the first of several with colour,
 /// half, float or uint channels, R G B [A], Y alone or Y RY BY, data window anywhere) or Radiance
-/// HDR; told apart by content, not by name.
+/// HDR; the content tells which, not the name.
 ///
 /// @throws Error naming the file and the cause
 RadianceImage readRadiance(const std::filesystem::path& path);

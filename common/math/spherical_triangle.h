@@ -7,14 +7,14 @@ namespace shadowcache {
 /// Spherical triangle with unit-vector corners in counter-clockwise order seen from outside; each
 /// side shorter than a half circle.
 struct SphericalTriangle {
-    Vec3d a, b, c;
+    Vec3d a, b, c;  ///< unit vectors
 };
 
 /// Solid angle in steradians; stays accurate to 3e-7 (relative) at level 9 of the direction mesh,
 /// where the sum of angles is 27 % wrong in float. [Van Oosterom & Strackee 1983]
 double solidAngle(const SphericalTriangle& t) noexcept;
 
-/// Whether `direction` lies in `t`, sides included.
+/// Whether the unit vector `direction` lies in `t`, sides included.
 bool contains(const SphericalTriangle& t, const Vec3d& direction) noexcept;
 
 /// Direction distributed uniformly in solid angle over `t`; its density is 1 / solidAngle(t).

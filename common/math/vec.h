@@ -6,13 +6,18 @@
 
 namespace shadowcache {
 
+/// Direction, or offset, in single precision.
 using Vec3f = Imath::V3f;
+/// Position, or direction, in double precision.
 using Vec3d = Imath::V3d;
+/// Voxel.
 using Vec3i = Imath::V3i;
+/// Axis-aligned box.
 using Box3d = Imath::Box3d;
 /// Linear RGB radiance, irradiance or albedo.
 using Rgb = Imath::C3f;
 
+/// Ratio of a circle's circumference to its diameter.
 inline constexpr double kPi = 3.14159265358979323846;
 
 /// Rec. 709 luminance of linear RGB.

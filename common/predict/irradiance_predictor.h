@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "common/cache/shadow_cache.h"
-#include "common/image/radiance.h"
+#include "common/image/radiance_image.h"
 
 namespace shadowcache {
 
@@ -26,9 +26,10 @@ public:
     IrradiancePredictor& operator=(const IrradiancePredictor&) = delete;
 
     /// A thread's access; keeps sums over the items that it met last. The results do not depend on
-    /// the order of the calls. One Reader a thread; it must not outlive its predictor.
+    /// the order of the calls. One Reader a thread.
     class Reader {
     public:
+        /// @param predictor  outlives the reader
         explicit Reader(const IrradiancePredictor& predictor);
         ~Reader();
         Reader(Reader&&) noexcept;

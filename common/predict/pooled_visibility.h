@@ -11,7 +11,7 @@ namespace shadowcache {
 
 /// Visibility of sixteen cells pooled over cache items.
 struct alignas(64) PooledBlock {
-    float open[kBlockCells];    ///< sum over the items of weight * n / d
+    float open[kBlockCells];    ///< visible: sum over the items of weight * n / d
     float weight[kBlockCells];  ///< sum of the weights of the items that counted rays there, <= 1
     float rays[kBlockCells];    ///< sum of weight * d
     float rays2[kBlockCells];   ///< sum of weight^2 * d
@@ -28,31 +28,37 @@ struct alignas(64) PooledBlock {
 };
 
 /// The cache items around one place as one tree of visibility: base cells, and finer blocks where
-/// any item has them. Reused from place to place.
+/// any item has them. Reused from place to place; one object a thread, as children() pools on
+/// demand.
 class PooledVisibility {
 public:
+    /// @param tiers  of the cache: header().tiers()
     explicit PooledVisibility(const DirectionTiers& tiers);
 
-    /// Pools `items`, whose weights sum to 1. They are read until the next call: finer counts are
-    /// pooled when they are asked for.
+    /// Pools the items of a lookup, whose weights sum to 1; forgets occluder cones. The items are
+    /// read until the next call, because finer counts are pooled when they are asked for.
     void pool(std::span<const ItemView> items);
 
-    /// Something that the counts know nothing of may hide what lies within `angle` [rad] of the
-    /// unit vector `axis`: the regions there that were open become uncertain.
+    /// Declares that something unknown to the counts may occlude what lies within `angle` [rad] of
+    /// the unit vector `axis`: the visible regions there become uncertain. Adds to earlier cones.
     void addOccluderCone(const Vec3f& axis, float angle);
 
+    /// How the counts refine in direction.
     const DirectionTiers& tiers() const { return tiers_; }
-    /// Base cells 16 block .. 16 block + 15.
+    /// Base cells 16 block .. 16 block + 15, block < baseBlocks(). Cells that do not exist have no
+    /// weight.
     const PooledBlock& base(std::uint32_t block) const {
         return occluderCones_.empty() ? base_[block] : uncertainBase_[block];
     }
+    /// Blocks of base cells: 2 or 5.
     std::uint32_t baseBlocks() const { return static_cast<std::uint32_t>(base_.size()); }
-    /// Whether any item has finer counts of cell `parent` of tier 0 or 1.
+    /// Whether cell `parent` of tier 0 or 1 has children: an item refines it, or, at tier 0, an
+    /// occluder cone meets it.
     bool hasChildren(int tier, std::uint32_t parent) const {
         return parents_[tiers_.blockKey(tier, parent)].link >= 0 ||
                (tier == 0 && isInOccluderCone(tiers_.baseLevel(), parent));
     }
-    /// Children of that cell, or null where no item has them; valid until the next call.
+    /// Children of that cell, or null if it has none; valid until the next call.
     const PooledBlock* children(int tier, std::uint32_t parent) const;
 
 private:

@@ -252,6 +252,38 @@ protected:
     }
 };
 
+/// Numbers that would lead a reader out of its arrays, or that no bake writes, are refused whether
+/// the cache is read as items or opened for lookups.
+TEST_F(BadCacheFiles, WithUnsoundNumbersAreRefused) {
+    const BakeResult baked = bakeSmall(smallOptions());
+    std::size_t refined = 0;  // an item of two blocks at least
+    while (baked.items.firstBlock[refined + 1] - baked.items.firstBlock[refined] < 2) ++refined;
+    const std::size_t first = baked.items.firstBlock[refined];
+    const auto refuseChanged = [&](const char* name, const std::string& cause, auto change) {
+        CacheItems items = baked.items;
+        change(items);
+        const fs::path path = folder_.path() / name;
+        writeCache(path, baked.header, items);
+        refuse(path, cause);
+    };
+    refuseChanged("patch.vdb", "an item's patch does not exist",
+                  [&](CacheItems& items) { items.patch[refined] = 30000; });
+    refuseChanged("order.vdb", "an item's blocks are not in order", [&](CacheItems& items) {
+        std::swap(items.blocks[first], items.blocks[first + 1]);
+    });
+    refuseChanged("twice.vdb", "an item's blocks are not in order", [&](CacheItems& items) {
+        items.blocks[first + 1].key = items.blocks[first].key;
+    });
+    refuseChanged(
+        "key.vdb", "a block refines a region that does not exist",
+        [&](CacheItems& items) { items.blocks[items.firstBlock[refined + 1] - 1].key = 20000; });
+    // Control: unchanged it is read.
+    const fs::path path = folder_.path() / "sound.vdb";
+    writeCache(path, baked.header, baked.items);
+    CacheHeader header;
+    EXPECT_EQ(readCache(path, header).size(), baked.items.size());
+}
+
 TEST_F(BadCacheFiles, AreRefused) {
     refuse(folder_.path() / "missing.vdb", "no such file");
     refuse(folder_.write("empty.vdb", ""), "empty");
