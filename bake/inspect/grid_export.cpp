@@ -25,35 +25,35 @@ struct Source {
     double environmentRotation;
 };
 
-/// Open share of a sky, the middle of the open part, and what of it lies above the horizon [sr].
-struct Opening {
-    double share = 0;
-    Vec3d middle{0, 0, 0};
-    double above = 0;
+/// What an item sees of the sky.
+struct SkySight {
+    double visibility = 0;      ///< visible share of the counted directions
+    Vec3d bentNormal{0, 0, 0};  ///< integral of the visible directions, not normalised
+    double above = 0;           ///< visible above the world's horizon [sr]
 };
 
-class OpeningMeter {
+class SkyMeter {
 public:
-    OpeningMeter() {
+    SkyMeter() {
         for (int level = 0; level <= kMaxCacheLevel; ++level)
             for (std::uint32_t cell = 0; cell < cellCount(level); ++cell)
                 cells_[static_cast<std::size_t>(level)].push_back(
                     {cellCenter(level, cell), solidAngle(cellTriangle(level, cell))});
     }
 
-    Opening measure(const std::vector<CountedRegion>& regions) const {
-        Opening opening;
+    SkySight measure(const std::vector<CountedRegion>& regions) const {
+        SkySight sight;
         double area = 0;
         for (const CountedRegion& region : regions) {
             const Cell& cell = cells_[static_cast<std::size_t>(region.level)][region.cell];
             const double open = cell.solidAngle * region.share();
-            opening.middle += cell.center * open;
-            opening.share += open;
-            if (cell.center.y > 0) opening.above += open;
+            sight.bentNormal += cell.center * open;
+            sight.visibility += open;
+            if (cell.center.y > 0) sight.above += open;
             area += cell.solidAngle;
         }
-        if (area > 0) opening.share /= area;
-        return opening;
+        if (area > 0) sight.visibility /= area;
+        return sight;
     }
 
 private:
@@ -64,25 +64,25 @@ private:
     std::array<std::vector<Cell>, kMaxCacheLevel + 1> cells_;
 };
 
-/// Value of an item; its regions and what is open of them are known.
-using ItemValue = std::function<Vec3f(ItemRegions&, const Opening&, std::size_t item)>;
+/// Value of an item, given its regions and what it sees of the sky.
+using ItemValue = std::function<Vec3f(ItemRegions&, const SkySight&, std::size_t item)>;
 
-/// A voxel shows the side that sees most of what is above the horizon: the inside of a solid, or
-/// the underside of the ground, would only hide it.
+/// A voxel shows the side that sees most of the upper sky, not the inside of a solid or the
+/// underside of the ground.
 VolumeGrid bestOfSides(const GridRequest& request, VolumeKind kind, const Source& source,
                        const ItemValue& valueOf) {
     VolumeGrid grid{request.name, kind, std::vector<Vec3f>(source.runs.voxels.size(), Vec3f(0))};
-    const OpeningMeter meter;
+    const SkyMeter meter;
     parallelFor(grid.values.size(), 256, [&](const Chunk& chunk) {
         ItemRegions regions(source.header.tiers());
         for (std::size_t v = chunk.begin; v < chunk.end; ++v) {
             std::size_t best = source.runs.firstItem[v];
-            Opening widest{0, Vec3d(0), -1};
+            SkySight widest{0, Vec3d(0), -1};
             for (std::size_t i = best; i < source.runs.firstItem[v + 1]; ++i) {
                 regions.use(source.items, i);
-                const Opening opening = meter.measure(regions.finest());
-                if (opening.above <= widest.above) continue;
-                widest = opening;
+                const SkySight sight = meter.measure(regions.finest());
+                if (sight.above <= widest.above) continue;
+                widest = sight;
                 best = i;
             }
             regions.use(source.items, best);
@@ -94,23 +94,23 @@ VolumeGrid bestOfSides(const GridRequest& request, VolumeKind kind, const Source
 
 VolumeGrid makeSkyVisibility(const GridRequest& request, const Source& source) {
     return bestOfSides(request, VolumeKind::fog, source,
-                       [](ItemRegions&, const Opening& opening, std::size_t) {
-                           return Vec3f(static_cast<float>(opening.share));
+                       [](ItemRegions&, const SkySight& sight, std::size_t) {
+                           return Vec3f(static_cast<float>(sight.visibility));
                        });
 }
 
 VolumeGrid makeBentNormal(const GridRequest& request, const Source& source) {
     return bestOfSides(request, VolumeKind::direction, source,
-                       [](ItemRegions&, const Opening& opening, std::size_t) {
-                           const double length = opening.middle.length();
-                           return length > 0 ? Vec3f(opening.middle / length) : Vec3f(0);
+                       [](ItemRegions&, const SkySight& sight, std::size_t) {
+                           const double length = sight.bentNormal.length();
+                           return length > 0 ? Vec3f(sight.bentNormal / length) : Vec3f(0);
                        });
 }
 
 /// 1 less the mean standard deviation of a ray's answer, in units of the greatest there can be.
 VolumeGrid makeConfidence(const GridRequest& request, const Source& source) {
     return bestOfSides(
-        request, VolumeKind::fog, source, [](ItemRegions& regions, const Opening&, std::size_t) {
+        request, VolumeKind::fog, source, [](ItemRegions& regions, const SkySight&, std::size_t) {
             double uncertainty = 0, area = 0;
             for (const CountedRegion& r : regions.finest()) {
                 const double solidAngle = 1.0 / cellCount(r.level);  // of the sphere, about
@@ -159,19 +159,20 @@ Environment readEnvironment(const GridRequest& request, const Source& source) {
 
 VolumeGrid makeEnvironment(const GridRequest& request, const Source& source) {
     const Environment sky = readEnvironment(request, source);
-    return bestOfSides(
-        request, VolumeKind::fog, source, [&](ItemRegions& regions, const Opening&, std::size_t i) {
-            const SkyLight light = skyLight(regions.finest(), source.items.normal[i], sky);
-            const float all = sky.luminance(light.unshadowed);
-            const float seen = sky.luminance(light.seen);
-            return Vec3f(all > 0 ? std::min(1.0f, seen / all) : 0.0f);
-        });
+    return bestOfSides(request, VolumeKind::fog, source,
+                       [&](ItemRegions& regions, const SkySight&, std::size_t i) {
+                           const SkyLight light =
+                               skyLight(regions.finest(), source.items.normal[i], sky);
+                           const float all = sky.luminance(light.unshadowed);
+                           const float seen = sky.luminance(light.seen);
+                           return Vec3f(all > 0 ? std::min(1.0f, seen / all) : 0.0f);
+                       });
 }
 
 VolumeGrid makeIrradiance(const GridRequest& request, const Source& source) {
     const Environment sky = readEnvironment(request, source);
     return bestOfSides(request, VolumeKind::color, source,
-                       [&](ItemRegions& regions, const Opening&, std::size_t i) {
+                       [&](ItemRegions& regions, const SkySight&, std::size_t i) {
                            const Rgb seen =
                                skyLight(regions.finest(), source.items.normal[i], sky).seen;
                            return Vec3f(seen.x, seen.y, seen.z);

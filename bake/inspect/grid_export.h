@@ -7,31 +7,34 @@
 
 namespace shadowcache {
 
-/// What `--export-grid` knows: "openness: what it holds", one line each, for help.
+/// The kinds of grids for --help, one line each with what they hold.
 std::string gridKindsHelp();
 
-/// Words that a SPEC may begin with.
+/// Names of the kinds of grids.
 const std::vector<std::string>& gridKinds();
 
-/// One grid asked for: a SPEC [NAME:]KIND[=ARGUMENT] taken apart.
+/// A grid asked for with --export-grid [NAME:]KIND[=ARGUMENT].
 struct GridRequest {
     std::string name;      ///< of the grid
     std::string kind;      ///< one of gridKinds()
     std::string argument;  ///< behind '=', empty if there is none
 };
 
-/// @throws Error naming the SPEC and the kinds there are
+/// Parses [NAME:]KIND[=ARGUMENT].
+///
+/// @throws Error naming what was given, and a kind that it may have meant
 GridRequest parseGridRequest(const std::string& spec);
 
-/// The grid asked for, of the side of each voxel's surfaces that sees most of the sky above.
+/// The grid asked for; of a voxel's items the one counts that sees most of the upper sky.
 ///
-/// @param environmentRotation  degrees that maps are turned by, as the renderer does
+/// @param environmentRotation  of maps about +Y, in degrees, as the renderer's --env-rotate
+/// @param runs                 findVoxels(items)
 /// @throws Error for an argument or a map that cannot be read
 VolumeGrid makeVolumeGrid(const GridRequest& request, double environmentRotation,
                           const CacheHeader& header, const CacheItems& items,
                           const VoxelRuns& runs);
 
-/// Writes the grids asked for to an OpenVDB file of their own, over the voxels of the cache.
+/// Writes the grids asked for, over the voxels of the cache, to an OpenVDB file.
 ///
 /// @throws Error as makeVolumeGrid, for two grids of one name, or when it cannot be written
 void exportGrids(const std::vector<GridRequest>& requests, double environmentRotation,

@@ -6,7 +6,7 @@
 
 namespace shadowcache {
 
-/// One HTML page on a cache that needs no other file: settings, slices, histograms.
+/// An HTML page about a cache that needs no other file: settings, slices, histograms.
 ///
 /// @param name  of the cache, for the title
 std::string reportPage(const std::string& name, const CacheFacts& facts);

@@ -7,13 +7,13 @@
 
 namespace shadowcache {
 
-/// Irradiance that counts foresee, without a ray.
+/// Irradiance that counts predict [radiance sr].
 struct SkyLight {
-    Rgb seen{0, 0, 0};        ///< with the regions as open as counted
-    Rgb unshadowed{0, 0, 0};  ///< as if they were all open
+    Rgb seen{0, 0, 0};        ///< with the counted visibility
+    Rgb unshadowed{0, 0, 0};  ///< as if everything were visible
 };
 
-/// Light of the environment on a surface with unit normal `normal`, from regions of its sky.
+/// Light of the environment on a surface with unit normal `normal`, from regions with d > 0.
 SkyLight skyLight(std::span<const CountedRegion> regions, const Vec3f& normal,
                   const Environment& environment);
 

@@ -16,26 +16,29 @@ namespace shadowcache {
 
 /// A part of a cache file that is unpacked as a whole.
 struct FilePage {
+    /// How its bytes are packed.
     enum class Kind : std::uint8_t {
-        plain,
-        blosc,
+        plain,      ///< not at all
+        blosc,      ///< as one Blosc buffer
         voxelEnds,  ///< of several leaves, each packed on its own
     };
 
     std::uint64_t offset;  ///< in the file
     std::uint32_t stored;  ///< bytes there
     std::uint32_t size;    ///< bytes when unpacked
-    Kind kind;
+    Kind kind;             ///< of packing
 };
 
-/// A page in memory, which stays as long as somebody holds it.
+/// A page in memory, which stays as long as a pin refers to it.
 using PagePin = std::shared_ptr<const std::byte[]>;
 
-/// Pages of a file, read when they are asked for; those unused for longest are dropped when they
-/// come to more than a budget. Thread-safe.
+/// Pages of a file, read on demand; the least recently used are dropped when they exceed a budget.
+/// Thread-safe.
 class CachePages {
 public:
-    /// @param overhead  bytes that the owner keeps for the file beside the pages
+    /// @param budget    bytes
+    /// @param overhead  bytes that the owner keeps for the file beside the pages; part of the
+    /// budget
     /// @throws Error naming the file if it cannot be opened
     CachePages(const std::filesystem::path& path, std::vector<FilePage> pages, std::uint64_t budget,
                std::uint64_t overhead);
@@ -43,18 +46,20 @@ public:
     CachePages(const CachePages&) = delete;
     CachePages& operator=(const CachePages&) = delete;
 
+    /// Bytes of a page when unpacked.
     std::uint32_t size(std::uint32_t page) const { return pages_[page].size; }
 
-    /// Pins pages[i] in pins[i], if all are in memory; else does nothing.
+    /// Pins pages[i] in pins[i] if all are in memory; otherwise does nothing.
     ///
-    /// @return whether they were
+    /// @return whether all were
     bool pinHeld(std::span<const std::uint32_t> pages, std::span<PagePin> pins);
 
-    /// The page, read first if need be. What others hold is kept whatever the budget.
+    /// The page, read first unless it is in memory. Pinned pages stay even beyond the budget.
     ///
     /// @throws Error naming the file if the page cannot be read or unpacked
     PagePin pin(std::uint32_t page);
 
+    /// Budget and use so far.
     MemoryUse use() const;
 
 private:

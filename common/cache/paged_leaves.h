@@ -12,23 +12,27 @@
 
 namespace shadowcache {
 
-/// The leaves of a cache that stays in its file but for the pages that are in use.
+/// The leaves of a cache of which only the pages in use are in memory. Thread-safe.
 class PagedLeaves {
 public:
+    /// @param budget  bytes of memory
     /// @throws Error naming the file and the cause
     PagedLeaves(const std::filesystem::path& path, const DirectionTiers& tiers,
                 std::uint64_t budget);
 
+    /// Number of items.
     std::size_t items() const { return items_; }
+    /// Number of blocks.
     std::size_t blocks() const { return blocks_; }
+    /// Use of the budget.
     MemoryUse use() const { return pages_->use(); }
 
-    /// A thread's access; keeps the leaves it last visited.
+    /// A thread's access; keeps the leaves it last visited. One Reader a thread.
     class Reader {
     public:
         explicit Reader(const PagedLeaves& leaves);
 
-        /// Begins another lookup: what the last one found may go.
+        /// Begins another lookup: leaves of the last one may be released.
         void beginLookup() { ++now_; }
         /// The leaf around a voxel, or null; valid until the next lookup begins. At most eight
         /// leaves a lookup.

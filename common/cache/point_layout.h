@@ -16,7 +16,7 @@
 
 namespace shadowcache {
 
-/// Most attributes that are wanted of one grid.
+/// Most attributes of one grid that a reader may want.
 inline constexpr std::size_t kMostArrays = kItemAttributes;
 static_assert(kMostArrays >= kBlockAttributes);
 
@@ -27,18 +27,19 @@ struct ArrayPlace {
     std::uint32_t uniform : 1;  ///< one value stands for all
 };
 
+/// Where the arrays of a leaf lie.
 struct LeafPlace {
-    openvdb::Coord origin;
-    std::uint32_t points;
-    ArrayPlace voxelEnds;  ///< 512 offsets of four bytes
-    std::array<ArrayPlace, kMostArrays> arrays;
+    openvdb::Coord origin;                       ///< its first voxel
+    std::uint32_t points;                        ///< number of points
+    ArrayPlace voxelEnds;                        ///< kLeafVoxels offsets of four bytes
+    std::array<ArrayPlace, kMostArrays> arrays;  ///< of the attributes that were asked for
 };
 
 /// Where everything of a point grid lies in its file, leaf by leaf in the file's order.
 using PointLayout = std::vector<LeafPlace>;
 
-/// Finds the parts of point grids in an OpenVDB file without reading them. OpenVDB itself can put
-/// off the reading, but not drop again what was read.
+/// Finds the parts of point grids in an OpenVDB file without reading them. OpenVDB can read them on
+/// demand, but cannot drop them again.
 class PointLayoutReader final : openvdb::io::Archive {
 public:
     /// @throws Error naming the file and the cause

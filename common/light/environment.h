@@ -12,23 +12,23 @@ namespace shadowcache {
 
 /// Direction drawn from an environment.
 struct EnvironmentSample {
-    Vec3f direction;
-    Rgb radiance;
+    Vec3f direction;          ///< unit, world space
+    Rgb radiance;             ///< along it
     float density;            ///< [1/sr] with respect to the region that was sampled
-    std::uint32_t cell = 0;   ///< of level Environment::kLevel, that holds the texel; if drawn
-    std::uint32_t texel = 0;  ///< Environment::Texel::index
+    std::uint32_t cell = 0;   ///< of level Environment::kLevel, that holds the texel
+    std::uint32_t texel = 0;  ///< Texel::index
 };
 
-/// Sixteen consecutive cells of a level (at level 2 and finer, those with a common ancestor two
-/// levels up), as arrays: what weighing regions reads. Cells past the end of levels 0 and 1 have no
-/// light.
+/// Moments of the light in sixteen consecutive cells of a level (at level 2 and finer, those with a
+/// common ancestor two levels up), as structure of arrays. Cells past the end of levels 0 and 1
+/// have no light.
 struct alignas(64) CellMoments {
-    static constexpr int kSize = 16;
-    float axis[3][kSize];    ///< unit vector at the middle of the cell
-    float sinRadius[kSize];  ///< sine of the angle around it that holds all of the cell's texels
-    float firstMoment[3][3][kSize];  ///< [colour][x, y, z]: integral of L(w) w over the cell
-                                     ///< [radiance sr]
-    float luminanceIntegral[kSize];  ///< integral of the luminance over the cell [radiance sr]
+    static constexpr int kSize = 16;  ///< cells
+    float axis[3][kSize];             ///< [x, y, z]: unit vector at the cell's centroid
+    float sinRadius[kSize];           ///< sine of the angle around it that holds the cell's texels
+    float firstMoment[3][3][kSize];   ///< [colour][x, y, z]: integral of L(w) w over the cell
+                                      ///< [radiance sr]
+    float luminanceIntegral[kSize];   ///< integral of the luminance over the cell [radiance sr]
     /// [colour][xx, yy, zz, xy, xz, yz]: integral of L(w) w w^T over the cell [radiance sr]
     float second[3][6][kSize];
 };
@@ -47,7 +47,9 @@ public:
     /// @throws Error for an empty map or one of over 2^31 texels
     Environment(const Image& map, double rotationDegrees, const Rgb& luminanceWeights);
 
+    /// Luminance of the three primaries; their sum is 1.
     const Rgb& luminanceWeights() const { return luminanceWeights_; }
+    /// Luminance of linear RGB.
     float luminance(const Rgb& c) const {
         return luminanceWeights_.x * c.x + luminanceWeights_.y * c.y + luminanceWeights_.z * c.z;
     }
@@ -63,25 +65,30 @@ public:
         return moments_[static_cast<std::size_t>(level)][block];
     }
 
-    /// Integral of the luminance over a cell, level 0 .. kLevel.
+    /// Integral of the luminance over a cell, level 0 .. kLevel [radiance sr].
     double luminanceIntegral(int level, std::uint32_t cell) const noexcept;
 
-    /// Direction in cell `index` of `level` (whose luminance integral is positive) with density in
-    /// proportion to the luminance; its density is with respect to that cell. u chooses the texel,
-    /// jitter (two numbers) the place in it.
+    /// Direction in cell `index` of `level` (whose luminance integral is positive) with density
+    /// proportional to the luminance; the density is with respect to that cell.
+    ///
+    /// @param u                 chooses the texel, in [0, 1)
+    /// @param jitterX, jitterY  choose the place in it, in [0, 1)
     EnvironmentSample sampleCell(int level, std::uint32_t index, double u, float jitterX,
                                  float jitterY) const noexcept;
 
-    /// A draw in three steps, each of which reads memory that the one before asked for: with many
-    /// draws a step at a time the waits overlap. sampleCell() is all three at once.
+    /// State of a draw in three steps, each of which reads memory that the one before prefetched:
+    /// with many draws, one step at a time, the waits overlap. sampleCell() is all three at once.
     struct Draw {
         std::uint32_t cell;  ///< of level kLevel
         std::uint32_t step;  ///< place in the cell's light, in 2^-32
         std::uint32_t texel;
         float cellShare;  ///< of the cell in the light of the region
     };
+    /// Step 1: chooses the cell of level kLevel. Arguments as of sampleCell().
     Draw startDraw(int level, std::uint32_t index, double u) const noexcept;
+    /// Step 2: chooses the texel.
     void findTexel(Draw& draw) const noexcept;
+    /// Step 3: chooses the place in the texel.
     EnvironmentSample finishDraw(const Draw& draw, float jitterX, float jitterY) const noexcept;
 
     /// As sampleCell, over the whole sphere (whose luminance integral is positive).
@@ -90,23 +97,26 @@ public:
     /// Radiance along a unit direction, and the density with which sample() draws it [1/sr].
     EnvironmentSample lookUp(const Vec3f& direction) const noexcept;
 
-    /// A texel as an integrator of other shapes sees it.
+    /// A texel, for integrals over other shapes than cells.
     struct Texel {
-        Vec3f center;
-        Rgb radiance;
-        float solidAngle;
+        Vec3f center;         ///< unit vector
+        Rgb radiance;         ///< the same all over it
+        float solidAngle;     ///< [sr]
         std::uint32_t index;  ///< place in the map, below texelCount()
     };
+    /// Texels of the map, replicated if it is small.
     std::size_t texelCount() const { return sorted_.size(); }
-    /// Unit direction to place (x, y) in [0, 1]^2 of texel i; uniform places are uniform in solid
-    /// angle.
+    /// Unit direction to place (x, y) in [0, 1]^2 of texel i < texelCount(); uniform places are
+    /// uniform in solid angle.
     Vec3d placeIn(std::size_t i, double x, double y) const noexcept;
-    /// Texels in the order of their cells; those of one level-kLevel cell are texelsOf(cell).
+    /// Texel i < texelCount(), in the order of the cells of level kLevel.
     Texel texel(std::size_t i) const noexcept;
+    /// First texel of a cell of level kLevel, and the one behind its last.
     std::array<std::uint32_t, 2> texelsOf(std::uint32_t cell) const noexcept {
         return {firstTexel_[cell], firstTexel_[cell + 1]};
     }
-    /// Upper bound of the luminance over the directions of a cone around `axis`.
+    /// Upper bound of the luminance over the directions within `angle` [rad] of the unit vector
+    /// `axis`.
     float maxLuminance(const Vec3d& axis, double angle) const noexcept;
 
 private:

@@ -10,8 +10,8 @@ namespace shadowcache {
 
 namespace {
 
-/// A cell may be unsure of this much of the place's own light before it is split. In bright places
-/// that is more than what samples need.
+/// Noise of a cell, as a share of the place's own light, from which on it is split. In bright
+/// places that is more than samples need.
 constexpr float kLeastShare = 8e-3f;
 
 /// Blocks of base cells: twenty cells of level 0, or eighty of level 1.
@@ -23,7 +23,7 @@ void visibleShares(const PooledBlock& counts, float* c) {
 }
 
 void visibleShares(const BlockCounts& counts, float* c) {
-    // Copies, so that the compiler need not fear that c is where the counts are.
+    // Copies, so that the compiler knows that c does not alias the counts.
     std::array<std::uint8_t, kBlockCells> n, d;
     std::copy_n(counts.n, kBlockCells, n.begin());
     std::copy_n(counts.d, kBlockCells, d.begin());
@@ -35,8 +35,7 @@ void visibleShares(const BlockCounts& counts, float* c) {
     for (int i = 0; i < kBlockCells; ++i) c[i] = c[i] < 1 ? c[i] : 1.0f;
 }
 
-/// Asks for an item's counts ahead of their use: most are far from the processor still, and waits
-/// overlap.
+/// Prefetches an item's counts, most of which are in main memory: the waits overlap.
 void prefetch(const ItemView& item, const DirectionTiers& tiers) {
     const auto fetch = [](const std::uint8_t* bytes, std::size_t count) {
         for (std::size_t i = 0; i < count; i += 64) __builtin_prefetch(bytes + i);
@@ -58,8 +57,7 @@ struct IrradianceSum {
     Rgb total() const { return {sumOf(lanes[0]), sumOf(lanes[1]), sumOf(lanes[2])}; }
 };
 
-/// The same with its gradient. Of a cell on the horizon as much of the light counts in it as is
-/// above.
+/// The same with its gradient, to which a cell on the horizon adds the share of it that is above.
 struct GradientSum : IrradianceSum {
     alignas(64) float byNormal[3][3][kBlockCells] = {};
 

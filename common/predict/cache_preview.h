@@ -8,25 +8,29 @@
 
 namespace shadowcache {
 
-/// Irradiance of surfaces whose unit normals are near one.
+/// Irradiance on a surface, and its rotational gradient. [Ward & Heckbert 1992]
 struct IrradianceWithGradient {
-    Rgb value;                      ///< at the normal itself
-    std::array<Vec3f, 3> gradient;  ///< [colour]: of the irradiance by the normal
+    Rgb value;                      ///< at the normal
+    std::array<Vec3f, 3> gradient;  ///< [colour]: derivative of the irradiance by the normal
 
-    /// At the normal + tilt.
+    /// First-order irradiance at the unit normal `normal + tilt`, not below 0.
     Rgb at(const Vec3f& tilt) const;
 };
 
-/// The irradiance that the counts foretell, without any ray: the control variate's integral alone,
-/// the sum over regions of c_r (n . V_r), with none of what samples need. [docs/estimator.md]
+/// The irradiance that the counts predict, without rays: the control variate's integral alone, the
+/// sum over regions of c_r (n . V_r). [docs/estimator.md] Immutable, thread-safe. Irradiance is in
+/// the units of the environment's radiance times sr.
 class CachePreview {
 public:
+    /// @param environment  outlives the preview
+    /// @param tiers        of the cache: header().tiers()
     CachePreview(const Environment& environment, const DirectionTiers& tiers);
 
-    /// On a surface of unit normal `normal`, by the counts of several items or of one.
+    /// On a surface of unit normal `normal`, by the counts of several items.
     Rgb irradiance(const PooledVisibility& pooled, const Vec3f& normal) const;
+    /// On a surface of unit normal `normal`, by the counts of one item; its weight does not matter.
     Rgb irradiance(const ItemView& item, const Vec3f& normal) const;
-    /// On surfaces of unit normals near `normal`, by the counts of one item.
+    /// The same with its gradient, in which cells on the horizon count as far as they are above it.
     IrradianceWithGradient irradianceWithGradient(const ItemView& item, const Vec3f& normal) const;
 
 private:

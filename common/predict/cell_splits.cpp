@@ -4,9 +4,8 @@ namespace shadowcache {
 
 namespace {
 
-/// A cell is split where as a whole it would add more noise than this, as a share of the sky's
-/// light: because part of it is hidden, or because the quadratic that stands for the clamped cosine
-/// on the horizon is not the cosine.
+/// Noise of a cell, as a share of the sky's luminance integral, from which on it is split: because
+/// it is partly occluded, or because on the horizon a quadratic replaces the clamped cosine.
 constexpr float kLeastNoise = 5e-4f;
 
 }  // namespace

@@ -11,10 +11,10 @@ namespace shadowcache {
 
 /// Which of sixteen cells are to be split.
 struct Splits {
-    alignas(16) std::uint8_t marks[kBlockCells];
-    bool any = false;
+    alignas(16) std::uint8_t marks[kBlockCells];  ///< 1: split, else 0; undefined unless any
+    bool any = false;                             ///< whether any is to be split
 
-    /// Calls `visit` with the number of each cell that is to be split, the first first.
+    /// Calls `visit` with the number (0 .. 15) of each cell that is to be split, in their order.
     template <class Visit>
     void forEach(const Visit& visit) const {
         if (!any) return;
@@ -26,20 +26,24 @@ struct Splits {
     }
 };
 
-/// Decides where the hemisphere above a place is split into finer regions.
+/// Decides where the hemisphere above a place is split into finer regions. Immutable, thread-safe.
 class CellSplitter {
 public:
+    /// @param tiers  of the cache: header().tiers()
     CellSplitter(const Environment& environment, const DirectionTiers& tiers);
 
-    /// Noise below which a cell stays whole, in the units of CellLight::light: a share of all the
-    /// sky's light.
+    /// Noise below which a cell stays whole: a share of the luminance integral of the sky
+    /// [radiance sr].
     float leastNoise() const { return leastNoise_; }
 
-    /// Marks the cells of block `block` of a tier that as a whole would add more than `leastNoise`:
-    /// because part of one is hidden, by the visibility `c`, and `counts` has finer counts; or
-    /// because the horizon cuts it.
+    /// Marks the cells of block `block` of a tier that as a whole would add more noise than
+    /// `leastNoise`: those that are partly occluded and have finer counts, and those that the
+    /// horizon cuts. Cells at the finest level of the environment's table stay whole.
     ///
-    /// @param counts  has hasChildren(), as PooledVisibility
+    /// @param counts  has hasChildren(tier, cell): a CountTree
+    /// @param sky     light of the sixteen cells
+    /// @param c       their visible shares, in [0, 1]
+    /// @param leastNoise  above 0 [radiance sr]
     template <class Counts>
     void mark(const Counts& counts, int tier, std::uint32_t block, const CellLight& sky,
               const float* c, float leastNoise, Splits& out) const {

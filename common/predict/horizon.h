@@ -2,8 +2,8 @@
 
 namespace shadowcache {
 
-/// Stand-in for the clamped cosine max(0, x), x = n . w, over a region that the horizon cuts: the
-/// quadratic next to it in the mean square, whose integral against the light is exact from moments.
+/// Replaces the clamped cosine max(0, x), x = n . w, over a region that the horizon cuts by its
+/// least-squares quadratic, whose integral against the light follows exactly from the moments.
 /// With x = height + sinRadius t, t in [-1, 1], the cosine has its kink at t0 = -height / sinRadius
 /// and the quadratic is its projection on the Legendre polynomials P0, P1, P2.
 struct HorizonFit {
@@ -11,7 +11,8 @@ struct HorizonFit {
     float cosineMoment;              ///< mean of max(0, x)^2 over t
     float fitMoment;                 ///< mean of q^2, which is that of q max(0, x) as well
 
-    /// |height| < sinRadius: n . axis of the region, and the sine of its angular radius.
+    /// @param height     n . axis of the region, |height| < sinRadius
+    /// @param sinRadius  sine of its angular radius, above 0
     HorizonFit(float height, float sinRadius) {
         const float t0 = -height / sinRadius;
         const float rest = 1 - t0;
@@ -27,6 +28,7 @@ struct HorizonFit {
         fitMoment = c0 * c0 + c1 * c1 / 3 + c2 * c2 / 5;
     }
 
+    /// The quadratic at x = n . w.
     float operator()(float x) const { return constant + x * (linear + x * square); }
 };
 

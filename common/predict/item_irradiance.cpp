@@ -8,17 +8,17 @@ namespace shadowcache {
 
 namespace {
 
-/// 2 to the power of this many sums are kept.
+/// Logarithm to the base 2 of the number of sums that are kept.
 constexpr int kEntryBits = 14;
 
-/// Square of the difference of two normals up to which the irradiance at one is taken from its
-/// gradient at the other: 26 degrees. Farther away the horizon is another one.
+/// Square of the difference of two normals up to which the irradiance at one is extrapolated from
+/// the other: 26 degrees. Beyond that the horizon cuts other cells.
 constexpr float kMostTilt2 = 0.2f;
 
-/// Up to here a difference is none: on flat surfaces no gradient is needed.
+/// Square up to which normals count as equal: on flat surfaces no gradient is needed.
 constexpr float kLeastTilt2 = 1e-6f;
 
-/// Of the direction cells whose middles stand for normals farther from the item's.
+/// Level of the direction cells whose centroids replace the item's normal beyond that.
 constexpr int kNormalLevel = 2;
 
 /// Unit vectors at the middles of those cells.

@@ -9,14 +9,17 @@
 
 namespace shadowcache {
 
-/// The irradiance that single items foretell. An item that many pixels see is summed up once, as
-/// its irradiance near its own normal, or near one of a few others; a thread keeps the sums it met
-/// last. The results do not depend on which those are.
+/// The irradiance that single items predict. It is summed up once for all places that an item
+/// serves, at the item's own normal or at one of a few others, with its rotational gradient. The
+/// sums that were used last are kept; results do not depend on which those are. One object a
+/// thread.
 class ItemIrradiance {
 public:
+    /// @param preview  outlives the object
     explicit ItemIrradiance(const CachePreview& preview) : preview_(preview) {}
 
-    /// Mean of what `items`, whose weights sum to 1, foretell of a surface of unit normal `normal`.
+    /// Irradiance on a surface of unit normal `normal`: the mean over `items`, whose weights sum
+    /// to 1. 0 without items. [radiance sr]
     Rgb mean(std::span<const ItemView> items, const Vec3f& normal);
 
 private:

@@ -51,11 +51,11 @@ bool touches(const Cap& cap, const Vec3f& axis, float angle) {
     return sum >= static_cast<float>(kPi) || axis.dot(cap.axis) >= std::cos(sum);
 }
 
-/// What was open may be hidden now; what was hidden still is.
+/// What was visible may be occluded now; what was occluded still is.
 void makeUncertain(PooledBlock& block, int i) {
-    constexpr float kOpenStill = 0.75f;
+    constexpr float kStillVisible = 0.75f;
     if (!(block.open[i] > 0)) return;
-    block.open[i] *= kOpenStill;
+    block.open[i] *= kStillVisible;
     block.rays[i] = block.rays2[i] = 1;
 }
 
@@ -92,7 +92,7 @@ void PooledVisibility::addBase(const ItemView& item) {
     }
 }
 
-/// Notes where the counts of the item's blocks are, without reading them.
+/// Records where the counts of the item's blocks are, without reading them.
 void PooledVisibility::linkBlocks(std::size_t item) {
     const ItemView& view = items_[item];
     for (std::size_t k = 0; k < view.blockCount; ++k) {
@@ -124,8 +124,8 @@ const PooledBlock* PooledVisibility::children(int tier, std::uint32_t cell) cons
     return &blocks_[static_cast<std::size_t>(parents_[key].block)];
 }
 
-/// Pools the block `key`; where no item has it, it is all like its parent. Items without it say of
-/// all its cells what they say of their parent: cell `i` of `parents`.
+/// Pools the block `key`. Items without it count in all its cells as they do in the parent, cell
+/// `i` of `parents`; where no item has it, all its cells are like the parent.
 void PooledVisibility::poolBlock(std::uint16_t key, const PooledBlock* parents, int i,
                                  PooledBlock& block) const {
     if (parents && parents_[key].link < 0) {
