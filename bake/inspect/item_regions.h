@@ -45,7 +45,7 @@ private:
                          double prior) const;
 
     DirectionTiers tiers_;
-    std::optional<ItemCounts> counts_;
+    std::optional<ItemCountTree> counts_;
     std::vector<CountedRegion> finest_;
     std::vector<std::int16_t> keys_;  ///< of an item of CacheItems, whose blocks hold them apart
 };

@@ -182,14 +182,14 @@ Rgb CachePreview::irradiance(const PooledVisibility& pooled, const Vec3f& normal
 
 Rgb CachePreview::irradiance(const ItemView& item, const Vec3f& normal) const {
     prefetch(item, tiers_);
-    const ItemCounts counts(item, tiers_);
+    const ItemCountTree counts(item, tiers_);
     return Summation<IrradianceSum>(environment_, splitter_, normal).run(counts).total();
 }
 
 IrradianceWithGradient CachePreview::irradianceWithGradient(const ItemView& item,
                                                             const Vec3f& normal) const {
     prefetch(item, tiers_);
-    const ItemCounts counts(item, tiers_);
+    const ItemCountTree counts(item, tiers_);
     Summation<GradientSum> summation(environment_, splitter_, normal);
     const GradientSum& sum = summation.run(counts);
     IrradianceWithGradient irradiance{sum.total(), {}};

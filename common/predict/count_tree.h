@@ -10,7 +10,7 @@
 namespace shadowcache {
 
 /// Counts as a tree: blocks of sixteen base cells, and finer blocks below cells that have them.
-/// children() gives a pointer or an optional; PooledVisibility and ItemCounts are such trees.
+/// children() gives a pointer or an optional; PooledVisibility and ItemCountTree are such trees.
 template <class T>
 concept CountTree = requires(const T& tree, int tier, std::uint32_t index) {
     { tree.tiers() } -> std::convertible_to<DirectionTiers>;
@@ -21,9 +21,9 @@ concept CountTree = requires(const T& tree, int tier, std::uint32_t index) {
 };
 
 /// The counts of one item as a tree, as long as the item's view is valid. Thread-safe.
-class ItemCounts {
+class ItemCountTree {
 public:
-    ItemCounts(const ItemView& item, const DirectionTiers& tiers) : item_(item), tiers_(tiers) {
+    ItemCountTree(const ItemView& item, const DirectionTiers& tiers) : item_(item), tiers_(tiers) {
         const std::uint32_t cells = tiers.baseCells();
         for (std::uint32_t c = cells - cells % kBlockCells; c < cells; ++c) {
             restN_[c % kBlockCells] = item.n[c];
@@ -56,7 +56,7 @@ private:
         return tier < tiers_.refinements() ? item_.findBlock(tiers_.blockKey(tier, cell)) : -1;
     }
 };
-static_assert(CountTree<ItemCounts>);
+static_assert(CountTree<ItemCountTree>);
 
 /// The step of walk(): sixteen cells, and those below them that the visitor asks for.
 template <CountTree Tree, class Counts, class State, class Visit>

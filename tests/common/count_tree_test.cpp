@@ -36,7 +36,7 @@ protected:
     const DirectionTiers tiers_{GetParam()};
     CountedItem item_ = someItem(tiers_);
     const ItemView view_ = item_.view(1);
-    const ItemCounts counts_{view_, tiers_};
+    const ItemCountTree counts_{view_, tiers_};
     PooledVisibility pooled_{tiers_};
 
     CountTrees() { pooled_.pool({&view_, 1}); }
