@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/base/tuned.h"
+
 namespace shadowcache {
 
 namespace {
 
 /// Least cosine between a piece's normal and the mean of a side that may have layers: rounded edges
 /// may, what folds back may not.
-constexpr float kLeastAgreement = 0.6f;
+SHADOWCACHE_TUNED(float, kLeastLayerAgreement, 0.6f);
 /// Least distance of two layers, in spacings.
-constexpr double kLeastGap = 5e-3;
+SHADOWCACHE_TUNED(double, kLeastGap, 5e-3);
 /// Least area of a layer, in squares of the spacing: leaves of a tree are none.
-constexpr double kLeastArea = 0.2;
+SHADOWCACHE_TUNED(double, kLeastLayerArea, 0.2);
 
 /// What a piece takes up along the side's normal.
 struct Extent {
@@ -28,7 +30,7 @@ Vec3d commonNormal(const std::vector<Piece>& pieces) {
     for (const Piece& p : pieces) sum += Vec3d(p.normal) * static_cast<double>(p.area);
     const Vec3d mean = sum.normalized();
     for (const Piece& p : pieces)
-        if (p.normal.dot(Vec3f(mean)) < kLeastAgreement) return Vec3d(0, 0, 0);
+        if (p.normal.dot(Vec3f(mean)) < kLeastLayerAgreement) return Vec3d(0, 0, 0);
     return mean;
 }
 
@@ -92,7 +94,7 @@ std::vector<std::vector<Piece>> splitDepthLayers(const TriangleMesh& mesh, const
     const std::vector<Extent> extents = extentsAlong(normal, mesh, voxel, pieces);
     const double spacing = 2 * voxel.half.x;
     const std::vector<std::size_t> begins =
-        layerBegins(extents, kLeastGap * spacing, kLeastArea * spacing * spacing);
+        layerBegins(extents, kLeastGap * spacing, kLeastLayerArea * spacing * spacing);
     std::vector<std::vector<Piece>> layers;
     for (std::size_t k = 0; k + 1 < begins.size(); ++k) {
         std::vector<std::size_t> members;

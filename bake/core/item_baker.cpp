@@ -4,22 +4,23 @@
 
 #include "bake/core/subpatches.h"
 #include "common/base/salts.h"
+#include "common/base/tuned.h"
 
 namespace shadowcache {
 
 namespace {
 
 /// Rays into each region of the first refinement in an item that sees some sky, or whose neighbours
-/// do;
-constexpr int kMixedItemRays = 2;
-/// and where a neighbour saw both sky and occluders in the base cell, so that a small opening may
-/// be there.
-constexpr int kMixedCellRays = 6;
+/// do.
+SHADOWCACHE_TUNED(int, kMixedItemRays, 2);
+/// The same where a neighbour saw both sky and occluders in the base cell, so that a small opening
+/// may be there.
+SHADOWCACHE_TUNED(int, kMixedCellRays, 6);
 /// A region is refined once more where the nearest occluder is this many spacings away: nearer, the
 /// parallax over one item blurs what finer regions could tell.
-constexpr float kMinOccluderSpacings = 10;
-/// Rays that look for one.
-constexpr int kNearRays = 8;
+SHADOWCACHE_TUNED(float, kMinOccluderSpacings, 10);
+/// Rays that look for an occluder nearer than that.
+SHADOWCACHE_TUNED(int, kNearRays, 8);
 
 constexpr std::uint32_t kOctet = DirectionTable::kCells;
 

@@ -9,6 +9,7 @@
 #include "bake/core/placement.h"
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
+#include "common/base/tuned.h"
 #include "common/cache/cache_items.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -17,7 +18,10 @@ namespace shadowcache {
 namespace {
 
 /// Items beyond which a bake with the default spacing would take more than a few minutes.
-constexpr double kMostItems = 300000;
+SHADOWCACHE_TUNED(double, kMostItems, 300000);
+
+/// Patches of the surface that the default spacing aims at.
+SHADOWCACHE_TUNED(double, kPatches, 40000);
 
 /// Two digits are enough, and easier to write down.
 double twoDigits(double x) {
@@ -65,7 +69,6 @@ double chooseSpacing(const TriangleMesh& mesh) {
     const std::size_t count = placedCount(mesh);
     for (std::size_t i = 0; i < count; ++i)
         surface += areaVector(placedCorners(mesh, static_cast<std::uint32_t>(i))).length();
-    constexpr double kPatches = 40000;
     const double bySurface = std::sqrt(surface / kPatches);
     const double byExtent = placedBounds(mesh).size().length() / 400;
     double spacing = twoDigits(std::min(bySurface, byExtent));

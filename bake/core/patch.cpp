@@ -5,6 +5,7 @@
 
 #include "bake/core/depth_layers.h"
 #include "common/base/salts.h"
+#include "common/base/tuned.h"
 #include "common/cache/cache_items.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -12,15 +13,18 @@ namespace shadowcache {
 
 namespace {
 
-/// A patch may be subdivided if it is one surface, seen from its side, not a heap of leaves: its
-/// area as a share of its box's, least and most (a triangle may be there twice),
-constexpr double kLeastArea = 0.3, kMostArea = 2.2;
-/// and the length of its normals' mean, by area.
-constexpr double kLeastAgreement = 0.97;
+// A patch may be subdivided if it is one surface, not a heap of leaves.
+
+/// Least area of a patch that may be subdivided, seen from its side, as a share of its box's side.
+SHADOWCACHE_TUNED(double, kLeastCutArea, 0.3);
+/// Most area of a patch that may be subdivided, the same way: a triangle may be there twice.
+SHADOWCACHE_TUNED(double, kMostCutArea, 2.2);
+/// Least length of the mean normal, by area, of a patch that may be subdivided.
+SHADOWCACHE_TUNED(double, kLeastCutAgreement, 0.97);
 
 /// Least area of a subpatch, as a share of its box's: less is a sliver on the rim of a surface,
 /// which is not like the rest of it.
-constexpr double kLeastSubpatch = 0.05;
+SHADOWCACHE_TUNED(double, kLeastSubpatch, 0.05);
 
 /// Uniform point in a convex polygon.
 Vec3d samplePolygon(const Polygon& polygon, double u, double v) {
@@ -98,8 +102,8 @@ bool maySubdivide(const Patch& patch, double spacing) {
         sum += Vec3d(piece.normal) * static_cast<double>(piece.area);
     }
     const double seen = std::abs(sum[patch.code.side / 2]);
-    return seen > kLeastArea * width * width && seen < kMostArea * width * width &&
-           sum.length() > kLeastAgreement * area;
+    return seen > kLeastCutArea * width * width && seen < kMostCutArea * width * width &&
+           sum.length() > kLeastCutAgreement * area;
 }
 
 }  // namespace

@@ -4,19 +4,21 @@
 #include <cmath>
 #include <vector>
 
+#include "common/base/tuned.h"
+
 namespace shadowcache {
 
 namespace {
 
-/// Subpatches differ where one of them sees this share more or less light than their mean,
-constexpr float kLeastChange = 0.1f;
-/// and chance does not explain it, by so many standard deviations.
-constexpr float kSignificance = 1;
+/// Subpatches differ where one of them sees this share more or less light than their mean.
+SHADOWCACHE_TUNED(float, kLeastChange, 0.1f);
+/// And where chance does not explain the difference, by so many standard deviations.
+SHADOWCACHE_TUNED(float, kChangeErrors, 1);
 /// Rays of one octet start at one point, and so often agree: they count as a third of their number.
-constexpr float kRaysAlike = 3;
+SHADOWCACHE_TUNED(float, kRaysAlike, 3);
 
 /// Least area of a subpatch, in areas of the largest, if their rays are to count together.
-constexpr float kAlike = 0.7f;
+SHADOWCACHE_TUNED(float, kAlike, 0.7f);
 
 }  // namespace
 
@@ -50,7 +52,7 @@ bool seeDifferentSky(const Subdivision& subdivision, const BaseCells& base) {
     mean /= area;
     const float skyVisibility = mean / std::max(all, 1e-30f);
     const float chance =
-        kSignificance * std::sqrt(skyVisibility * kRaysAlike * static_cast<float>(light.size()) /
+        kChangeErrors * std::sqrt(skyVisibility * kRaysAlike * static_cast<float>(light.size()) /
                                   std::max(rays, 1.0f));
     const float least = all * (kLeastChange * skyVisibility + chance);
     return std::any_of(light.begin(), light.end(),

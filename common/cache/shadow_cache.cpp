@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/base/error.h"
+#include "common/base/tuned.h"
 #include "common/cache/cache_grids.h"
 #include "common/cache/cache_items.h"
 #include "common/cache/grid_leaves.h"
@@ -69,11 +70,12 @@ void keepNearestLayers(FoundItems& items, std::size_t begin) {
     items.count = kept;
 }
 
+/// A sheet of surface that lies this much nearer to the place, in spacings, is another one.
+SHADOWCACHE_TUNED(float, kSameSheet, 0.05f);
+
 /// Parts of patches stand for the larger ones of their sheet of surface as far as they reach: at
 /// the rim of what was cut their weights fall to zero, and the larger ones' rise.
 void preferParts(FoundItems& items) {
-    // A sheet that lies this much nearer to the place, in spacings, is another one.
-    constexpr float kSameSheet = 0.05f;
     std::array<int, ShadowCache::kMaxItems> cutsAt;
     int most = 0;
     for (std::size_t i = 0; i < items.count; ++i) {
@@ -111,16 +113,20 @@ float partWeight(const PatchCode& code, const Vec3f& fromMiddle) {
     return weight;
 }
 
+/// Least weight of an item, as a share of the weights of all items of a lookup.
+SHADOWCACHE_TUNED(float, kLeastItemShare, 0.03f);
+#ifndef SHADOWCACHE_TUNABLE
+static_assert(kLeastItemShare * ShadowCache::kMaxItems < 1, "one item at least must be left");
+#endif
+
 /// Drops items that add next to nothing, and makes the others' weights sum to 1. Returns how many
 /// are left, at the front.
 int keepWeighty(std::span<ItemView> items) {
-    constexpr float kLeastShare = 0.03f;
-    static_assert(kLeastShare * ShadowCache::kMaxItems < 1, "one item at least must be left");
     float sum = 0, left = 0;
     for (const ItemView& item : items) sum += item.weight;
     std::size_t kept = 0;
     for (const ItemView& item : items) {
-        if (item.weight < kLeastShare * sum) continue;
+        if (item.weight < kLeastItemShare * sum) continue;
         left += item.weight;
         items[kept++] = item;
     }
@@ -215,14 +221,17 @@ ShadowCache::Reader::Reader(const ShadowCache& cache)
 ShadowCache::Reader::~Reader() = default;
 ShadowCache::Reader::Reader(Reader&&) noexcept = default;
 
+/// Least cosine between the normals of a place and of an item that counts there: up to 60 degrees,
+/// the closer the more.
+SHADOWCACHE_TUNED(float, kMinAgreement, 0.5f);
+
+/// Inverse of the distance from the plane of an item, in spacings, at which it counts a third.
+SHADOWCACHE_TUNED(float, kPlaneFalloff, 5);
+
 /// Appends the items around a place. Parts of patches that do not reach it weigh `leastOfPart`, or
 /// are left out if that is 0.
 void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& normal,
                                         float leastOfPart, FoundItems& found) {
-    // Normals up to 60 degrees apart share items, the closer the more.
-    constexpr float kMinAgreement = 0.5f;
-    // Inverse of the distance from the plane of an item, in spacings, at which it counts a third.
-    constexpr float kPlaneFalloff = 5;
     const Vec3d p = position / cache.header.spacing;
     const Vec3d low(std::floor(p.x), std::floor(p.y), std::floor(p.z));
     const Vec3d f = p - low;

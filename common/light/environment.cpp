@@ -8,6 +8,7 @@
 
 #include "common/base/error.h"
 #include "common/base/parallel.h"
+#include "common/base/tuned.h"
 
 namespace shadowcache {
 
@@ -19,7 +20,7 @@ constexpr std::size_t kMinWidth = 1024;
 constexpr std::size_t kMinHeight = 512;
 /// Texels within a cell are kept in the order of this finer level, so that strata of the cumulative
 /// sum are compact in direction.
-constexpr int kOrderLevel = 8;
+SHADOWCACHE_TUNED(int, kOrderLevel, 8);
 constexpr double kTwoPi = 2 * kPi;
 /// Where the dark texels at the end of a cell begin: past every step that is drawn.
 constexpr std::uint32_t kNoStep = 0xffffffffu;
@@ -106,15 +107,15 @@ void Environment::sortTexels() {
             }
         }
     });
-    constexpr int kShift = 2 * (kOrderLevel - kLevel);
+    const int shift = 2 * (kOrderLevel - kLevel);
     firstTexel_.assign(cellCount(kLevel) + 1, 0);
-    for (const std::uint32_t key : keys) ++firstTexel_[index(key >> kShift) + 1];
+    for (const std::uint32_t key : keys) ++firstTexel_[index(key >> shift) + 1];
     for (std::size_t i = 1; i < firstTexel_.size(); ++i) firstTexel_[i] += firstTexel_[i - 1];
     sorted_.resize(count);
     texelBegin_.resize(count);
     std::vector<std::uint32_t> next(firstTexel_.begin(), firstTexel_.end() - 1);
     for (std::size_t i = 0; i < count; ++i)
-        sorted_[next[keys[i] >> kShift]++] = {map_[i].radiance, static_cast<std::uint32_t>(i)};
+        sorted_[next[keys[i] >> shift]++] = {map_[i].radiance, static_cast<std::uint32_t>(i)};
     parallelFor(cellCount(kLevel), 64, [&](const Chunk& cells) {
         for (std::size_t c = cells.begin; c < cells.end; ++c)
             std::sort(sorted_.begin() + firstTexel_[c], sorted_.begin() + firstTexel_[c + 1],

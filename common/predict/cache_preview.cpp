@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/tuned.h"
 #include "common/predict/count_tree.h"
 #include "common/predict/lanes.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 /// Noise of a cell, as a share of the place's own light, from which on it is split. In bright
 /// places that is more than samples need.
-constexpr float kLeastShare = 8e-3f;
+SHADOWCACHE_TUNED(float, kLeastPreviewShare, 8e-3f);
 
 /// Blocks of base cells: twenty cells of level 0, or eighty of level 1.
 constexpr std::size_t kMostBaseBlocks = 5;
@@ -148,7 +149,7 @@ private:
             for (int i = 0; i < kBlockCells; ++i) seen[i] = base.c[i] * base.sky.light[i];
             bright += sumOf(seen);
         }
-        leastNoise_ = std::max(splitter_.leastNoise(), kLeastShare * bright);
+        leastNoise_ = std::max(splitter_.leastNoise(), kLeastPreviewShare * bright);
     }
 
     /// Adds the cells of a block that stay whole, and goes on with the children of the others;

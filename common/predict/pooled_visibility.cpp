@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/tuned.h"
 #include "common/math/direction_mesh.h"
 
 namespace shadowcache {
@@ -53,7 +54,7 @@ bool touches(const Cap& cap, const Vec3f& axis, float angle) {
 
 /// What was visible may be occluded now; what was occluded still is.
 void makeUncertain(PooledBlock& block, int i) {
-    constexpr float kStillVisible = 0.75f;
+    static SHADOWCACHE_TUNED(float, kStillVisible, 0.75f);
     if (!(block.open[i] > 0)) return;
     block.open[i] *= kStillVisible;
     block.rays[i] = block.rays2[i] = 1;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "common/base/tuned.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/trace/embree_scene.h"
 
@@ -16,7 +17,10 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Sets of more are traced as single rays: the packets of neighbouring rays that win in the kitchen
 /// (83 k triangles, by a third) and tie in the atrium (155 k) lose around the dragon (871 k).
-constexpr std::size_t kManyTriangles = 300000;
+SHADOWCACHE_TUNED(std::size_t, kManyTriangles, 300000);
+
+/// Moving sets of more instances are one ball: every ball costs every shading point a little.
+SHADOWCACHE_TUNED(std::size_t, kMostBalls, 16);
 
 void fillRays(const RayPacket& rays, RTCRay8& out) {
     constexpr std::size_t kBytes = sizeof(float) * RayPacket::kSize;
@@ -76,8 +80,6 @@ void Scene::setMoving(const Scene* moving) {
     movingBalls_.clear();
     for (; moving; moving = moving->moving_) {
         const TriangleMesh& mesh = moving->mesh();
-        // Every ball costs every shading point a little.
-        constexpr std::size_t kMostBalls = 16;
         if (mesh.instances.empty() || mesh.instances.size() > kMostBalls) {
             movingBalls_.push_back(ballAround(placedBounds(mesh)));
             continue;

@@ -29,9 +29,9 @@ namespace {
 SHADOWCACHE_TUNED(double, kDarkest, 0.1);
 
 /// How much of the light that is predicted but not sure makes a place bright, whose samples are
-/// then not heavy. Less with the uniform budget, which gives no more samples to places that turn
-/// out dark.
+/// then not heavy.
 SHADOWCACHE_TUNED(double, kUnsureShare, 0.4);
+/// The same with the uniform budget, which gives no more samples to places that turn out dark.
 SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
 
 /// Whatever number of samples is asked for, the same regions are reused as with so many: what is

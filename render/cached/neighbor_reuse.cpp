@@ -11,14 +11,15 @@ namespace shadowcache {
 namespace {
 
 /// Points of a group for each that is mispredicted, on average: the gain saturates at one, but a
-/// reused ray costs a tenth of a sample. A group has at most kMostGroupPoints.
+/// reused ray costs a tenth of a sample.
 SHADOWCACHE_TUNED(double, kGroupPerFind, 8);
+/// Most points of a group.
 SHADOWCACHE_TUNED(double, kMostGroupPoints, 256);
 
 /// Clusters that are asked how likely a misprediction is.
 SHADOWCACHE_TUNED(std::size_t, kAskedClusters, 32);
 
-/// That likelihood, where none of them knows.
+/// Chance of a misprediction where none of these clusters offers the direction.
 SHADOWCACHE_TUNED(double, kUnknownChance, 0.3);
 
 }  // namespace

@@ -10,15 +10,17 @@ namespace shadowcache {
 
 namespace {
 
-/// What a unit of normal, and a spacing of height over the mean plane, count beside a spacing of
-/// distance: the cosine and the half of the sky that is visible change faster than what hides it.
+/// What a unit of normal counts beside a spacing of distance: the cosine changes faster than what
+/// hides the sky.
 SHADOWCACHE_TUNED(float, kNormalWeight, 2);
+/// What a spacing of height over the mean plane counts beside a spacing of distance.
 SHADOWCACHE_TUNED(float, kHeightWeight, 3);
 
-/// Clusters are split until their extent is at most kFineExtent, or at most kCoarseExtent where
-/// they have few points: there a set-up costs more than a looser fit.
+/// Greatest extent of a cluster of many points, in spacings.
 SHADOWCACHE_TUNED(float, kFineExtent, 0.35f);
+/// Greatest extent of a cluster of few points: there a set-up costs more than a looser fit.
 SHADOWCACHE_TUNED(float, kCoarseExtent, 1.4f);
+/// Most points of a cluster that counts as one of few.
 SHADOWCACHE_TUNED(std::uint32_t, kFewPoints, 32);
 
 /// Normals whose mean is longer than this have a plane in common.

@@ -2,7 +2,16 @@
 
 #include <utility>
 
+#include "common/base/tuned.h"
+
 namespace shadowcache {
+
+namespace {
+
+/// Places of the frame that a pilot looks at.
+SHADOWCACHE_TUNED(std::size_t, kPilotPlaces, 1024);
+
+}  // namespace
 
 void LightSamples::clear() {
     direction_.clear();
@@ -65,7 +74,7 @@ std::span<const std::uint32_t> Workspace::numbers(Sequence sequence, std::uint64
 }
 
 std::size_t FramePilot::places(std::uint64_t) const {
-    return 1024;
+    return kPilotPlaces;
 }
 
 std::unique_ptr<Workspace> Estimator::makeWorkspace() const {

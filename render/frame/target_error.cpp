@@ -6,6 +6,7 @@
 
 #include "common/base/hash.h"
 #include "common/base/salts.h"
+#include "common/base/tuned.h"
 #include "render/frame/tiles.h"
 
 namespace shadowcache {
@@ -13,19 +14,19 @@ namespace shadowcache {
 namespace {
 
 /// Camera rays of the pilot, which sees all tiles: enough for a spread.
-constexpr int kPilotRays = 8;
+SHADOWCACHE_TUNED(int, kErrorPilotRays, 8);
 
 /// Least camera rays of a pixel: fewer leave jagged edges.
-constexpr int kLeastRays = 4;
+SHADOWCACHE_TUNED(int, kLeastCameraRays, 4);
 
 /// Tiles of the frame for each tile of the check.
-constexpr std::size_t kTilesApart = 16;
+SHADOWCACHE_TUNED(std::size_t, kTilesApart, 16);
 
 /// A tile's error counts as at least this share of the mean one: a few rays can miss what is rare.
-constexpr double kLeastShare = 0.1;
+SHADOWCACHE_TUNED(double, kLeastTileShare, 0.1);
 
 /// How far the check may move the plan.
-constexpr double kMostCorrection = 8;
+SHADOWCACHE_TUNED(double, kMostCorrection, 8);
 
 constexpr std::uint64_t kPilotSeed = 0x70696c6f74;
 
@@ -72,7 +73,7 @@ std::vector<int> shareOut(std::span<const TileError> tiles, double target) {
         all.sum += tile.sum;
         all.pixels += tile.pixels;
     }
-    const double least = kLeastShare * all.sum / all.pixels;
+    const double least = kLeastTileShare * all.sum / all.pixels;
     const auto root = [&](const TileError& tile) {
         return tile.pixels > 0 ? std::sqrt(std::max(least, tile.sum / tile.pixels)) : 0.0;
     };
@@ -80,9 +81,9 @@ std::vector<int> shareOut(std::span<const TileError> tiles, double target) {
     for (const TileError& tile : tiles) roots += tile.pixels * root(tile);
     std::vector<int> rays;
     for (const TileError& tile : tiles)
-        rays.push_back(static_cast<int>(
-            std::clamp(std::ceil(kPilotRays * root(tile) * roots / (all.pixels * target)),
-                       static_cast<double>(kLeastRays), static_cast<double>(kMostCameraRays))));
+        rays.push_back(static_cast<int>(std::clamp(
+            std::ceil(kErrorPilotRays * root(tile) * roots / (all.pixels * target)),
+            static_cast<double>(kLeastCameraRays), static_cast<double>(kMostCameraRays))));
     return rays;
 }
 
@@ -96,7 +97,7 @@ struct Correction {
 Correction checkPlan(FrameRequest frame, std::span<const TileError> pilot, const ErrorScale& scale,
                      RenderStats& stats) {
     // Where rays are many, a quarter of them will do.
-    for (int& rays : frame.tileRays) rays = std::max(std::min(rays, 2 * kPilotRays), rays / 4);
+    for (int& rays : frame.tileRays) rays = std::max(std::min(rays, 2 * kErrorPilotRays), rays / 4);
     frame.options.cameraRays = std::ranges::max(frame.tileRays);
     std::vector<std::size_t> some;
     for (std::size_t t = 0; t < frame.tileRays.size(); t += kTilesApart)
@@ -109,7 +110,7 @@ Correction checkPlan(FrameRequest frame, std::span<const TileError> pilot, const
     const auto b = renderSomeTiles(frame, some, stats);
     double found = 0, expected = 0, told = 0;
     for (std::size_t i = 0; i < some.size(); ++i) {
-        expected += pilot[some[i]].sum * kPilotRays / frame.tileRays[some[i]];
+        expected += pilot[some[i]].sum * kErrorPilotRays / frame.tileRays[some[i]];
         for (std::size_t p = 0; p < a[i].size(); ++p) {
             const Rgb mean = (a[i][p].color + b[i][p].color) * 0.5f;
             const double variance = static_cast<double>(a[i][p].colorVariance) +
@@ -140,7 +141,7 @@ double planForError(FrameRequest& frame, double target, RenderStats& stats) {
     std::vector<std::size_t> all(Tiles(frame.options).touching(frame.options.region()).size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     frame.tileRays.clear();
-    frame.options.cameraRays = kPilotRays;
+    frame.options.cameraRays = kErrorPilotRays;
     frame.options.seed = seed ^ kPilotSeed;
     runPilot(frame, stats);
     const auto tiles = renderSomeTiles(frame, all, stats);

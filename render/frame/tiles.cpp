@@ -5,17 +5,18 @@
 
 #include "common/base/hash.h"
 #include "common/base/salts.h"
+#include "common/base/tuned.h"
 
 namespace shadowcache {
 
 namespace {
 
 /// Side of a tile's square: its pixels read the same cache items, and share what they find.
-constexpr int kTile = 16;
+SHADOWCACHE_TUNED(int, kTile, 16);
 
 /// Pixels belong to a tile up to this far from its square: what a tile shares makes its errors
 /// alike, and straight borders would be seen.
-constexpr int kReach = 2;
+SHADOWCACHE_TUNED(int, kReach, 2);
 
 /// The bits of x and y in turns.
 std::uint32_t mortonCode(std::uint32_t x, std::uint32_t y) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "common/base/tuned.h"
 #include "common/cache/cache_items.h"
 #include "render/paper/paper_estimator.h"
 
@@ -12,7 +13,7 @@ namespace shadowcache {
 namespace {
 
 /// Side of the square of pixels that share an item.
-constexpr int kItemPixels = 4;
+SHADOWCACHE_TUNED(int, kItemPixels, 4);
 
 /// Counts of one item, by group of triangles.
 struct ImageItem {

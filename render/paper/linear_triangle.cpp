@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/tuned.h"
+
 namespace shadowcache {
 
 namespace {
+
+/// Least light at a corner of a triangle, of a mean of 1: the density must reach all of it.
+SHADOWCACHE_TUNED(double, kLeastCorner, 0.1);
 
 /// Vectors whose products with a direction w are its coordinates: w = sum of (dual_k . w) corner_k.
 std::array<Vec3d, 3> dualOf(const SphericalTriangle& t, double volume) noexcept {
@@ -22,12 +27,11 @@ std::array<double, 3> linearShape(const SphericalTriangle& corners, const Vec3d&
     // The coordinates of the flux are the moments m_k of the light with the barycentric coordinates
     // (up to their sum over a direction, which is next to 1 in a small triangle); their matrix of
     // products over a triangle is A / 12 (1 + delta_kl), whose inverse gives 3 / A (4 m_k - sum).
-    constexpr double kLeast = 0.1;
     const auto dual = dualOf(corners, volumeOf(corners));
     std::array<double, 3> moment{}, shape{};
     for (std::size_t k = 0; k < 3; ++k) moment[k] = dual[k].dot(flux);
     const double all = moment[0] + moment[1] + moment[2];
-    for (std::size_t k = 0; k < 3; ++k) shape[k] = std::max(kLeast, 12 * moment[k] / all - 3);
+    for (std::size_t k = 0; k < 3; ++k) shape[k] = std::max(kLeastCorner, 12 * moment[k] / all - 3);
     const double mean = (shape[0] + shape[1] + shape[2]) / 3;
     for (double& value : shape) value /= mean;
     return shape;

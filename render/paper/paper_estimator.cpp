@@ -6,6 +6,7 @@
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
+#include "common/base/tuned.h"
 #include "render/estimators/full_precision.h"
 #include "render/estimators/hemisphere.h"
 #include "render/paper/spherical_polygon.h"
@@ -15,6 +16,12 @@ namespace shadowcache {
 namespace {
 
 constexpr double kBelowOne = 0x1.fffffffffffffp-1;
+
+/// Least cosine, at a triangle's middle, that its least light is multiplied with.
+SHADOWCACHE_TUNED(double, kLeastFloorCosine, 0.05);
+
+/// Least cosine at a corner of a triangle: on the horizon itself the density must not be zero.
+SHADOWCACHE_TUNED(double, kLeastCornerCosine, 1e-3);
 
 void addPiece(const PaperPiece& piece, PaperWorkspace& w) {
     if (!(piece.weight > 0) || !(piece.area > 0)) return;
@@ -120,9 +127,8 @@ void Paper::addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& 
     const MapTriangle& t = triangles_[triangle];
     const double height = n.dot(t.axis), sine = t.sinRadius;
     if (height <= -sine || (t.power <= 0 && t.floor <= 0)) return;
-    constexpr double kLeastCosine = 0.05;
     const double light = std::max(static_cast<double>(w.convolution[triangle]),
-                                  t.floor * std::max(height, kLeastCosine));
+                                  t.floor * std::max(height, kLeastFloorCosine));
     const double weight = light * visibility(w, triangle);
     if (height >= sine) {
         w.density[triangle] = weight / t.area;
@@ -158,12 +164,10 @@ bool Paper::isLinear(std::uint32_t triangle, const Vec3d& n) const {
 
 LinearTriangle Paper::linear(std::uint32_t triangle, const Vec3d& n) const {
     const MapTriangle& t = triangles_[triangle];
-    // On the horizon itself the density must not be zero.
-    constexpr double kLeastCosine = 1e-3;
     return {t.corners,
-            {t.shape[0] * std::max(kLeastCosine, n.dot(t.corners.a)),
-             t.shape[1] * std::max(kLeastCosine, n.dot(t.corners.b)),
-             t.shape[2] * std::max(kLeastCosine, n.dot(t.corners.c))}};
+            {t.shape[0] * std::max(kLeastCornerCosine, n.dot(t.corners.a)),
+             t.shape[1] * std::max(kLeastCornerCosine, n.dot(t.corners.b)),
+             t.shape[2] * std::max(kLeastCornerCosine, n.dot(t.corners.c))}};
 }
 
 /// Place `x` in [0, total) of the running sum -> piece and direction. [paper 4.2: Idx, Coord,
