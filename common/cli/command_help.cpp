@@ -65,7 +65,7 @@ std::string manPage(const CLI::App& app) {
     std::transform(upper.begin(), upper.end(), upper.begin(),
                    [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
     std::string page = ".TH " + upper + " 1 \"\" \"shadowcache " + kVersion +
-                       "\" \"User Commands\"\n.SH NAME\n" + roff(name) + " \\- " +
+                       "\" \"User Commands\"\n.ad l\n.SH NAME\n" + roff(name) + " \\- " +
                        roff(app.get_description()) + "\n.SH SYNOPSIS\n.B " + roff(name) +
                        "\n[OPTIONS]";
     const auto positionals =

@@ -14,8 +14,8 @@ namespace shadowcache {
 
 namespace {
 
-/// Smaller maps are replicated to this size, so that cells hold whole texels and a step in longitude
-/// is small enough for the series in finishDraw().
+/// Smaller maps are replicated to this size, so that cells hold whole texels and a step in
+/// longitude is small enough for the series in finishDraw().
 constexpr std::size_t kMinWidth = 1024;
 constexpr std::size_t kMinHeight = 512;
 /// Texels within a cell are kept in the order of this finer level, so that strata of the cumulative

@@ -54,9 +54,10 @@ bool touches(const Cap& cap, const Vec3f& axis, float angle) {
 
 /// What was visible may be occluded now; what was occluded still is.
 void makeUncertain(PooledBlock& block, int i) {
-    static SHADOWCACHE_TUNED(float, kStillVisible, 0.75f);
+    /// Share of what was visible that stays so where something moves in front.
+    static SHADOWCACHE_TUNED(float, kOpenStill, 0.75f);
     if (!(block.open[i] > 0)) return;
-    block.open[i] *= kStillVisible;
+    block.open[i] *= kOpenStill;
     block.rays[i] = block.rays2[i] = 1;
 }
 

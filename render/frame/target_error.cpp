@@ -14,10 +14,10 @@ namespace shadowcache {
 namespace {
 
 /// Camera rays of the pilot, which sees all tiles: enough for a spread.
-SHADOWCACHE_TUNED(int, kErrorPilotRays, 8);
+SHADOWCACHE_TUNED(int, kTargetPilotRays, 8);
 
 /// Least camera rays of a pixel: fewer leave jagged edges.
-SHADOWCACHE_TUNED(int, kLeastCameraRays, 4);
+SHADOWCACHE_TUNED(int, kLeastTargetRays, 4);
 
 /// Tiles of the frame for each tile of the check.
 SHADOWCACHE_TUNED(std::size_t, kTilesApart, 16);
@@ -26,7 +26,7 @@ SHADOWCACHE_TUNED(std::size_t, kTilesApart, 16);
 SHADOWCACHE_TUNED(double, kLeastTileShare, 0.1);
 
 /// How far the check may move the plan.
-SHADOWCACHE_TUNED(double, kMostCorrection, 8);
+SHADOWCACHE_TUNED(double, kMostPlanCorrection, 8);
 
 constexpr std::uint64_t kPilotSeed = 0x70696c6f74;
 
@@ -82,8 +82,8 @@ std::vector<int> shareOut(std::span<const TileError> tiles, double target) {
     std::vector<int> rays;
     for (const TileError& tile : tiles)
         rays.push_back(static_cast<int>(std::clamp(
-            std::ceil(kErrorPilotRays * root(tile) * roots / (all.pixels * target)),
-            static_cast<double>(kLeastCameraRays), static_cast<double>(kMostCameraRays))));
+            std::ceil(kTargetPilotRays * root(tile) * roots / (all.pixels * target)),
+            static_cast<double>(kLeastTargetRays), static_cast<double>(kMostCameraRays))));
     return rays;
 }
 
@@ -97,7 +97,7 @@ struct Correction {
 Correction checkPlan(FrameRequest frame, std::span<const TileError> pilot, const ErrorScale& scale,
                      RenderStats& stats) {
     // Where rays are many, a quarter of them will do.
-    for (int& rays : frame.tileRays) rays = std::max(std::min(rays, 2 * kErrorPilotRays), rays / 4);
+    for (int& rays : frame.tileRays) rays = std::max(std::min(rays, 2 * kTargetPilotRays), rays / 4);
     frame.options.cameraRays = std::ranges::max(frame.tileRays);
     std::vector<std::size_t> some;
     for (std::size_t t = 0; t < frame.tileRays.size(); t += kTilesApart)
@@ -110,7 +110,7 @@ Correction checkPlan(FrameRequest frame, std::span<const TileError> pilot, const
     const auto b = renderSomeTiles(frame, some, stats);
     double found = 0, expected = 0, told = 0;
     for (std::size_t i = 0; i < some.size(); ++i) {
-        expected += pilot[some[i]].sum * kErrorPilotRays / frame.tileRays[some[i]];
+        expected += pilot[some[i]].sum * kTargetPilotRays / frame.tileRays[some[i]];
         for (std::size_t p = 0; p < a[i].size(); ++p) {
             const Rgb mean = (a[i][p].color + b[i][p].color) * 0.5f;
             const double variance = static_cast<double>(a[i][p].colorVariance) +
@@ -120,7 +120,7 @@ Correction checkPlan(FrameRequest frame, std::span<const TileError> pilot, const
         }
     }
     const auto ratio = [&](double value) {
-        return value > 0 ? std::clamp(found / value, 1 / kMostCorrection, kMostCorrection) : 1.0;
+        return value > 0 ? std::clamp(found / value, 1 / kMostPlanCorrection, kMostPlanCorrection) : 1.0;
     };
     return {ratio(expected), ratio(told)};
 }
@@ -141,7 +141,7 @@ double planForError(FrameRequest& frame, double target, RenderStats& stats) {
     std::vector<std::size_t> all(Tiles(frame.options).touching(frame.options.region()).size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     frame.tileRays.clear();
-    frame.options.cameraRays = kErrorPilotRays;
+    frame.options.cameraRays = kTargetPilotRays;
     frame.options.seed = seed ^ kPilotSeed;
     runPilot(frame, stats);
     const auto tiles = renderSomeTiles(frame, all, stats);

@@ -1,8 +1,8 @@
 // Estimators that leave visibility out, or make one number of it: the preconvolved map and ambient
 // occlusion. Biased. [paper 3.1]
 
-#include "render/estimators/hemisphere.h"
 #include "common/predict/cached_visibility.h"
+#include "render/estimators/hemisphere.h"
 #include "render/paper/convolution.h"
 #include "render/paper/paper_estimators.h"
 #include "render/paper/spherical_polygon.h"

@@ -131,8 +131,7 @@ TEST_F(CommandLine, RefusesBadSettingsFiles) {
         << result.err;
     folder_.write("empty.toml", "threads = \n");
     result = run("render", still("-o a.exr --config empty.toml"));
-    EXPECT_NE(result.err.find("--threads: expected a value"), std::string::npos)
-        << result.err;
+    EXPECT_NE(result.err.find("--threads: expected a value"), std::string::npos) << result.err;
     before.insert(before.end(), {"empty.toml", "section.toml"});
     std::ranges::sort(before);
     EXPECT_EQ(files(), before);

@@ -91,7 +91,7 @@ TEST_F(ShotTest, ResumesWhatIsMissingBrokenOrOfOtherSettings) {
     folder_.write("f.0003.exr", whole.substr(0, whole.size() / 2));
     const auto again = runWell("render", shot(command + " --threads 1"));
     EXPECT_NE(again.out.find("2 frames (2 more were done)"), std::string::npos) << again.out;
-    EXPECT_NE(again.out.find("f.0003.exr: broken"), std::string::npos) << again.out;
+    EXPECT_NE(again.out.find("f.0003.exr: incomplete"), std::string::npos) << again.out;
     EXPECT_EQ(stamp(1), first);
     EXPECT_EQ(stamp(4), last);
     EXPECT_EQ(readExr(path("f.0003.exr")).channels.size(), 3u);

@@ -97,13 +97,15 @@ TEST_F(Flicker, EachFrameHasNoiseOfItsOwn) {
     }
 }
 
-// Control: with the same numbers in every frame the noise sticks to the screen.
+// Control: with the same numbers in every frame the noise sticks to the screen. That of `cache`
+// less: its clusters, and with them the numbers that a pixel draws, follow what the camera sees.
 TEST_F(Flicker, SeesNoiseThatSticksToTheScreen) {
     const std::vector<int> stuck(kFrames, 1);
-    for (const char* estimator : {"mis", "cache"})
-        EXPECT_LT(meanPValue(found(shotOf(estimator, stuck), samePixels(places_)), 0),
-                  significance())
-            << estimator;
+    const auto pValue = [&](const char* estimator) {
+        return meanPValue(found(shotOf(estimator, stuck), samePixels(places_)), 0);
+    };
+    EXPECT_LT(pValue("mis"), significance());
+    EXPECT_LT(pValue("cache"), 1e-4);
 }
 
 // Control: on a still camera the same numbers give the same picture.
