@@ -97,7 +97,8 @@ struct Correction {
 Correction checkPlan(FrameRequest frame, std::span<const TileError> pilot, const ErrorScale& scale,
                      RenderStats& stats) {
     // Where rays are many, a quarter of them will do.
-    for (int& rays : frame.tileRays) rays = std::max(std::min(rays, 2 * kTargetPilotRays), rays / 4);
+    for (int& rays : frame.tileRays)
+        rays = std::max(std::min(rays, 2 * kTargetPilotRays), rays / 4);
     frame.options.cameraRays = std::ranges::max(frame.tileRays);
     std::vector<std::size_t> some;
     for (std::size_t t = 0; t < frame.tileRays.size(); t += kTilesApart)
@@ -120,7 +121,8 @@ Correction checkPlan(FrameRequest frame, std::span<const TileError> pilot, const
         }
     }
     const auto ratio = [&](double value) {
-        return value > 0 ? std::clamp(found / value, 1 / kMostPlanCorrection, kMostPlanCorrection) : 1.0;
+        return value > 0 ? std::clamp(found / value, 1 / kMostPlanCorrection, kMostPlanCorrection)
+                         : 1.0;
     };
     return {ratio(expected), ratio(told)};
 }
