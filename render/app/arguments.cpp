@@ -9,7 +9,7 @@
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
 #include "common/cli/command_line.h"
-#include "render/shot/frames.h"
+#include "common/shot/frames.h"
 
 namespace shadowcache {
 

@@ -9,9 +9,9 @@
 
 #include "common/import/mesh_options.h"
 #include "common/mesh/mesh.h"
+#include "common/shot/camera_source.h"
+#include "common/shot/moving_set.h"
 #include "render/frame/options.h"
-#include "render/shot/camera_source.h"
-#include "render/shot/moving_set.h"
 #include "render/table/estimator_table.h"
 
 namespace shadowcache {

@@ -11,10 +11,10 @@
 #include "common/base/version.h"
 #include "common/image/exr.h"
 #include "common/image/png.h"
+#include "common/shot/frames.h"
 #include "render/app/memory_report.h"
 #include "render/app/resume.h"
 #include "render/frame/aov_pictures.h"
-#include "render/shot/frames.h"
 
 namespace shadowcache {
 

@@ -14,6 +14,8 @@
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_reader.h"
 #include "common/mesh/mesh_fingerprint.h"
+#include "common/shot/camera_source.h"
+#include "common/shot/gltf_shot.h"
 #include "render/app/explain.h"
 #include "render/app/job_output.h"
 #include "render/app/memory_report.h"
@@ -22,9 +24,7 @@
 #include "render/frame/integrator.h"
 #include "render/frame/progressive.h"
 #include "render/frame/target_error.h"
-#include "render/shot/camera_source.h"
 #include "render/shot/environment_loader.h"
-#include "render/shot/gltf_shot.h"
 #include "render/shot/light_plan.h"
 
 namespace shadowcache {

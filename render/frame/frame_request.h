@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
+#include "common/shot/camera.h"
 #include "render/estimators/estimator.h"
-#include "render/frame/camera.h"
 #include "render/frame/options.h"
 
 namespace shadowcache {

@@ -8,7 +8,7 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/image/radiance.h"
-#include "render/shot/frames.h"
+#include "common/shot/frames.h"
 
 namespace shadowcache {
 

@@ -10,7 +10,7 @@
 #include "common/base/json_file.h"
 #include "common/cache/shadow_cache.h"
 #include "common/light/environment.h"
-#include "render/frame/camera.h"
+#include "common/shot/camera.h"
 #include "render/frame/compare.h"
 #include "render/frame/integrator.h"
 #include "render/table/estimator_table.h"

@@ -7,7 +7,7 @@
 
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_options.h"
-#include "render/shot/gltf_shot.h"
+#include "common/shot/gltf_shot.h"
 #include "tests/support/needs.h"
 #include "tests/support/program_run.h"
 #include "tests/support/temporary_folder.h"

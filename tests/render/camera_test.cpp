@@ -1,4 +1,4 @@
-#include "render/frame/camera.h"
+#include "common/shot/camera.h"
 
 #include <gtest/gtest.h>
 

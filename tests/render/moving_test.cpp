@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/import/mesh_options.h"
-#include "render/shot/moving_set.h"
+#include "common/shot/moving_set.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/statistics.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "render/frame/camera.h"
+#include "common/shot/camera.h"
 #include "render/frame/integrator.h"
 #include "render/table/estimator_table.h"
 

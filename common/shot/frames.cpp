@@ -1,4 +1,4 @@
-#include "render/shot/frames.h"
+#include "common/shot/frames.h"
 
 #include <cstdio>
 #include <regex>

@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
-#include "render/frame/camera.h"
-#include "render/shot/gltf_shot.h"
+#include "common/shot/camera.h"
+#include "common/shot/gltf_shot.h"
 
 namespace shadowcache {
 

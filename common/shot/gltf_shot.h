@@ -8,7 +8,7 @@
 #include "common/import/gltf_nodes.h"
 #include "common/import/mesh_options.h"
 #include "common/mesh/mesh.h"
-#include "render/frame/camera.h"
+#include "common/shot/camera.h"
 
 namespace shadowcache {
 

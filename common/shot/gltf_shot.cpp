@@ -1,4 +1,4 @@
-#include "render/shot/gltf_shot.h"
+#include "common/shot/gltf_shot.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/import/mesh_options.h"
+#include "common/shot/gltf_shot.h"
 #include "common/trace/scene.h"
-#include "render/shot/gltf_shot.h"
 
 namespace shadowcache {
 

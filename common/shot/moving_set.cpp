@@ -1,4 +1,4 @@
-#include "render/shot/moving_set.h"
+#include "common/shot/moving_set.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

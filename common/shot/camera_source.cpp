@@ -1,4 +1,4 @@
-#include "render/shot/camera_source.h"
+#include "common/shot/camera_source.h"
 
 #include <filesystem>
 
