@@ -1,11 +1,15 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <regex>
 #include <string>
 #include <vector>
 
-#include "bake/core/baker.h"
+#include "bake/core/cache_part.h"
+#include "bake/core/extend.h"
+#include "bake/core/surface_count.h"
+#include "bake/shot/shot_source.h"
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/json_file.h"
@@ -25,9 +29,17 @@ struct Job {
     std::vector<std::filesystem::path> files;
     std::filesystem::path output;
     std::filesystem::path stats;
+    std::filesystem::path extend;  ///< cache to add to; empty: none
     MeshOptions mesh;
     BakeOptions bake;
+    ShotOptions shot;  ///< without a camera: the bake is of the whole set
     int threads = 0;
+};
+
+/// The shot's options as the command line has them.
+struct ShotArguments {
+    std::string size = "960x540";
+    std::vector<std::string> dynamic;
 };
 
 /// "K/N" -> shard K - 1 of N.
@@ -67,6 +79,44 @@ void defineBake(CLI::App& app, Job& job, std::string& shard, bool& uniform) {
         ->group(group);
 }
 
+void defineShot(CLI::App& app, Job& job, ShotArguments& shot) {
+    const std::string group = "Shot";
+    auto* camera = app.add_option("--camera", job.shot.camera.name,
+                                  "Bake only what the pictures of this camera look up: a camera "
+                                  "file (JSON), or the name of a camera in a glTF set")
+                       ->group(group);
+    app.add_option("--frames", job.shot.frames,
+                   "Frames of the shot: A, A-B or A-BxSTEP, joined by commas")
+        ->needs(camera)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--size", shot.size, "Size of its pictures in pixels: WxH")
+        ->needs(camera)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--margin", job.shot.margin,
+                   "Voxels to bake around those that are looked up, 0 to 64, for cameras that may "
+                   "still move")
+        ->needs(camera)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--fps", job.shot.fps, "Frames per second of a glTF set's animations")
+        ->needs(camera)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--dynamic", shot.dynamic,
+                   "FILE or FILE@TRACK.json: a moving object of the shot, as shadowcache-render "
+                   "has it; not baked")
+        ->take_all()
+        ->allow_extra_args(false)
+        ->needs(camera)
+        ->group(group);
+    app.add_option("--extend", job.extend,
+                   "Add to this cache, without baking again what it holds; it must be of the same "
+                   "set, options and seed")
+        ->group(group);
+}
+
 void defineOutput(CLI::App& app, Job& job) {
     const std::string group = "Output";
     app.add_option("-o,--output", job.output, "Cache to write (OpenVDB, .vdb)")
@@ -82,11 +132,13 @@ constexpr const char* kFooter =
     "Examples:\n"
     "  shadowcache-bake room.obj -o room.vdb\n"
     "  shadowcache-bake walls.ply trees.ply -o set.vdb --spacing 0.1 --rays 32\n"
+    "  shadowcache-bake set.glb -o shot.vdb --camera shot_010 --frames 1-96\n"
+    "  shadowcache-bake set.glb -o shot.vdb --extend shot.vdb --camera shot_020 --frames 1-48\n"
     "  shadowcache-bake big.ply -o part2.vdb --shard 2/8   (then shadowcache-merge part*.vdb)";
 
 /// When each stage was finished [s].
 struct Times {
-    double start, loaded, built, baked, written;
+    double start, loaded, built, selected, baked, written;
 };
 
 void writeStats(const Job& job, const TriangleMesh& mesh, const BakeResult& result,
@@ -96,9 +148,14 @@ void writeStats(const Job& job, const TriangleMesh& mesh, const BakeResult& resu
     stats.set("triangles", std::uint64_t{mesh.triangles.size()});
     stats.set("seconds.load", times.loaded - times.start);
     stats.set("seconds.build", times.built - times.loaded);
-    stats.set("seconds.bake", times.baked - times.built);
+    stats.set("seconds.select", times.selected - times.built);
+    stats.set("seconds.bake", times.baked - times.selected);
     stats.set("seconds.write", times.written - times.baked);
     stats.set("rays.bake", result.rays);
+    if (const auto& part = result.header.part) {
+        stats.set("cache.sides", part->sides);
+        stats.set("cache.sides_of_set", part->sidesOfSet);
+    }
     stats.set("cache.items", std::uint64_t{result.items.size()});
     stats.set("cache.blocks", std::uint64_t{result.items.blocks.size()});
     stats.set("cache.bytes", std::uint64_t{bytes});
@@ -111,10 +168,63 @@ void writeStats(const Job& job, const TriangleMesh& mesh, const BakeResult& resu
 /// Refuses invalid options before the long work starts.
 void validate(const Job& job) {
     validate(job.bake);
+    validate(job.shot);
     requireRange("threads", job.threads, 0, kMaxThreads);
     requireExtension(job.output, ".vdb");
     requireWritable(job.output);
     if (!job.stats.empty()) requireWritable(job.stats);
+}
+
+/// Chooses the spacing if the command line does not: that of the cache that is added to, or one for
+/// the set's size.
+///
+/// @param count  receives the set's surface in voxels if it was counted
+BakeOptions optionsOf(const Job& job, const TriangleMesh& mesh,
+                      std::optional<SurfaceCount>& count) {
+    BakeOptions options = job.bake;
+    if (options.spacing > 0) return options;
+    if (!job.extend.empty()) {
+        options.spacing = readHeader(job.extend).spacing;
+        return options;
+    }
+    options.spacing = chooseSpacing(mesh, &count.emplace());
+    return options;
+}
+
+/// What the bake of a shot holds of the set.
+std::optional<CachePart> partOf(const std::optional<ShotSource>& shot, const CacheItems& items,
+                                const SurfaceCount& ofSet) {
+    if (!shot) return std::nullopt;
+    return CachePart{countSides(items), ofSet.sides, shot->text()};
+}
+
+/// Bakes what the job asks for and the cache that it extends does not hold.
+BakeResult bakeJob(const Job& job, const std::optional<ShotSource>& shot, Scene& scene,
+                   Times& times) {
+    std::optional<SurfaceCount> count;
+    const BakeOptions options = optionsOf(job, scene.mesh(), count);
+    const VoxelFrame frame(scene.mesh(), options.spacing);
+    std::optional<CacheToExtend> old;
+    VoxelSelection selection;
+    if (!job.extend.empty()) {
+        old = readCacheToExtend(job.extend, headerOf(scene.mesh(), options));
+        selection.present = VoxelSides(frame, old->items);
+    }
+    if (shot) selection.lookups = shot->lookups(scene, frame);
+    times.selected = secondsNow();
+    BakeResult result = bake(scene, options, selection);
+    result.header.upAxis = job.mesh.zUp ? "z" : "y";
+    result.header.unit = job.mesh.scale;
+    const std::size_t baked = result.items.size();
+    if (shot)
+        result.header.part =
+            partOf(shot, result.items, count ? *count : countSurface(scene.mesh(), frame));
+    if (old) {
+        addCache(*old, result);
+        std::printf("%s: %zu items, %zu more baked\n", job.extend.c_str(), old->items.size(),
+                    baked);
+    }
+    return result;
 }
 
 void run(const Job& job) {
@@ -123,25 +233,32 @@ void run(const Job& job) {
     installInterruptHandler();
     Times times{};
     times.start = secondsNow();
+    std::optional<ShotSource> shot;
+    if (!job.shot.camera.name.empty()) shot.emplace(job.shot, job.files, job.mesh);
     const TriangleMesh mesh = loadMesh(job.files, job.mesh);
     std::printf("set: %s\n", describe(mesh.report).c_str());
     throwIfInterrupted();
     times.loaded = secondsNow();
-    const Scene scene(mesh);
+    Scene scene(mesh);
     times.built = secondsNow();
-    BakeResult result = bake(scene, job.bake);
-    result.header.upAxis = job.mesh.zUp ? "z" : "y";
-    result.header.unit = job.mesh.scale;
+    const BakeResult result = bakeJob(job, shot, scene, times);
     times.baked = secondsNow();
     const std::uintmax_t bytes = writeCache(job.output, result.header, result.items);
     times.written = secondsNow();
 
     std::printf(
         "spacing %g%s, level %d: %zu items, %zu blocks, %.1f M rays in %.1f s, %.1f MB -> %s\n",
-        result.header.spacing, job.bake.spacing > 0 ? "" : " (chosen from the set's size)",
+        result.header.spacing,
+        job.bake.spacing > 0 || !job.extend.empty() ? "" : " (chosen from the set's size)",
         result.header.level, result.items.size(), result.items.blocks.size(),
         static_cast<double>(result.rays) * 1e-6, times.baked - times.built,
         static_cast<double>(bytes) * 1e-6, job.output.c_str());
+    if (const auto& part = result.header.part)
+        std::printf(
+            "part of the set: %.1f %% of its surface (%llu of %llu sides of voxels), for %s\n",
+            100 * static_cast<double>(part->sides) / static_cast<double>(part->sidesOfSet),
+            static_cast<unsigned long long>(part->sides),
+            static_cast<unsigned long long>(part->sidesOfSet), part->shots.c_str());
     if (!job.stats.empty()) writeStats(job, mesh, result, bytes, times);
 }
 
@@ -155,14 +272,18 @@ int main(int argc, char** argv) try {
     Job job;
     std::string up = "y", shard;
     bool uniform = false;
+    ShotArguments shot;
     beginCommandLine(app);
     addSetOptions(app, job.files, up, job.mesh.scale, "Set");
     defineBake(app, job, shard, uniform);
+    defineShot(app, job, shot);
     defineOutput(app, job);
     app.footer(kFooter);
     if (const auto status = parseCommandLine(app, argc, argv)) return *status;
     job.bake.adaptive = !uniform;
     if (!shard.empty()) parseShard(shard, job.bake);
+    job.shot.size = parsePair("--size", shot.size, "WxH, as in 960x540");
+    for (const std::string& text : shot.dynamic) job.shot.dynamic.push_back(parseDynamic(text));
     job.mesh.zUp = up == "z";
     run(job);
     return 0;

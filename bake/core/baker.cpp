@@ -1,6 +1,7 @@
 #include "bake/core/baker.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <string>
 
@@ -28,7 +29,13 @@ struct Baked {
     std::uint64_t rays = 0;
 };
 
-/// Pilot rays of a shard and around it: by voxel, in the order of the voxel's patches.
+/// What is baked of a voxel.
+struct Wanted {
+    std::bitset<kSides> sides;
+    std::vector<Vec3f> normals;  ///< of the patches on these sides
+};
+
+/// Pilot rays of what is baked and around it: by voxel, in the order of the voxel's patches.
 using Pilots = std::vector<std::vector<Pilot>>;
 
 std::uint64_t raysOf(const Pilots& pilots) {
@@ -39,18 +46,23 @@ std::uint64_t raysOf(const Pilots& pilots) {
 }
 
 /// A bake in progress. An adaptive one takes two passes over the voxels: pilot rays of all patches,
-/// then the items, which get more rays where their own pilots or their neighbours' are mixed.
+/// then the items, which get more rays where their own pilots or their neighbours' are mixed. If
+/// not everything is baked, a pass before them finds out what is wanted of each voxel.
 class Bake {
 public:
-    Bake(const Scene& scene, const BakeOptions& options, double spacing)
+    Bake(const Scene& scene, const BakeOptions& options, double spacing,
+         const VoxelSelection& selection)
         : scene_(scene),
           options_(options),
-          voxels_(scene.mesh(), spacing, options),
+          selection_(selection),
+          everything_(!selection.lookups && selection.present.voxels() == 0),
+          voxels_(scene.mesh(), spacing, options, selection),
           baker_(scene, options, spacing) {}
 
-    Baked run() const {
+    Baked run() {
         const bool adaptive = options_.adaptive && DirectionTiers{options_.level}.refinements() > 0;
-        const std::size_t count = voxels_.end() - voxels_.begin();
+        if (!everything_) chooseSides();
+        const std::size_t count = voxels_.wanted().size();
         Progress progress("bake", std::max<std::size_t>(1, count * (adaptive ? 2 : 1)));
         if (!adaptive)
             return bakeVoxels(progress, [&](std::size_t v, Baked& out) { bakeUniformly(v, out); });
@@ -66,16 +78,64 @@ private:
         return makePatches(scene_, voxels_.frame(), voxels_.fragments(v), options_.seed);
     }
 
+    /// Calls `visit` with the patches of each side of a voxel.
+    template <class Visit>
+    static void visitSides(std::span<const Patch> patches, const Visit& visit) {
+        for (std::size_t first = 0; first < patches.size();) {
+            std::size_t last = first;
+            while (last < patches.size() && patches[last].code.side == patches[first].code.side)
+                ++last;
+            visit(patches.subspan(first, last - first));
+            first = last;
+        }
+    }
+
+    /// The pass before the others.
+    void chooseSides() {
+        choice_.resize(voxels_.size());
+        const std::vector<std::size_t>& numbers = voxels_.wanted();
+        parallelFor(numbers.size(), kChunkSize, [&](const Chunk& chunk) {
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                throwIfInterrupted();
+                const std::size_t v = numbers[i];
+                visitSides(patches(v), [&](std::span<const Patch> side) {
+                    if (!selection_.wants(voxels_.key(v), side, voxels_.frame().spacing())) return;
+                    choice_[v].sides.set(static_cast<std::size_t>(side.front().code.side));
+                    for (const Patch& patch : side) choice_[v].normals.push_back(patch.normal);
+                });
+            }
+        });
+    }
+
+    bool isWanted(std::size_t v, const Patch& patch) const {
+        return everything_ || choice_[v].sides.test(static_cast<std::size_t>(patch.code.side));
+    }
+
+    /// Whether a wanted patch takes this one's pilot into account (mixedAround).
+    bool needsPilot(std::size_t v, const Patch& patch) const {
+        if (everything_) return true;
+        const auto isNear = [&](std::size_t other) {
+            return std::ranges::any_of(choice_[other].normals, [&](const Vec3f& normal) {
+                return isAlike(patch.normal, normal);
+            });
+        };
+        bool needed = isNear(v);
+        voxels_.visitNeighbours(v, [&](std::size_t other) { needed = needed || isNear(other); });
+        return needed;
+    }
+
     /// First pass.
     Pilots tracePilots(Progress& progress) const {
         const std::vector<std::size_t> needed = voxels_.withNeighbours();
-        const std::size_t count = voxels_.end() - voxels_.begin();
+        const std::size_t count = voxels_.wanted().size();
         Pilots pilots(voxels_.size());
         parallelFor(needed.size(), kChunkSize, [&](const Chunk& chunk) {
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                 throwIfInterrupted();
                 for (const Patch& patch : patches(needed[i]))
-                    pilots[needed[i]].push_back(baker_.tracePilot(patch));
+                    pilots[needed[i]].push_back(needsPilot(needed[i], patch)
+                                                    ? baker_.tracePilot(patch)
+                                                    : Pilot{patch.normal, patch.meanPosition});
             }
             progress.add((chunk.end - chunk.begin) * count / needed.size());
         });
@@ -85,12 +145,13 @@ private:
     /// Second or only pass: `bakeVoxel(v, out)` appends the items of voxel v.
     template <class BakeVoxel>
     Baked bakeVoxels(Progress& progress, const BakeVoxel& bakeVoxel) const {
-        const std::size_t count = voxels_.end() - voxels_.begin();
+        const std::vector<std::size_t>& numbers = voxels_.wanted();
+        const std::size_t count = numbers.size();
         std::vector<Baked> parts(chunksOf(count));
         parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                 throwIfInterrupted();
-                bakeVoxel(voxels_.begin() + i, parts[chunk.index]);
+                bakeVoxel(numbers[i], parts[chunk.index]);
             }
             progress.add(chunk.end - chunk.begin);
         });
@@ -104,12 +165,14 @@ private:
     }
 
     void bakeUniformly(std::size_t v, Baked& out) const {
-        for (const Patch& patch : patches(v)) add(baker_.countUniformly(patch), patch, v, out);
+        for (const Patch& patch : patches(v))
+            if (isWanted(v, patch)) add(baker_.countUniformly(patch), patch, v, out);
     }
 
     void bakeAdaptively(std::size_t v, const Pilots& pilots, Baked& out) const {
         const std::vector<Patch> all = patches(v);
         for (std::size_t k = 0; k < all.size(); ++k) {
+            if (!isWanted(v, all[k])) continue;
             const Pilot& pilot = pilots[v][k];
             bakePatch(v, all[k], pilot, mixedAround(v, pilot, pilots), out);
         }
@@ -138,6 +201,11 @@ private:
         out.rays += counts.rays;
     }
 
+    /// Whether what one item's pilot rays found may show in the other.
+    static bool isAlike(const Vec3f& normal, const Vec3f& other) {
+        return normal.dot(other) >= 0.5f;
+    }
+
     /// Base cells in which the item or one next to it on the same side of a surface found both sky
     /// and occluders: a small opening that this item's pilot rays missed, its neighbours' may have
     /// found. Of several depth layers next to it the nearest to its plane counts.
@@ -149,7 +217,7 @@ private:
                 return std::abs(pilot.normal.dot(way + p.position - pilot.position));
             };
             for (const Pilot& p : pilots[other]) {
-                if (p.normal.dot(pilot.normal) < 0.5f) continue;
+                if (!isAlike(p.normal, pilot.normal)) continue;
                 if (std::any_of(pilots[other].begin(), pilots[other].end(), [&](const Pilot& q) {
                         return areDepthLayers(p.normal, q.normal) && distance(q) < distance(p);
                     }))
@@ -163,24 +231,32 @@ private:
 
     const Scene& scene_;
     const BakeOptions& options_;
+    const VoxelSelection& selection_;
+    const bool everything_;
     SurfaceVoxels voxels_;
+    std::vector<Wanted> choice_;  ///< by voxel, if not everything is baked
     ItemBaker baker_;
 };
 
 }  // namespace
 
-BakeResult bake(const Scene& scene, const BakeOptions& options) {
+CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options) {
+    CacheHeader header;
+    header.level = options.level;
+    header.adaptive = options.adaptive;
+    header.spacing = options.spacing > 0 ? options.spacing : chooseSpacing(mesh);
+    header.rays = options.rays;
+    header.seeds = std::to_string(options.seed);
+    header.version = kVersion;
+    header.fingerprint = fingerprint(mesh);
+    return header;
+}
+
+BakeResult bake(const Scene& scene, const BakeOptions& options, const VoxelSelection& selection) {
     validate(options);
     BakeResult result;
-    result.header.level = options.level;
-    result.header.adaptive = options.adaptive;
-    result.header.spacing = options.spacing > 0 ? options.spacing : chooseSpacing(scene.mesh());
-    result.header.rays = options.rays;
-    result.header.seeds = std::to_string(options.seed);
-    result.header.version = kVersion;
-    result.header.fingerprint = fingerprint(scene.mesh());
-
-    Baked baked = Bake(scene, options, result.header.spacing).run();
+    result.header = headerOf(scene.mesh(), options);
+    Baked baked = Bake(scene, options, result.header.spacing, selection).run();
     result.items = std::move(baked.items);
     result.rays = baked.rays;
     return result;

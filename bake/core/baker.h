@@ -1,6 +1,7 @@
 #pragma once
 
 #include "bake/core/options.h"
+#include "bake/core/voxel_selection.h"
 #include "common/cache/cache_items.h"
 #include "common/trace/scene.h"
 
@@ -12,11 +13,17 @@ struct BakeResult {
     std::uint64_t rays = 0;
 };
 
+/// What the cache of a bake records of it.
+CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options);
+
 /// Bakes the visibility of a set: for every voxel its surface passes through and every side of it,
 /// how many rays into each direction region reach the sky. A pure function of its arguments,
 /// whatever the number of threads. Shows progress; Ctrl-C ends it with Error.
 ///
+/// @param selection  bakes only its items, which have the same bits as in the whole bake. Its
+/// voxels are those of a VoxelFrame over the set with the spacing of `options`
 /// @throws Error on impossible options
-BakeResult bake(const Scene& scene, const BakeOptions& options);
+BakeResult bake(const Scene& scene, const BakeOptions& options,
+                const VoxelSelection& selection = {});
 
 }  // namespace shadowcache

@@ -20,11 +20,11 @@ using FineCounts = std::vector<Count>;
 /// Step 1 of an item: one pilot ray into every cell of the first refinement, by base cell.
 struct Pilot {
     Vec3f normal;
-    Vec3f position;             ///< of the patch, as Patch::meanPosition
-    CellSet visible;            ///< a ray reached the sky
-    CellSet occluded;           ///< a ray did not
-    std::vector<Count> counts;  ///< by base cell
-    std::uint64_t rays = 0;     ///< traced
+    Vec3f position;               ///< of the patch, as Patch::meanPosition
+    CellSet visible{};            ///< a ray reached the sky
+    CellSet occluded{};           ///< a ray did not
+    std::vector<Count> counts{};  ///< by base cell
+    std::uint64_t rays = 0;       ///< traced
 
     CellSet mixed() const { return visible & occluded; }
 };

@@ -3,21 +3,12 @@
 #include <algorithm>
 #include <sstream>
 
-#include "common/base/error.h"
+#include "bake/core/cache_match.h"
+#include "bake/core/cache_part.h"
 
 namespace shadowcache {
 
 namespace {
-
-template <class T>
-void requireSame(const std::filesystem::path& path, const char* what, const T& found,
-                 const T& wanted) {
-    if (found == wanted) return;
-    std::ostringstream text;
-    text.precision(15);
-    text << what << ' ' << found << ", expected " << wanted << " as in the first cache";
-    throwFileError(path, text.str());
-}
 
 /// Seeds of both, each once.
 std::string joinSeeds(const std::string& a, const std::string& b) {
@@ -35,13 +26,20 @@ CacheItems mergeCaches(std::span<const std::filesystem::path> paths, CacheHeader
     for (const auto& path : paths.subspan(1)) {
         CacheHeader other;
         const CacheItems items = readCache(path, other);
-        requireSame(path, "fingerprint of the set", other.fingerprint, header.fingerprint);
-        requireSame(path, "spacing", other.spacing, header.spacing);
-        requireSame(path, "direction level", other.level, header.level);
-        requireSame(path, "adaptive refinement", other.adaptive, header.adaptive);
+        const auto require = [&](const char* what, const auto& found, const auto& wanted) {
+            requireSame(path, what, found, wanted, "as in the first cache");
+        };
+        require("fingerprint of the set", other.fingerprint, header.fingerprint);
+        require("spacing", other.spacing, header.spacing);
+        require("direction level", other.level, header.level);
+        require("adaptive refinement", other.adaptive, header.adaptive);
         header.seeds = joinSeeds(header.seeds, other.seeds);
         header.rays = std::max(header.rays, other.rays);
         sum = mergeItems(sum, items, header.tiers());
+        if (header.part && other.part)
+            header.part = joinParts(*header.part, *other.part, sum);
+        else
+            header.part.reset();
     }
     return sum;
 }

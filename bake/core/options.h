@@ -21,7 +21,11 @@ struct BakeOptions {
 /// @throws Error naming the option, the value and the range allowed
 void validate(const BakeOptions& options);
 
+struct SurfaceCount;
+
 /// Spacing that gives a set of this surface and extent a sensible number of items.
-double chooseSpacing(const TriangleMesh& mesh);
+///
+/// @param count  receives the set's surface in such voxels, unless null
+double chooseSpacing(const TriangleMesh& mesh, SurfaceCount* count = nullptr);
 
 }  // namespace shadowcache

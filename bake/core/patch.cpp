@@ -91,6 +91,8 @@ Patch makePatch(const Scene& scene, const Vec3d& voxelCenter, double spacing,
     return patch;
 }
 
+}  // namespace
+
 bool maySubdivide(const Patch& patch, double spacing) {
     const int level = subdivisionsOf(patch.code.subpatch);
     if (level == kMaxSubdivisions) return false;
@@ -106,8 +108,6 @@ bool maySubdivide(const Patch& patch, double spacing) {
            sum.length() > kLeastCutAgreement * area;
 }
 
-}  // namespace
-
 std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
                                std::span<const Fragment> fragments, std::uint64_t seed) {
     std::array<std::vector<Piece>, kSides> sides;
@@ -115,10 +115,8 @@ std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
         const Vec3f n = scene.normal(fragment.triangle);
         const int front = sideOf(n);
         sides[static_cast<std::size_t>(front)].push_back({fragment.triangle, fragment.area, n});
-        const Material* material =
-            materialOf(scene.mesh(), placedTriangle(scene.mesh(), fragment.triangle).triangle);
         // What no camera sees needs no items.
-        if (material && !material->doubleSided) continue;
+        if (!isDoubleSided(scene.mesh(), fragment.triangle)) continue;
         sides[static_cast<std::size_t>(front ^ 1)].push_back(
             {fragment.triangle, fragment.area, -n});
     }

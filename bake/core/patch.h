@@ -36,9 +36,11 @@ struct Patch {
 std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
                                std::span<const Fragment> fragments, std::uint64_t seed);
 
+/// Whether a patch may be cut: it is one flat surface, neither small nor cut too often.
+bool maySubdivide(const Patch& patch, double spacing);
+
 /// The subpatches of a patch of the voxel with the middle `voxelCenter` that hold any surface, in
-/// the order of their codes. None where the patch may not be cut: it is small, folded, or was cut
-/// too often.
+/// the order of their codes. None where the patch may not be cut.
 std::vector<Patch> makeSubpatches(const Scene& scene, const Vec3d& voxelCenter, double spacing,
                                   const Patch& patch);
 

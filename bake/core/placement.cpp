@@ -48,29 +48,71 @@ Polygon wholeTriangle(const TriangleMesh& mesh, std::uint32_t triangle) {
     return polygon;
 }
 
-/// Cuts `polygon` into slabs of voxels along `axis`, then each slab along the next one, so that the
-/// work follows the triangle and not its bounding box.
-void addSlabs(const Polygon& polygon, const VoxelFrame& frame, int axis, Vec3i voxel,
-              std::uint32_t triangle, std::vector<Fragment>& out) {
-    if (polygon.count == 0) return;
-    if (axis == 3) {
+/// Cuts triangles along the voxels.
+class FragmentCutter {
+public:
+    FragmentCutter(const TriangleMesh& mesh, const VoxelFrame& frame, const VoxelKeys* only)
+        : mesh_(mesh), frame_(frame), only_(only) {}
+
+    void cut(std::uint32_t triangle, std::vector<Fragment>& out) const {
+        const Polygon polygon = wholeTriangle(mesh_, triangle);
+        const Range range = voxelsOf(polygon);
+        if (!only_ || only_->mayTouch(frame_, range.first, range.last))
+            addSlabs(polygon, range, 0, triangle, out);
+    }
+
+private:
+    /// Voxels `first` to `last` along each axis.
+    struct Range {
+        Vec3i first, last;
+    };
+
+    Range voxelsOf(const Polygon& polygon) const {
+        Imath::Box3d box;
+        for (std::size_t i = 0; i < polygon.count; ++i) box.extendBy(polygon.corner[i]);
+        return {frame_.voxelAt(box.min), frame_.voxelAt(box.max)};
+    }
+
+    /// Cuts `polygon` into slabs of voxels along `axis`, then each slab along the next one, so that
+    /// the work follows the triangle and not its bounding box. Along the axes before, `range` is
+    /// the voxel.
+    void addSlabs(const Polygon& polygon, const Range& range, int axis, std::uint32_t triangle,
+                  std::vector<Fragment>& out) const {
+        if (axis == 3) return addFragment(polygon, range.first, triangle, out);
+        for (int v = range.first[axis]; v <= range.last[axis]; ++v) {
+            Range part = range;
+            part.first[axis] = part.last[axis] = v;
+            if (only_ && !only_->mayTouch(frame_, part.first, part.last)) continue;
+            Polygon slab = polygon;
+            const double middle = frame_.center(part.first)[axis], half = frame_.spacing() / 2;
+            if (v < range.last[axis]) clipAxis(slab, axis, middle + half, 1);
+            if (v > range.first[axis]) clipAxis(slab, axis, middle - half, -1);
+            if (slab.count == 0) continue;
+            const Range exact = voxelsOf(slab);
+            for (int later = axis + 1; later < 3; ++later) {
+                part.first[later] = exact.first[later];
+                part.last[later] = exact.last[later];
+            }
+            addSlabs(slab, part, axis + 1, triangle, out);
+        }
+    }
+
+    void addFragment(const Polygon& polygon, const Vec3i& voxel, std::uint32_t triangle,
+                     std::vector<Fragment>& out) const {
         const double size = area(polygon);
         // An area below float's range still makes an item.
         if (size > 0)
-            out.push_back({frame.key(voxel), triangle, std::max(static_cast<float>(size), 1e-37f)});
-        return;
+            out.push_back(
+                {frame_.key(voxel), triangle, std::max(static_cast<float>(size), 1e-37f)});
     }
-    Imath::Box3d box;
-    for (std::size_t i = 0; i < polygon.count; ++i) box.extendBy(polygon.corner[i]);
-    const int first = frame.voxelAt(box.min)[axis], last = frame.voxelAt(box.max)[axis];
-    for (int v = first; v <= last; ++v) {
-        voxel[axis] = v;
-        Polygon slab = polygon;
-        const double middle = frame.center(voxel)[axis], half = frame.spacing() / 2;
-        if (v < last) clipAxis(slab, axis, middle + half, 1);
-        if (v > first) clipAxis(slab, axis, middle - half, -1);
-        addSlabs(slab, frame, axis + 1, voxel, triangle, out);
-    }
+
+    const TriangleMesh& mesh_;
+    const VoxelFrame& frame_;
+    const VoxelKeys* only_;
+};
+
+bool isBefore(const Fragment& a, const Fragment& b) {
+    return a.voxelKey != b.voxelKey ? a.voxelKey < b.voxelKey : a.triangle < b.triangle;
 }
 
 }  // namespace
@@ -95,6 +137,14 @@ std::uint64_t VoxelFrame::key(const Vec3i& voxel) const {
     const std::uint64_t leaf =
         (((bits(v.x) >> 3) << kLeafBits | bits(v.y) >> 3) << kLeafBits) | bits(v.z) >> 3;
     return leaf << 9 | (bits(v.x) & 7) << 6 | (bits(v.y) & 7) << 3 | (bits(v.z) & 7);
+}
+
+bool VoxelFrame::holds(const Vec3i& voxel) const {
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto at = std::int64_t{voxel[axis]} - base_[axis];
+        if (at < 0 || at >= kMaxVoxels) return false;
+    }
+    return true;
 }
 
 Vec3i VoxelFrame::voxel(std::uint64_t key) const {
@@ -134,19 +184,22 @@ double area(const Polygon& polygon) {
     return sum.length() / 2;
 }
 
-std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame& frame) {
+void cutTriangle(const TriangleMesh& mesh, const VoxelFrame& frame, std::uint32_t triangle,
+                 std::vector<Fragment>& out) {
+    FragmentCutter(mesh, frame, nullptr).cut(triangle, out);
+}
+
+std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame& frame,
+                                     const VoxelKeys* only) {
     constexpr std::size_t kChunkSize = 4096;
+    const FragmentCutter cutter(mesh, frame, only);
     const std::size_t count = placedCount(mesh);
     std::vector<std::vector<Fragment>> parts((count + kChunkSize - 1) / kChunkSize);
     parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
         std::vector<Fragment>& out = parts[chunk.index];
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const auto triangle = static_cast<std::uint32_t>(i);
-            addSlabs(wholeTriangle(mesh, triangle), frame, 0, {0, 0, 0}, triangle, out);
-        }
-        std::sort(out.begin(), out.end(), [](const Fragment& a, const Fragment& b) {
-            return a.voxelKey != b.voxelKey ? a.voxelKey < b.voxelKey : a.triangle < b.triangle;
-        });
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+            cutter.cut(static_cast<std::uint32_t>(i), out);
+        std::sort(out.begin(), out.end(), isBefore);
     });
     std::size_t total = 0;
     for (const auto& part : parts) total += part.size();
@@ -156,9 +209,7 @@ std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame&
         fragments.insert(fragments.end(), part.begin(), part.end());
         std::vector<Fragment>().swap(part);
     }
-    std::sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
-        return a.voxelKey != b.voxelKey ? a.voxelKey < b.voxelKey : a.triangle < b.triangle;
-    });
+    std::sort(fragments.begin(), fragments.end(), isBefore);
     return fragments;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "bake/core/voxel_keys.h"
 #include "common/mesh/mesh.h"
 
 namespace shadowcache {
@@ -29,7 +30,10 @@ public:
     VoxelFrame(const TriangleMesh& mesh, double spacing);
 
     double spacing() const { return spacing_; }
+    /// Order of a voxel that the frame holds.
     std::uint64_t key(const Vec3i& voxel) const;
+    /// Whether a voxel is one of the frame's, as all that hold surface and their neighbours are.
+    bool holds(const Vec3i& voxel) const;
     Vec3i voxel(std::uint64_t key) const;
     /// Voxel that holds a point given relative to the mesh's origin.
     Vec3i voxelAt(const Vec3d& position) const;
@@ -56,7 +60,14 @@ Polygon clipToBox(const TriangleMesh& mesh, std::uint32_t triangle, const Box& b
 
 double area(const Polygon& polygon);
 
+/// Appends the parts of a triangle of the world, in no stated order.
+void cutTriangle(const TriangleMesh& mesh, const VoxelFrame& frame, std::uint32_t triangle,
+                 std::vector<Fragment>& out);
+
 /// Every (voxel, triangle) pair that meets, sorted by voxel, then triangle.
-std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame& frame);
+///
+/// @param only  voxels to place fragments in, which have the same bits as without; null: all
+std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame& frame,
+                                     const VoxelKeys* only = nullptr);
 
 }  // namespace shadowcache

@@ -4,20 +4,48 @@
 
 namespace shadowcache {
 
-SurfaceVoxels::SurfaceVoxels(const TriangleMesh& mesh, double spacing, const BakeOptions& options)
-    : frame_(mesh, spacing), fragments_(placeFragments(mesh, frame_)) {
+namespace {
+
+/// The voxels that lookups go to, and those next to them.
+VoxelKeys keysAround(const VoxelLookups& lookups, const VoxelFrame& frame) {
+    VoxelKeys keys;
+    for (const auto& [key, normals] : lookups.voxels()) {
+        const Vec3i center = frame.voxel(key);
+        for (int k = 0; k < 27; ++k) {
+            const Vec3i voxel = center + Vec3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+            if (frame.holds(voxel)) keys.add(frame.key(voxel));
+        }
+    }
+    return keys;
+}
+
+std::vector<Fragment> placeSelected(const TriangleMesh& mesh, const VoxelFrame& frame,
+                                    const VoxelSelection& selection) {
+    if (!selection.lookups) return placeFragments(mesh, frame);
+    const VoxelKeys only = keysAround(*selection.lookups, frame);
+    return placeFragments(mesh, frame, &only);
+}
+
+}  // namespace
+
+SurfaceVoxels::SurfaceVoxels(const TriangleMesh& mesh, double spacing, const BakeOptions& options,
+                             const VoxelSelection& selection)
+    : frame_(mesh, spacing), fragments_(placeSelected(mesh, frame_, selection)) {
     const std::span<const Fragment> all = fragments_;
+    std::vector<std::size_t> selected;
     for (std::size_t first = 0; first < all.size();) {
         std::size_t last = first;
         while (last < all.size() && all[last].voxelKey == all[first].voxelKey) ++last;
+        if (selection.mayWant(all[first].voxelKey)) selected.push_back(voxels_.size());
         voxels_.push_back(all.subspan(first, last - first));
         first = last;
     }
     const auto boundary = [&](int shard) {
-        return size() * static_cast<std::size_t>(shard) / static_cast<std::size_t>(options.shards);
+        return selected.begin() +
+               static_cast<std::ptrdiff_t>(selected.size() * static_cast<std::size_t>(shard) /
+                                           static_cast<std::size_t>(options.shards));
     };
-    begin_ = boundary(options.shard);
-    end_ = boundary(options.shard + 1);
+    wanted_.assign(boundary(options.shard), boundary(options.shard + 1));
 }
 
 std::size_t SurfaceVoxels::find(const Vec3i& voxel) const {
@@ -30,12 +58,12 @@ std::size_t SurfaceVoxels::find(const Vec3i& voxel) const {
 }
 
 std::vector<std::size_t> SurfaceVoxels::withNeighbours() const {
+    if (wanted_.size() == size()) return wanted_;
     std::vector<std::uint8_t> needed(size(), 0);
-    std::fill(needed.begin() + static_cast<std::ptrdiff_t>(begin_),
-              needed.begin() + static_cast<std::ptrdiff_t>(end_), std::uint8_t{1});
-    if (end_ - begin_ < size())
-        for (std::size_t v = begin_; v < end_; ++v)
-            visitNeighbours(v, [&](std::size_t other) { needed[other] = 1; });
+    for (const std::size_t v : wanted_) {
+        needed[v] = 1;
+        visitNeighbours(v, [&](std::size_t other) { needed[other] = 1; });
+    }
     std::vector<std::size_t> list;
     for (std::size_t v = 0; v < size(); ++v)
         if (needed[v]) list.push_back(v);

@@ -6,30 +6,31 @@
 
 #include "bake/core/options.h"
 #include "bake/core/placement.h"
+#include "bake/core/voxel_selection.h"
 
 namespace shadowcache {
 
-/// The voxels that a set's surface passes through, numbered in the order of their keys, and the
-/// range of them that this shard bakes.
+/// Voxels that a set's surface passes through, numbered in the order of their keys: those that may
+/// hold items of a selection, and those next to them. Of the first, a shard bakes its part.
 class SurfaceVoxels {
 public:
     /// @throws Error as VoxelFrame does
-    SurfaceVoxels(const TriangleMesh& mesh, double spacing, const BakeOptions& options);
+    SurfaceVoxels(const TriangleMesh& mesh, double spacing, const BakeOptions& options,
+                  const VoxelSelection& selection);
     SurfaceVoxels(const SurfaceVoxels&) = delete;
     SurfaceVoxels& operator=(const SurfaceVoxels&) = delete;
 
     const VoxelFrame& frame() const { return frame_; }
 
-    /// Of the whole set.
     std::size_t size() const { return voxels_.size(); }
-    /// This shard's voxels are begin() .. end() - 1.
-    std::size_t begin() const { return begin_; }
-    std::size_t end() const { return end_; }
+    /// Numbers of this shard's voxels that may hold items of the selection, in order.
+    const std::vector<std::size_t>& wanted() const { return wanted_; }
 
-    Vec3i voxel(std::size_t v) const { return frame_.voxel(voxels_[v][0].voxelKey); }
+    std::uint64_t key(std::size_t v) const { return voxels_[v][0].voxelKey; }
+    Vec3i voxel(std::size_t v) const { return frame_.voxel(key(v)); }
     std::span<const Fragment> fragments(std::size_t v) const { return voxels_[v]; }
 
-    /// This shard's voxels and those next to them, in order.
+    /// The wanted voxels and those next to them, in order.
     std::vector<std::size_t> withNeighbours() const;
 
     /// Calls `visit` with the number of each of the 26 voxels around `v` that holds surface.
@@ -50,7 +51,7 @@ private:
     VoxelFrame frame_;
     std::vector<Fragment> fragments_;
     std::vector<std::span<const Fragment>> voxels_;
-    std::size_t begin_ = 0, end_ = 0;
+    std::vector<std::size_t> wanted_;
 };
 
 }  // namespace shadowcache

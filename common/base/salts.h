@@ -13,6 +13,9 @@ enum class BakeSalt : std::uint64_t {
     originV = 2,
     rays = 0x72617973,     ///< directions and origins of an item's rays; third word: which step's
     patch = 0x7061746368,  ///< a patch's own seed; third word: its code
+    filmColumn =
+        0x66696c6d,  ///< place of a camera ray that looks for voxels; third word: its number
+    filmRow = 0x66696c6e,
 };
 
 /// Seeds of frames and of their pilots' places.

@@ -19,7 +19,4 @@ struct CacheGrids {
 /// version
 CacheGrids readGrids(const std::filesystem::path& path);
 
-/// The header alone. @throws Error as readGrids
-CacheHeader readHeader(const std::filesystem::path& path);
-
 }  // namespace shadowcache

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/math/direction_mesh.h"
@@ -41,6 +42,14 @@ struct DirectionTiers {
     }
 };
 
+/// What a cache holds of its set, if not all. Sides of voxels are counted: a bake makes all items
+/// of a side or none.
+struct CachePart {
+    std::uint64_t sides = 0;       ///< that the cache holds
+    std::uint64_t sidesOfSet = 0;  ///< that a whole bake would hold
+    std::string shots;             ///< that it was baked for: texts joined by "; "
+};
+
 /// What a cache records of its bake; all of it is kept in the file's metadata.
 struct CacheHeader {
     int level = kMaxCacheLevel;     ///< finest direction level
@@ -52,6 +61,7 @@ struct CacheHeader {
     double unit = 1;                ///< metres per unit of those files
     std::uint64_t fingerprint = 0;  ///< hash of the set's triangles
     std::string version;            ///< of the program that baked
+    std::optional<CachePart> part;  ///< none: all of the set
 
     /// How its counts refine in direction.
     DirectionTiers tiers() const { return {level}; }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/tuned.h"
 #include "common/cache/cache_header.h"
 #include "common/cache/patch_code.h"
 #include "common/math/vec.h"
@@ -48,6 +49,10 @@ bool itemBefore(const CacheItems& a, std::size_t i, const CacheItems& b, std::si
 /// Side of a surface with unit normal `n`, 0 .. kSides - 1.
 int sideOf(const Vec3f& n);
 
+/// Least cosine between the normals of a place and of an item that counts there: up to 60 degrees,
+/// the closer the more.
+inline SHADOWCACHE_TUNED(float, kMinAgreement, 0.5f);
+
 /// Whether two items of different layers of one voxel, with these unit normals, lie behind each
 /// other.
 inline bool areDepthLayers(const Vec3f& a, const Vec3f& b) {
@@ -63,6 +68,9 @@ CacheItems mergeItems(const CacheItems& a, const CacheItems& b, const DirectionT
 /// @throws Error when it cannot be written
 std::uintmax_t writeCache(const std::filesystem::path& path, const CacheHeader& header,
                           const CacheItems& items);
+
+/// Reads the header of a cache. @throws Error as readCache
+CacheHeader readHeader(const std::filesystem::path& path);
 
 /// Reads a whole cache back.
 ///

@@ -43,6 +43,13 @@ CacheHeader fromMetadata(const openvdb::MetaMap& meta, const fs::path& path) {
     header.upAxis = metaValue<std::string>(meta, "up_axis", path);
     header.unit = metaValue<double>(meta, "unit", path);
     header.version = metaValue<std::string>(meta, "version", path);
+    if (meta["shots"]) {
+        const auto count = [&](const char* key) {
+            return static_cast<std::uint64_t>(metaValue<std::int64_t>(meta, key, path));
+        };
+        header.part = {count("sides"), count("sides_of_set"),
+                       metaValue<std::string>(meta, "shots", path)};
+    }
     const auto print = metaValue<std::string>(meta, "fingerprint", path);
     const auto parsed =
         std::from_chars(print.data(), print.data() + print.size(), header.fingerprint, 16);

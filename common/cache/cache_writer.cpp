@@ -178,6 +178,14 @@ openvdb::MetaMap toMetadata(const CacheHeader& header, const CacheItems& items) 
     meta.insertMeta("unit", openvdb::DoubleMetadata(header.unit));
     meta.insertMeta("fingerprint", openvdb::StringMetadata(fingerprintText(header.fingerprint)));
     meta.insertMeta("version", openvdb::StringMetadata(header.version));
+    if (header.part) {
+        const auto count = [&](const char* key, std::uint64_t value) {
+            meta.insertMeta(key, openvdb::Int64Metadata(static_cast<std::int64_t>(value)));
+        };
+        count("sides", header.part->sides);
+        count("sides_of_set", header.part->sidesOfSet);
+        meta.insertMeta("shots", openvdb::StringMetadata(header.part->shots));
+    }
     meta.insertMeta("items", openvdb::Int64Metadata(static_cast<std::int64_t>(items.size())));
     return meta;
 }

@@ -221,10 +221,6 @@ ShadowCache::Reader::Reader(const ShadowCache& cache)
 ShadowCache::Reader::~Reader() = default;
 ShadowCache::Reader::Reader(Reader&&) noexcept = default;
 
-/// Least cosine between the normals of a place and of an item that counts there: up to 60 degrees,
-/// the closer the more.
-SHADOWCACHE_TUNED(float, kMinAgreement, 0.5f);
-
 /// Inverse of the distance from the plane of an item, in spacings, at which it counts a third.
 SHADOWCACHE_TUNED(float, kPlaneFalloff, 5);
 

@@ -189,6 +189,14 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
     return std::nullopt;
 }
 
+std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted) {
+    static const std::regex pair(R"((\d{1,5})[x,](\d{1,5}))");
+    std::smatch match;
+    if (!std::regex_match(text, match, pair))
+        throw Error(std::string(option) + " " + text + ": expected " + wanted);
+    return {std::stoi(match[1]), std::stoi(match[2])};
+}
+
 std::uint64_t parseSize(const char* option, const std::string& text) {
     static const std::regex size(R"((\d{1,15}(?:\.\d{1,15})?)([KMGT]?)(?:i?B)?)",
                                  std::regex::icase);

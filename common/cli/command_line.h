@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -42,6 +43,11 @@ std::optional<int> parseCommandLine(
 ///
 /// @throws Error "OPTION TEXT: expected ..."
 std::uint64_t parseSize(const char* option, const std::string& text);
+
+/// "AxB" or "A,B" -> two whole numbers of 0 or more.
+///
+/// @throws Error "OPTION TEXT: expected WANTED"
+std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted);
 
 /// Error text for a negative number, else empty; for CLI::Option::check of unsigned options, as
 /// CLI11 would convert -1 to 2^64 - 1.

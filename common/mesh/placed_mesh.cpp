@@ -49,6 +49,18 @@ std::array<Vec3d, 3> placedCorners(const TriangleMesh& mesh, std::uint32_t numbe
     return corners;
 }
 
+Vec3f placedNormal(const TriangleMesh& mesh, std::uint32_t number) noexcept {
+    const auto [a, b, c] = placedCorners(mesh, number);
+    const MeshInstance* instance = placedTriangle(mesh, number).instance;
+    const Vec3d n = (b - a).cross(c - a).normalized();
+    return Vec3f(instance && instance->toWorld.mirrors() ? -n : n);
+}
+
+bool isDoubleSided(const TriangleMesh& mesh, std::uint32_t number) noexcept {
+    const Material* material = materialOf(mesh, placedTriangle(mesh, number).triangle);
+    return !material || material->doubleSided;
+}
+
 Box3d instanceBounds(const TriangleMesh& mesh, const MeshInstance& instance) {
     Box3d box;
     const std::uint32_t first = mesh.parts[instance.firstPart].firstTriangle;

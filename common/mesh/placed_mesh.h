@@ -25,6 +25,12 @@ PlacedTriangle placedTriangle(const TriangleMesh& mesh, std::uint32_t number) no
 /// Its corners, relative to the mesh's origin.
 std::array<Vec3d, 3> placedCorners(const TriangleMesh& mesh, std::uint32_t number) noexcept;
 
+/// Its unit geometric normal, by its winding in the file.
+Vec3f placedNormal(const TriangleMesh& mesh, std::uint32_t number) noexcept;
+
+/// Whether both of its sides are seen.
+bool isDoubleSided(const TriangleMesh& mesh, std::uint32_t number) noexcept;
+
 /// Box of the world's triangles, relative to the mesh's origin.
 Box3d placedBounds(const TriangleMesh& mesh);
 

@@ -7,6 +7,7 @@
 
 #include "common/base/error.h"
 #include "common/import/mesh_options.h"
+#include "common/import/mesh_reader.h"
 
 namespace shadowcache {
 
@@ -90,6 +91,14 @@ Camera GltfShot::camera(int node, int frame) const {
     camera.fovY = from.fovY;
     if (from.orthographic) camera.height = from.height * world_.axis[0].length();
     return camera;
+}
+
+std::vector<GltfShot> openShots(std::span<const std::filesystem::path> files,
+                                const MeshOptions& options, double fps) {
+    std::vector<GltfShot> shots;
+    for (const auto& file : files)
+        if (isGltf(file)) shots.emplace_back(file, options, fps);
+    return shots;
 }
 
 NamedCamera findCamera(std::span<const GltfShot> shots, const std::string& name) {

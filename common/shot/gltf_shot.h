@@ -46,6 +46,10 @@ private:
     double fps_;
 };
 
+/// The glTF files among those of a set.
+std::vector<GltfShot> openShots(std::span<const std::filesystem::path> files,
+                                const MeshOptions& options, double fps);
+
 /// A camera of one of several files.
 struct NamedCamera {
     const GltfShot* shot = nullptr;

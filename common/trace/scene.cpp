@@ -91,10 +91,7 @@ void Scene::setMoving(const Scene* moving) {
 }
 
 Vec3f Scene::normal(std::uint32_t triangle) const noexcept {
-    const auto [a, b, c] = placedCorners(mesh_, triangle);
-    const MeshInstance* instance = placedTriangle(mesh_, triangle).instance;
-    const Vec3d n = (b - a).cross(c - a).normalized();
-    return Vec3f(instance && instance->toWorld.mirrors() ? -n : n);
+    return placedNormal(mesh_, triangle);
 }
 
 Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept {

@@ -40,15 +40,6 @@ Vec3d parseVector(const char* option, const std::string& text, const char* wante
     return {v[0], v[1], v[2]};
 }
 
-/// "AxB" or "A,B" -> two whole numbers of 0 or more.
-std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted) {
-    static const std::regex pair(R"((\d{1,5})[x,](\d{1,5}))");
-    std::smatch match;
-    if (!std::regex_match(text, match, pair))
-        throw Error(std::string(option) + " " + text + ": expected " + wanted);
-    return {std::stoi(match[1]), std::stoi(match[2])};
-}
-
 /// "X,Y,WxH".
 FilmRectangle parseCrop(const std::string& text) {
     static const std::regex crop(R"((\d{1,5}),(\d{1,5}),(\d{1,5})x(\d{1,5}))");

@@ -46,13 +46,6 @@ std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh&
     return cache;
 }
 
-std::vector<GltfShot> openShots(const RenderJob& job) {
-    std::vector<GltfShot> shots;
-    for (const auto& file : job.files)
-        if (isGltf(file)) shots.emplace_back(file, job.mesh, job.fps);
-    return shots;
-}
-
 /// Refuses invalid options before the long work starts.
 ///
 /// @return the estimator asked for
@@ -101,7 +94,7 @@ public:
         const double start = secondsNow();
         plan_.requireFiles();
         refuseToOverwriteInputs(job_, plan_);
-        std::vector<GltfShot> shots = openShots(job_);
+        std::vector<GltfShot> shots = openShots(job_.files, job_.mesh, job_.fps);
         const CameraSource camera(job_.camera, shots);
         for (const int frame : job_.frames) camera.at(frame);
         if (!job_.reference.empty()) reference_ = readReference(job_.reference, job_.render);

@@ -38,17 +38,15 @@ TileRenderer::TileRenderer(const FrameRequest& request)
 
 View TileRenderer::look(double filmX, double filmY) const {
     const double aspect = static_cast<double>(options_.width) / options_.height;
-    const Vec3f origin(rayStart(camera_, filmX, filmY, aspect) - context_.scene.mesh().origin);
-    const Vec3f direction(rayDirection(camera_, filmX, filmY, aspect));
-    return {direction, context_.scene.intersect(origin, direction)};
+    return shadowcache::lookThrough(camera_, context_.scene, filmX, filmY, aspect);
 }
 
 ShadingPoint TileRenderer::shadingPoint(const View& view, std::uint64_t seed, int filmX,
                                         int filmY) const {
     const Hit& hit = view.hit;
-    const Vec3f normal = hit.normal.dot(view.direction) > 0 ? -hit.normal : hit.normal;
+    const Vec3f normal = view.normal();
     return {hit.scene->rayOrigin(hit.position, hit.triangle, normal),
-            context_.scene.mesh().origin + Vec3d(hit.position),
+            worldPosition(context_.scene, hit),
             normal,
             seed,
             filmX,

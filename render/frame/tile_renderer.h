@@ -4,18 +4,13 @@
 #include <span>
 #include <vector>
 
+#include "common/shot/view.h"
 #include "render/frame/frame_request.h"
 #include "render/frame/pixel_filter.h"
 #include "render/frame/pixel_sum.h"
 #include "render/frame/tiles.h"
 
 namespace shadowcache {
-
-/// What a camera ray meets.
-struct View {
-    Vec3f direction;
-    Hit hit;
-};
 
 /// What the camera rays of a batch meet; reused from one to the next.
 struct TileScratch {

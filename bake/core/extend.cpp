@@ -1,0 +1,34 @@
+#include "bake/core/extend.h"
+
+#include "bake/core/cache_match.h"
+#include "bake/core/cache_part.h"
+
+namespace shadowcache {
+
+CacheToExtend readCacheToExtend(const std::filesystem::path& path, const CacheHeader& wanted) {
+    CacheToExtend cache;
+    cache.items = readCache(path, cache.header);
+    const auto require = [&](const char* what, const auto& found, const auto& expected) {
+        requireSame(path, what, found, expected, "as this bake has it");
+    };
+    const CacheHeader& found = cache.header;
+    require("fingerprint of the set", fingerprintText(found.fingerprint),
+            fingerprintText(wanted.fingerprint));
+    require("spacing", found.spacing, wanted.spacing);
+    require("direction level", found.level, wanted.level);
+    require("adaptive refinement", found.adaptive, wanted.adaptive);
+    require("rays", found.rays, wanted.rays);
+    require("seed", found.seeds, wanted.seeds);
+    require("program version", found.version, wanted.version);
+    return cache;
+}
+
+void addCache(const CacheToExtend& old, BakeResult& result) {
+    result.items = mergeItems(old.items, result.items, result.header.tiers());
+    if (!old.header.part)
+        result.header.part.reset();
+    else if (result.header.part)
+        result.header.part = joinParts(*old.header.part, *result.header.part, result.items);
+}
+
+}  // namespace shadowcache

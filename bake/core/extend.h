@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+
+#include "bake/core/baker.h"
+
+namespace shadowcache {
+
+/// A cache that a bake adds to.
+struct CacheToExtend {
+    CacheHeader header;
+    CacheItems items;
+};
+
+/// @param wanted  of the bake that adds to it
+/// @throws Error if it cannot be read, or is of another set, spacing, seed, program version or
+/// other options than the bake, naming the value found and the value wanted
+CacheToExtend readCacheToExtend(const std::filesystem::path& path, const CacheHeader& wanted);
+
+/// Adds what it holds to a bake without it, which becomes the bake of both selections, and the
+/// shots of both.
+void addCache(const CacheToExtend& old, BakeResult& result);
+
+}  // namespace shadowcache

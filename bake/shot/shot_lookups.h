@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "bake/core/voxel_selection.h"
+#include "common/shot/camera_source.h"
+#include "common/shot/moving_set.h"
+
+namespace shadowcache {
+
+/// A shot that a bake is made for.
+struct Shot {
+    const CameraSource& camera;
+    MovingSet& moving;  ///< lit with the cache, but no part of it
+    std::span<const int> frames;
+    std::array<int, 2> size;  ///< of its pictures [pixels]
+};
+
+/// Lookups that the pictures of a shot make in a cache: of what its camera rays meet, the eight
+/// voxels around. A sample of the rays finds them, more until new ones find next to nothing new.
+/// Frames are looked at one by one, so the lookups of two shots together are those of both.
+///
+/// @param scene  has nothing that moves, before and after
+/// @throws Error if the camera has no such frame
+VoxelLookups lookupsOf(const Shot& shot, Scene& scene, const VoxelFrame& frame);
+
+}  // namespace shadowcache

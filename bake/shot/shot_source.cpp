@@ -1,0 +1,41 @@
+#include "bake/shot/shot_source.h"
+
+#include "bake/shot/shot_lookups.h"
+#include "common/base/option_checks.h"
+#include "common/shot/frames.h"
+
+namespace shadowcache {
+
+void validate(const ShotOptions& options) {
+    requireRange("size (width)", options.size[0], 1, 65536);
+    requireRange("size (height)", options.size[1], 1, 65536);
+    requireRange("margin", options.margin, 0, 64);
+    requireRange("fps", options.fps, 1e-3, 1e6);
+}
+
+ShotSource::ShotSource(const ShotOptions& options, std::span<const std::filesystem::path> files,
+                       const MeshOptions& mesh)
+    : options_(options),
+      mesh_(mesh),
+      frames_(parseFrames(options.frames)),
+      shots_(openShots(files, mesh, options.fps)),
+      camera_(options.camera, shots_) {
+    for (const int frame : frames_) camera_.at(frame);
+}
+
+VoxelLookups ShotSource::lookups(Scene& scene, const VoxelFrame& frame) const {
+    MovingSet moving(shots_, options_.dynamic, mesh_, scene.mesh().origin, options_.fps);
+    for (const int number : frames_) moving.requireFrame(number);
+    return lookupsOf({camera_, moving, frames_, options_.size}, scene, frame)
+        .dilated(frame, options_.margin);
+}
+
+std::string ShotSource::text() const {
+    std::string text = std::filesystem::path(options_.camera.name).filename().string() +
+                       ", frames " + options_.frames + ", " + std::to_string(options_.size[0]) +
+                       "x" + std::to_string(options_.size[1]);
+    if (options_.margin > 0) text += ", margin " + std::to_string(options_.margin);
+    return text;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bake/core/voxel_selection.h"
+#include "common/shot/camera_source.h"
+#include "common/shot/moving_set.h"
+
+namespace shadowcache {
+
+/// A shot that a bake is made for.
+struct ShotOptions {
+    CameraOptions camera;
+    std::string frames = "1";           ///< as parseFrames reads them
+    std::array<int, 2> size{960, 540};  ///< of its pictures [pixels]
+    int margin = 0;                     ///< voxels to bake around those that are looked up, 0 .. 64
+    double fps = 24;                    ///< of glTF's cameras and moving nodes
+    std::vector<DynamicFile> dynamic;
+};
+
+/// @throws Error naming the option, the value and the range allowed
+void validate(const ShotOptions& options);
+
+/// Cameras and moving objects of a shot.
+class ShotSource {
+public:
+    /// Keeps references to `options` and `mesh`, which are those of the set.
+    ///
+    /// @throws Error if a file cannot be read or a frame has no camera
+    ShotSource(const ShotOptions& options, std::span<const std::filesystem::path> files,
+               const MeshOptions& mesh);
+
+    /// Lookups that its pictures make in a cache, and the margin.
+    ///
+    /// @throws Error if a frame is missing in a moving object's track
+    VoxelLookups lookups(Scene& scene, const VoxelFrame& frame) const;
+
+    /// In one line: "camera.json, frames 1-24, 960x540".
+    std::string text() const;
+
+private:
+    const ShotOptions& options_;
+    const MeshOptions& mesh_;
+    std::vector<int> frames_;
+    std::vector<GltfShot> shots_;
+    CameraSource camera_;
+};
+
+}  // namespace shadowcache
