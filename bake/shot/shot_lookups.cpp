@@ -62,7 +62,10 @@ class FrameLookups {
 public:
     FrameLookups(const Camera& camera, const Scene& scene, const VoxelFrame& frame,
                  std::array<int, 2> size)
-        : camera_(camera), scene_(scene), frame_(frame), size_(size) {}
+        : rays_(camera, static_cast<double>(size[0]) / size[1]),
+          scene_(scene),
+          frame_(frame),
+          size_(size) {}
 
     VoxelLookups find() const {
         VoxelLookups found;
@@ -117,8 +120,7 @@ private:
         const auto onFilm = [](double share, int pixels) {
             return (share * (pixels + 2 * kFilmBorder) - kFilmBorder) / pixels;
         };
-        const View view = lookThrough(camera_, scene_, onFilm(x, size_[0]), onFilm(y, size_[1]),
-                                      static_cast<double>(size_[0]) / size_[1]);
+        const View view = lookThrough(rays_, scene_, {onFilm(x, size_[0]), onFilm(y, size_[1])});
         if (!view.hit.found) return;
         const Vec3d p = worldPosition(scene_, view.hit) / frame_.spacing();
         const Lookup lookup{{static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)),
@@ -138,7 +140,7 @@ private:
         return isNew;
     }
 
-    const Camera camera_;
+    const CameraRays rays_;
     const Scene& scene_;
     const VoxelFrame& frame_;
     const std::array<int, 2> size_;

@@ -123,18 +123,21 @@ Camera lookAt(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double fov
     return camera;
 }
 
-Vec3d rayStart(const Camera& camera, double x, double y, double aspect) noexcept {
-    const Vec3d right = camera.forward.cross(camera.up);
-    return camera.origin + right * ((x - 0.5) * aspect * camera.height) +
-           camera.up * ((0.5 - y) * camera.height);
+CameraRays::CameraRays(const Camera& camera, double aspect) noexcept
+    : camera_(camera),
+      aspect_(aspect),
+      tangent_(std::tan(0.5 * camera.fovY)),
+      right_(camera.forward.cross(camera.up)) {}
+
+Vec3d CameraRays::start(const FilmPosition& at) const noexcept {
+    return camera_.origin + right_ * ((at.x - 0.5) * aspect_ * camera_.height) +
+           camera_.up * ((0.5 - at.y) * camera_.height);
 }
 
-Vec3d rayDirection(const Camera& camera, double x, double y, double aspect) noexcept {
-    if (camera.height > 0) return camera.forward;
-    const double tangent = std::tan(0.5 * camera.fovY);
-    const Vec3d right = camera.forward.cross(camera.up);
-    return (camera.forward + right * ((2.0 * x - 1.0) * aspect * tangent) +
-            camera.up * ((1.0 - 2.0 * y) * tangent))
+Vec3d CameraRays::direction(const FilmPosition& at) const noexcept {
+    if (camera_.height > 0) return camera_.forward;
+    return (camera_.forward + right_ * ((2.0 * at.x - 1.0) * aspect_ * tangent_) +
+            camera_.up * ((1.0 - 2.0 * at.y) * tangent_))
         .normalized();
 }
 

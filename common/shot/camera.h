@@ -29,15 +29,29 @@ struct CameraTrack {
 /// @throws Error if the two coincide, `up` points along the view or fovY is out of (0, pi)
 Camera lookAt(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double fovY);
 
-/// Where the ray through a film position starts; x, y and aspect as for rayDirection.
-Vec3d rayStart(const Camera& camera, double x, double y, double aspect) noexcept;
+/// A place on the film.
+struct FilmPosition {
+    double x;  ///< 0 at the picture's left, 1 at its right
+    double y;  ///< 0 at the top, 1 at the bottom
+};
 
-/// Unit direction of the ray through a film position.
-///
-/// @param x       0 at the picture's left, 1 at its right
-/// @param y       0 at the top, 1 at the bottom
-/// @param aspect  width / height
-Vec3d rayDirection(const Camera& camera, double x, double y, double aspect) noexcept;
+/// The rays of a camera through its film: what they share is computed once.
+class CameraRays {
+public:
+    /// @param aspect  width / height of the film
+    CameraRays(const Camera& camera, double aspect) noexcept;
+
+    /// Where the ray through a film position starts.
+    Vec3d start(const FilmPosition& at) const noexcept;
+
+    /// Its unit direction.
+    Vec3d direction(const FilmPosition& at) const noexcept;
+
+private:
+    Camera camera_;
+    double aspect_, tangent_;
+    Vec3d right_;
+};
 
 /// Reads {"cam": {"yfov": radians, "fps": number, "frames": [{"origin": [x, y, z],
 /// "forward": [x, y, z], "up": [x, y, z]}, ...]}}; other keys are ignored, save a "version" at the

@@ -7,21 +7,22 @@ namespace shadowcache {
 
 /// What a camera ray meets.
 struct View {
-    Vec3f direction;
+    Vec3f direction{0};
     Hit hit;
 
     /// Unit normal of the place that was hit, on the viewer's side.
     Vec3f normal() const { return hit.normal.dot(direction) > 0 ? -hit.normal : hit.normal; }
 };
 
+/// Where the ray through a place of the film starts, relative to the set's origin.
+inline Vec3f rayStart(const CameraRays& rays, const Scene& scene, const FilmPosition& at) {
+    return Vec3f(rays.start(at) - scene.mesh().origin);
+}
+
 /// What a camera sees at a place of the film.
-///
-/// @param x, y, aspect  as for rayDirection
-inline View lookThrough(const Camera& camera, const Scene& scene, double x, double y,
-                        double aspect) {
-    const Vec3f origin(rayStart(camera, x, y, aspect) - scene.mesh().origin);
-    const Vec3f direction(rayDirection(camera, x, y, aspect));
-    return {direction, scene.intersect(origin, direction)};
+inline View lookThrough(const CameraRays& rays, const Scene& scene, const FilmPosition& at) {
+    const Vec3f direction(rays.direction(at));
+    return {direction, scene.intersect(rayStart(rays, scene, at), direction)};
 }
 
 /// Where a hit of the scene lies in world space.

@@ -46,6 +46,11 @@ struct Lanes {
     }
 };
 
+RTCIntersectContextFlags packetFlags(const TriangleMesh& mesh) {
+    return mesh.instances.empty() ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                  : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+}
+
 float maxAbs(const Vec3f& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
@@ -94,6 +99,21 @@ Vec3f Scene::normal(std::uint32_t triangle) const noexcept {
     return placedNormal(mesh_, triangle);
 }
 
+/// At barycentric coordinates of a triangle of the world.
+Hit Scene::hitAt(std::uint32_t triangle, float u, float v, float distance) const noexcept {
+    const auto [a, b, c] = placedCorners(mesh_, triangle);
+    Hit hit;
+    hit.found = true;
+    hit.scene = this;
+    hit.triangle = triangle;
+    hit.u = u;
+    hit.v = v;
+    hit.distance = distance;
+    hit.position = Vec3f(a + (b - a) * static_cast<double>(u) + (c - a) * static_cast<double>(v));
+    hit.normal = normal(triangle);
+    return hit;
+}
+
 Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept {
     QueryContext context(true);
     RTCRayHit query{};
@@ -113,24 +133,36 @@ Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept
     if (moving_) hit = moving_->intersect(origin, direction);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
     if (hit.found && hit.distance < query.ray.tfar) return hit;
-    hit.found = true;
-    hit.scene = this;
-    hit.triangle = embree_->placedNumber(query.hit);
-    hit.u = query.hit.u;
-    hit.v = query.hit.v;
-    hit.distance = query.ray.tfar;
-    const auto [a, b, c] = placedCorners(mesh_, hit.triangle);
-    hit.position =
-        Vec3f(a + (b - a) * static_cast<double>(hit.u) + (c - a) * static_cast<double>(hit.v));
-    hit.normal = normal(hit.triangle);
-    return hit;
+    return hitAt(embree_->placedNumber(query.hit), query.hit.u, query.hit.v, query.ray.tfar);
+}
+
+void Scene::intersect(const RayPacket& rays, int count, Hit* hits) const noexcept {
+    QueryContext context(true);
+    context.base.flags = packetFlags(mesh_);
+    alignas(32) RTCRayHit8 query;
+    fillRays(rays, query.ray);
+    for (int i = 0; i < RayPacket::kSize; ++i)
+        query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    const Lanes lanes(count);
+    rtcIntersect8(lanes.valid, embree_->root(), &context.base, &query);
+    if (moving_)
+        moving_->intersect(rays, count, hits);
+    else
+        std::fill_n(hits, count, Hit{});
+    for (int i = 0; i < count; ++i) {
+        if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        const float distance = query.ray.tfar[i];
+        if (hits[i].found && hits[i].distance < distance) continue;
+        const RTCHit hit = rtcGetHitFromHitN(reinterpret_cast<RTCHitN*>(&query.hit),
+                                             RayPacket::kSize, static_cast<unsigned>(i));
+        hits[i] = hitAt(embree_->placedNumber(hit), hit.u, hit.v, distance);
+    }
 }
 
 std::uint32_t Scene::visibility(const RayPacket& rays, int count) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = mesh_.instances.empty() ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
-                                            : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    context.flags = packetFlags(mesh_);
     alignas(32) RTCRay8 query;
     fillRays(rays, query);
     const Lanes lanes(count);

@@ -22,7 +22,7 @@ struct Hit {
     float u = 0, v = 0;            ///< barycentric coordinates of the second and third corner
 };
 
-/// Eight shadow rays toward the sky, as arrays; origins relative to the mesh's origin, directions
+/// Eight rays, as arrays; origins relative to the mesh's origin, directions
 /// unit.
 struct alignas(32) RayPacket {
     static constexpr int kSize = 8;
@@ -77,6 +77,11 @@ public:
     /// surfaces that are not double-sided.
     Hit intersect(const Vec3f& origin, const Vec3f& direction) const noexcept;
 
+    /// The same of `count` rays (<= 8), which cost less together where they are near each other.
+    ///
+    /// @param hits  as many
+    void intersect(const RayPacket& rays, int count, Hit* hits) const noexcept;
+
     /// Bit i: ray i (< count <= 8) reaches the sky.
     std::uint32_t visibility(const RayPacket& rays, int count) const noexcept;
 
@@ -97,6 +102,8 @@ public:
                     const Vec3f& side) const noexcept;
 
 private:
+    Hit hitAt(std::uint32_t triangle, float u, float v, float distance) const noexcept;
+
     const TriangleMesh& mesh_;
     bool many_;
     std::unique_ptr<EmbreeScene> embree_;

@@ -27,7 +27,7 @@ void runPilot(const FrameRequest& frame, RenderStats& stats) {
                 pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k));
             const double u = toUnit(hashWords(seed, FrameSalt::pilotColumn)),
                          v = toUnit(hashWords(seed, FrameSalt::pilotRow));
-            const View view = renderer.look(u, v);
+            const View view = renderer.look({u, v});
             if (view.hit.found)
                 seen[k] = renderer.shadingPoint(view, seed, static_cast<int>(u * options.width),
                                                 static_cast<int>(v * options.height));

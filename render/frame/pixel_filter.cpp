@@ -36,15 +36,21 @@ PixelFilter::PixelFilter(FilterKind kind, double width)
             cdf_[i] + filterValue(kind, width, radius_ * (static_cast<double>(i) + 0.5) / kSteps);
     const double total = cdf_.back();
     for (double& value : cdf_) value /= total;
+    std::uint16_t above = 1;
+    for (std::size_t i = 0; i < kSteps; ++i) {
+        while (above < kSteps && cdf_[above] <= static_cast<double>(i) / kSteps) ++above;
+        guide_[i] = above;
+    }
 }
 
 double PixelFilter::offset(double u) const {
     const double x = 2 * u - 1;
     if (box_) return radius_ * x;
-    const auto above = std::upper_bound(cdf_.begin() + 1, cdf_.end() - 1, std::abs(x));
-    const double low = *(above - 1), step = *above - low;
-    const double place = static_cast<double>(above - 1 - cdf_.begin()) +
-                         (step > 0 ? (std::abs(x) - low) / step : 0.0);
+    const double share = std::abs(x);
+    std::size_t above = guide_[std::min(static_cast<std::size_t>(share * kSteps), kSteps - 1)];
+    while (above < kSteps && cdf_[above] <= share) ++above;
+    const double low = cdf_[above - 1], step = cdf_[above] - low;
+    const double place = static_cast<double>(above - 1) + (step > 0 ? (share - low) / step : 0.0);
     return std::copysign(radius_ * std::min(1.0, place / kSteps), x);
 }
 

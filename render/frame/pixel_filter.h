@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "render/frame/options.h"
 
@@ -29,6 +30,8 @@ private:
     bool box_;
     double radius_;
     std::array<double, kSteps + 1> cdf_{};  ///< of |offset| at radius * i / kSteps
+    /// Where in cdf_ a search for i / kSteps begins: the first above it.
+    std::array<std::uint16_t, kSteps> guide_{};
 };
 
 /// Value of a filter at a distance along one axis, to any scale; 0 beyond its radius.

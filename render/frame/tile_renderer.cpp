@@ -1,6 +1,7 @@
 #include "render/frame/tile_renderer.h"
 
 #include <algorithm>
+#include <array>
 
 #include "common/base/sequence.h"
 #include "common/mesh/placed_mesh.h"
@@ -30,15 +31,14 @@ int fewestRays(const FrameRequest& request) {
 TileRenderer::TileRenderer(const FrameRequest& request)
     : estimator_(request.estimator),
       context_(estimator_.context()),
-      camera_(request.camera),
+      camera_(request.camera, static_cast<double>(request.options.width) / request.options.height),
       number_(request.number),
       options_(request.options),
       filter_(options_.filter, options_.filterWidth),
       runLength_(spreadRunLength(std::min(fewestRays(request), options_.passRays))) {}
 
-View TileRenderer::look(double filmX, double filmY) const {
-    const double aspect = static_cast<double>(options_.width) / options_.height;
-    return shadowcache::lookThrough(camera_, context_.scene, filmX, filmY, aspect);
+View TileRenderer::look(const FilmPosition& at) const {
+    return lookThrough(camera_, context_.scene, at);
 }
 
 ShadingPoint TileRenderer::shadingPoint(const View& view, std::uint64_t seed, int filmX,
@@ -53,7 +53,7 @@ ShadingPoint TileRenderer::shadingPoint(const View& view, std::uint64_t seed, in
             filmY};
 }
 
-View TileRenderer::lookThrough(const FilmPlace& place, int cameraRay) const {
+FilmPosition TileRenderer::filmPosition(const FilmPlace& place, int cameraRay) const {
     double dx = 0, dy = 0;
     if (options_.cameraRays > 1) {
         std::uint32_t u = 0, v = 0;
@@ -63,7 +63,27 @@ View TileRenderer::lookThrough(const FilmPlace& place, int cameraRay) const {
         dx = filter_.offset(static_cast<double>(toUnitFloat(u)));
         dy = filter_.offset(static_cast<double>(toUnitFloat(v)));
     }
-    return look((place.x + (0.5 + dx)) / options_.width, (place.y + (0.5 + dy)) / options_.height);
+    return {(place.x + (0.5 + dx)) / options_.width, (place.y + (0.5 + dy)) / options_.height};
+}
+
+/// Of neighbours eight at a time.
+void TileRenderer::intersect(std::span<TileScratch::Ray> rays,
+                             std::span<const FilmPlace> places) const {
+    constexpr auto kSize = static_cast<std::size_t>(RayPacket::kSize);
+    RayPacket packet{};
+    std::array<Hit, kSize> hits;
+    for (std::size_t first = 0; first < rays.size(); first += kSize) {
+        const auto some = rays.subspan(first, std::min(kSize, rays.size() - first));
+        const auto count = static_cast<int>(some.size());
+        for (int i = 0; i < count; ++i) {
+            TileScratch::Ray& ray = some[static_cast<std::size_t>(i)];
+            const FilmPosition at = filmPosition(places[ray.pixel], ray.number);
+            ray.view.direction = Vec3f(camera_.direction(at));
+            packet.set(i, rayStart(camera_, context_.scene, at), ray.view.direction);
+        }
+        context_.scene.intersect(packet, count, hits.data());
+        for (std::size_t i = 0; i < some.size(); ++i) some[i].view.hit = hits[i];
+    }
 }
 
 void TileRenderer::addCameraRays(std::span<const FilmPlace> places, int first, int count,
@@ -107,8 +127,8 @@ void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int co
     for (const TileScratch::Ray& ray : scratch.rays) {
         PixelSum& sum = sums[ray.pixel];
         ++sum.cameraRays;
-        if (ray.hit.found) {
-            addToPixel(scratch.points[i], ray.hit, scratch.estimates[i], workspace, sum);
+        if (ray.view.hit.found) {
+            addToPixel(scratch.points[i], ray.view.hit, scratch.estimates[i], workspace, sum);
             ++i;
         } else {
             sum.color.add(ray.skyLuminance, runLength_);
@@ -119,25 +139,24 @@ void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int co
 
 void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, int count,
                                   TileScratch& scratch, std::span<PixelSum> sums) const {
-    scratch.points.clear();
     scratch.rays.clear();
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const auto [x, y] = places[i];
-        const auto pixel = static_cast<std::uint32_t>(i);
-        const std::uint64_t seed = pixelSeed(options_.seed, number_, x, y, 0);
-        for (int k = first; k < first + count; ++k) {
-            const View view = lookThrough(places[i], k);
-            TileScratch::Ray& ray = scratch.rays.emplace_back(pixel, view.hit, 0.0);
-            if (!view.hit.found) {
-                const Rgb radiance = context_.environment.radiance(view.direction);
-                ray.skyLuminance = static_cast<double>(context_.environment.luminance(radiance));
-                sums[i].sum.color += radiance;
-                continue;
-            }
-            ShadingPoint& point = scratch.points.emplace_back(shadingPoint(view, seed, x, y));
-            point.cameraRay = static_cast<std::uint32_t>(k);
-            point.pixel = pixel;
+    for (std::size_t i = 0; i < places.size(); ++i)
+        for (int k = first; k < first + count; ++k)
+            scratch.rays.push_back({static_cast<std::uint32_t>(i), k, {}, 0});
+    intersect(scratch.rays, places);
+    scratch.points.clear();
+    for (TileScratch::Ray& ray : scratch.rays) {
+        if (!ray.view.hit.found) {
+            const Rgb radiance = context_.environment.radiance(ray.view.direction);
+            ray.skyLuminance = static_cast<double>(context_.environment.luminance(radiance));
+            sums[ray.pixel].sum.color += radiance;
+            continue;
         }
+        const auto [x, y] = places[ray.pixel];
+        ShadingPoint& point = scratch.points.emplace_back(
+            shadingPoint(ray.view, pixelSeed(options_.seed, number_, x, y, 0), x, y));
+        point.cameraRay = static_cast<std::uint32_t>(ray.number);
+        point.pixel = ray.pixel;
     }
 }
 

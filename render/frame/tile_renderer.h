@@ -16,9 +16,10 @@ namespace shadowcache {
 struct TileScratch {
     /// A camera ray, in the order of pixels and of rays in a pixel.
     struct Ray {
-        std::uint32_t pixel;  ///< number in the tile
-        Hit hit;              ///< not found: the sky
-        double skyLuminance;
+        std::uint32_t pixel = 0;  ///< number in the tile
+        int number = 0;           ///< of the pixel's camera rays
+        View view;                ///< no hit: the sky
+        double skyLuminance = 0;
     };
     std::vector<Ray> rays;
     std::vector<ShadingPoint> points;  ///< of the rays that meet the set
@@ -31,8 +32,8 @@ class TileRenderer {
 public:
     explicit TileRenderer(const FrameRequest& request);
 
-    /// What the camera sees at a place of the film; the film's is [0, 1).
-    View look(double filmX, double filmY) const;
+    /// What the camera sees at a place of the film.
+    View look(const FilmPosition& at) const;
 
     /// The place that a camera ray met.
     ShadingPoint shadingPoint(const View& view, std::uint64_t seed, int filmX, int filmY) const;
@@ -53,7 +54,8 @@ public:
     void observe(int x, int y, const CameraSampleObserver& observer);
 
 private:
-    View lookThrough(const FilmPlace& place, int cameraRay) const;
+    FilmPosition filmPosition(const FilmPlace& place, int cameraRay) const;
+    void intersect(std::span<TileScratch::Ray> rays, std::span<const FilmPlace> places) const;
     void addBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
                   Workspace& workspace, std::span<PixelSum> sums) const;
     void sendCameraRays(std::span<const FilmPlace> places, int first, int count,
@@ -65,7 +67,7 @@ private:
 
     const Estimator& estimator_;
     const EstimatorContext& context_;
-    const Camera& camera_;
+    const CameraRays camera_;
     const int number_;
     const RenderOptions& options_;
     const PixelFilter filter_;

@@ -72,12 +72,12 @@ std::vector<bool> findDuplicates(const TriangleMesh& mesh) {
 std::vector<bool> findFitPixels(const Set& set, int frame, int width, int height) {
     const std::vector<bool> duplicate = findDuplicates(set.mesh);
     const Camera& camera = cameraAtFrame(set.cameras, frame);
+    const CameraRays rays(camera, static_cast<double>(width) / height);
     const Vec3f origin(camera.origin - set.mesh.origin);
     std::vector<bool> fit(static_cast<std::size_t>(width * height), true);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const Vec3f direction(rayDirection(camera, (x + 0.5) / width, (y + 0.5) / height,
-                                               static_cast<double>(width) / height));
+            const Vec3f direction(rays.direction({(x + 0.5) / width, (y + 0.5) / height}));
             const Hit hit = set.scene->intersect(origin, direction);
             if (hit.found && !duplicate[hit.triangle]) continue;
             for (int py = std::max(0, y - 1); py <= std::min(height - 1, y + 1); ++py)

@@ -44,9 +44,9 @@ test::TestCache cacheAt(const Scene& scene, const ShadingPoint& point, const Bak
 std::vector<ShadingPoint> places(const Set& set, const Settings& settings) {
     std::vector<ShadingPoint> points;
     const Camera camera = cameraAtFrame(set.cameras, 1);
+    const CameraRays rays(camera, static_cast<double>(settings.width) / settings.height);
     for (std::uint64_t i = 0; points.size() < kPlaces && i < 20 * kPlaces; ++i) {
-        const Vec3f direction(rayDirection(camera, toUnit(hashWords(i, 1)), toUnit(hashWords(i, 2)),
-                                           static_cast<double>(settings.width) / settings.height));
+        const Vec3f direction(rays.direction({toUnit(hashWords(i, 1)), toUnit(hashWords(i, 2))}));
         const Vec3f eye(camera.origin - set.scene->mesh().origin);
         if (!set.scene->intersect(eye, direction).found) continue;
         points.push_back(test::pointAlong(*set.scene, eye, direction));

@@ -15,10 +15,10 @@ void expectNear(const Vec3d& a, const Vec3d& b) {
 
 TEST(Camera, RaysFollowTheFilm) {
     const Camera camera = lookAt({1, 2, 3}, {1, 2, -5}, {0, 1, 0}, kPi / 2);
-    expectNear(rayDirection(camera, 0.5, 0.5, 2.0), {0, 0, -1});
-    expectNear(rayDirection(camera, 0.5, 0.0, 2.0), Vec3d(0, 1, -1).normalized());
-    expectNear(rayDirection(camera, 1.0, 0.5, 2.0), Vec3d(2, 0, -1).normalized());
-    expectNear(rayDirection(camera, 0.0, 1.0, 1.0), Vec3d(-1, -1, -1).normalized());
+    expectNear(CameraRays(camera, 2.0).direction({0.5, 0.5}), {0, 0, -1});
+    expectNear(CameraRays(camera, 2.0).direction({0.5, 0.0}), Vec3d(0, 1, -1).normalized());
+    expectNear(CameraRays(camera, 2.0).direction({1.0, 0.5}), Vec3d(2, 0, -1).normalized());
+    expectNear(CameraRays(camera, 1.0).direction({0.0, 1.0}), Vec3d(-1, -1, -1).normalized());
 }
 
 TEST(Camera, LookAtMakesUpUpright) {
