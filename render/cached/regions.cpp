@@ -8,6 +8,7 @@
 #include "common/predict/cell_light.h"
 #include "common/predict/horizon.h"
 #include "common/predict/lanes.h"
+#include "common/predict/posterior.h"
 
 namespace shadowcache {
 
@@ -26,9 +27,6 @@ struct RegionBuilder::Task {
 };
 
 namespace {
-
-/// How strongly a region's parent counts beside its own rays, in rays.
-SHADOWCACHE_TUNED(float, kRegionPrior, 0.5f);
 
 /// Mean square, over the tilts of a cluster's normals, of what they change of a cosine, as a share
 /// of the widest tilt's square.
@@ -50,7 +48,7 @@ void estimateVisibility(const PooledBlock* counts, float parentVisibility, float
         const float rays = counts->rays[i] * counts->rays[i] / std::max(counts->rays2[i], 1e-30f);
         const float c = counts->ratioOrNone(i);
         out.c[i] = c;
-        out.posterior[i] = (c * rays + kRegionPrior * parentPosterior) / (rays + kRegionPrior);
+        out.posterior[i] = posteriorVisibility(c * rays, rays, parentPosterior);
     }
 }
 
@@ -114,7 +112,7 @@ const Regions& RegionBuilder::build(const PooledVisibility& pooled, const Vec3f&
             visible += pooled.base(b).open[i];
             counted += pooled.base(b).weight[i];
         }
-    const Parent sphere{0, (visible + 0.5f) / (counted + 1)};
+    const Parent sphere{0, spherePrior(visible, counted)};
     const Task task{pooled, calibration, normal, tilt};
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
         addBlock(task, 0, b, &pooled.base(b), sphere);
