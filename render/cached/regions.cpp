@@ -32,7 +32,7 @@ namespace {
 /// of the widest tilt's square.
 SHADOWCACHE_TUNED(float, kTiltMoment, 0.1f);
 
-/// Least height over the horizon at which the share of a tilt in the cosine is judged.
+/// Least height over the horizon at which the share of a tilt in the cosine is evaluated.
 SHADOWCACHE_TUNED(float, kLeastTiltHeight, 0.05f);
 
 void estimateVisibility(const PooledBlock* counts, float parentVisibility, float parentPosterior,
@@ -52,9 +52,9 @@ void estimateVisibility(const PooledBlock* counts, float parentVisibility, float
     }
 }
 
-/// Mean square of the residual in a region that is visible with probability `a` and that the
-/// control variate says is visible by `c`, in units of its light. The two moments are those of the
-/// clamped cosine and of what stands in for it; both 1 above the horizon.
+/// Mean square of the residual in a region that is visible with probability `a` and whose
+/// visibility the control variate takes for `c`, in units of its light. The two moments are those
+/// of the clamped cosine and of what stands in for it; both 1 above the horizon.
 float residualMoment(float a, float c, float cosineMoment, float fitMoment) {
     return a * (cosineMoment - fitMoment) + fitMoment * (a * (1 - c) * (1 - c) + (1 - a) * c * c);
 }
@@ -109,7 +109,7 @@ const Regions& RegionBuilder::build(const PooledVisibility& pooled, const Vec3f&
     float visible = 0, counted = 0;
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
         for (int i = 0; i < kBlockCells; ++i) {
-            visible += pooled.base(b).open[i];
+            visible += pooled.base(b).visible[i];
             counted += pooled.base(b).weight[i];
         }
     const Parent sphere{0, spherePrior(visible, counted)};

@@ -231,8 +231,8 @@ TEST_F(Cluster, IntegralIsWhatSamplesSubtract) {
             values.push_back(sum);
         }
         const auto integral = static_cast<double>(predicted.integral(points_[point].normal).y);
-        EXPECT_GT(test::meanPValue(values, integral), test::significance() / 3);
-        EXPECT_LT(test::meanPValue(values, integral * 1.03), test::significance() / 3);
+        EXPECT_GT(test::meanPValue(values, integral), test::significance(3));
+        EXPECT_LT(test::meanPValue(values, integral * 1.03), test::significance(3));
     }
 }
 

@@ -242,7 +242,7 @@ TEST_P(DefaultPath, MeetsTheClosedForm) {
     const Path path = paths()[GetParam()];
     const LitFloor floor(path.cache);
     const auto estimator = findEstimator(path.estimator).make(floor.context());
-    const double level = test::significance() / (kStrips * std::size(kEfforts));
+    const double level = test::significance(kStrips * std::size(kEfforts));
     for (const auto& [cameraRays, samples] : kEfforts) {
         SCOPED_TRACE(std::to_string(cameraRays) + " x " + std::to_string(samples));
         const int count = std::max(36, path.films / (cameraRays * samples));
@@ -411,7 +411,7 @@ TEST_P(DefaultPathOnABall, MeetsTheClosedForm) {
     context.cache = &cache.cache();
     const auto estimator = findEstimator("cache").make(context);
     const Camera camera = lookAt({2, 1.5, 1}, {0, 0, 0}, {0, 1, 0}, 0.5);
-    const double level = test::significance() / 5;
+    const double level = test::significance(5);
     for (const auto& [cameraRays, samples] : {Effort{1, 1}, {1, 16}, {4, 4}, {16, 1}, {16, 4}}) {
         SCOPED_TRACE(std::to_string(cameraRays) + " x " + std::to_string(samples));
         RenderOptions options = effort(cameraRays, samples);

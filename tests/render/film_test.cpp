@@ -50,9 +50,9 @@ TEST(PixelFilter, OffsetsAreDistributedAsTheFilter) {
         for (const double width : {1.25, 2.5}) {
             if (kind != FilterKind::box && width > 1.5) continue;  // would leave the histogram
             const PixelFilter filter(kind, width);
-            EXPECT_GT(offsetPValue(filter, kind, width), test::significance());
+            EXPECT_GT(offsetPValue(filter, kind, width), test::significance(4));
             // Control: a filter 3 % wider.
-            EXPECT_LT(offsetPValue(filter, kind, 1.03 * width), test::significance());
+            EXPECT_LT(offsetPValue(filter, kind, 1.03 * width), test::significance(4));
         }
 }
 
@@ -168,9 +168,9 @@ TEST_F(Frame, PixelsKnowTheirVariance) {
         std::vector<Film> films;
         for (options_.seed = 1; options_.seed <= 40; ++options_.seed)
             films.push_back(render("cosine"));
-        EXPECT_GT(variancePValue(films, 1), test::significance()) << rays;
+        EXPECT_GT(variancePValue(films, 1), test::significance(3)) << rays;
         // Control: 10 % too much.
-        EXPECT_LT(variancePValue(films, 1.1), test::significance()) << rays;
+        EXPECT_LT(variancePValue(films, 1.1), test::significance(3)) << rays;
     }
 }
 
