@@ -13,6 +13,7 @@
 #include "render/frame/compare.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pixel_filter.h"
+#include "render/frame/pixel_sum.h"
 #include "render/frame/progressive.h"
 #include "render/frame/target_error.h"
 #include "tests/support/plain_set.h"
@@ -43,6 +44,17 @@ double offsetPValue(const PixelFilter& sampled, FilterKind kind, double width) {
     }
     for (double& value : expected) value *= kSamples / total;
     return test::chiSquaredPValue(observed, expected);
+}
+
+TEST(RunSpread, IsTheVarianceOfTheMeanOfKnownValues) {
+    RunSpread alone, pairs;
+    for (const double value : {1.0, 2.0, 4.0, 9.0}) {
+        alone.add(value, 1);
+        pairs.add(value, 2);
+    }
+    EXPECT_DOUBLE_EQ(alone.varianceOfMean(1, 4), 38.0 / 3 / 4);
+    // Means of the runs are 1.5 and 6.5.
+    EXPECT_DOUBLE_EQ(pairs.varianceOfMean(2, 4), 12.5 / 2);
 }
 
 TEST(PixelFilter, OffsetsAreDistributedAsTheFilter) {
