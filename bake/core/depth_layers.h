@@ -14,7 +14,7 @@ struct Piece {
     Vec3f normal;  ///< unit, to the side
 };
 
-/// Parts the pieces of one side of `voxel` into layers: parallel sheets of surface that do not
+/// Parts the pieces of one side of `voxel` into layers: parallel surfaces that do not
 /// touch, such as a door and the wall behind it. What one sees, the next may not.
 ///
 /// @return 1 to kMaxDepthLayers groups of pieces, the lowest along the normal first

@@ -17,7 +17,7 @@ SHADOWCACHE_TUNED(int, kMixedItemRays, 2);
 /// may be there.
 SHADOWCACHE_TUNED(int, kMixedCellRays, 6);
 /// A region is refined once more where the nearest occluder is this many spacings away: nearer, the
-/// parallax over one item blurs what finer regions could tell.
+/// parallax over one item blurs what finer regions could resolve.
 SHADOWCACHE_TUNED(float, kMinOccluderSpacings, 10);
 /// Rays that look for an occluder nearer than that.
 SHADOWCACHE_TUNED(int, kNearRays, 8);

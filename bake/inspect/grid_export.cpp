@@ -46,10 +46,10 @@ public:
         double area = 0;
         for (const CountedRegion& region : regions) {
             const Cell& cell = cells_[static_cast<std::size_t>(region.level)][region.cell];
-            const double open = cell.solidAngle * region.share();
-            sight.bentNormal += cell.center * open;
-            sight.visibility += open;
-            if (cell.center.y > 0) sight.above += open;
+            const double visible = cell.solidAngle * region.share();
+            sight.bentNormal += cell.center * visible;
+            sight.visibility += visible;
+            if (cell.center.y > 0) sight.above += visible;
             area += cell.solidAngle;
         }
         if (area > 0) sight.visibility /= area;
@@ -134,17 +134,17 @@ VolumeGrid makeDirection(const GridRequest& request, const Source& source) {
     VolumeGrid grid{request.name, VolumeKind::fog, {}};
     ItemRegions regions(source.header.tiers());
     for (std::size_t v = 0; v < source.runs.voxels.size(); ++v) {
-        double open = 0, counted = 0;
+        double visible = 0, counted = 0;
         for (std::size_t i = source.runs.firstItem[v]; i < source.runs.firstItem[v + 1]; ++i) {
             regions.use(source.items, i);
             const CountedRegion r = regions.along(cell);
             if (r.d == 0) continue;
             const double weight =
                 static_cast<double>(shareOf(PatchCode::of(source.items.patch[i]).subpatch));
-            open += weight * r.share();
+            visible += weight * r.share();
             counted += weight;
         }
-        grid.values.emplace_back(counted > 0 ? static_cast<float>(open / counted) : 0.0f);
+        grid.values.emplace_back(counted > 0 ? static_cast<float>(visible / counted) : 0.0f);
     }
     return grid;
 }
@@ -192,16 +192,17 @@ struct Kind {
 };
 
 constexpr Kind kKinds[] = {
-    {"openness", "openness", "openness", "open share of the sky (fog volume)", makeSkyVisibility},
+    {"openness", "openness", "openness", "visible share of the sky (fog volume)",
+     makeSkyVisibility},
     {"mean-direction", "open_direction", "mean-direction",
-     "unit vector to the middle of the open sky (Vec3s)", makeBentNormal},
+     "unit vector to the middle of the visible sky (Vec3s)", makeBentNormal},
     {"confidence", "confidence", "confidence",
      "how sure the counts are of a ray's answer, 0 to 1 (fog volume)", makeConfidence},
     {"surface", "surface", "surface", "1 in every voxel, to divide the others by (fog volume)",
      makeSurface},
     {"direction", "direction_visibility", "direction=X,Y,Z",
-     "open share toward one direction (fog volume)", makeDirection},
-    {"env", "env_visibility", "env=MAP", "open share of a map's light (fog volume)",
+     "visible share toward one direction (fog volume)", makeDirection},
+    {"env", "env_visibility", "env=MAP", "visible share of a map's light (fog volume)",
      makeEnvironment},
     {"irradiance", "irradiance", "irradiance=MAP", "light of a map that arrives (Vec3s colour)",
      makeIrradiance},

@@ -72,8 +72,8 @@ std::vector<std::string> rayLabels() {
 
 std::vector<std::string> shareLabels() {
     std::vector<std::string> labels = tenths();
-    labels.insert(labels.begin(), "hidden");
-    labels.emplace_back("open");
+    labels.insert(labels.begin(), "occluded");
+    labels.emplace_back("visible");
     return labels;
 }
 
@@ -94,14 +94,14 @@ std::string factsAsJson(const CacheFacts& facts) {
     out.set("bounds.high", std::vector{summary.high.x, summary.high.y, summary.high.z});
     out.set("items", std::uint64_t{items.size()});
     out.set("voxels", summary.voxels);
-    out.set("parts", summary.parts);
+    out.set("subpatches", summary.subpatches);
     out.set("blocks", std::uint64_t{items.blocks.size()});
     out.set("regions.base", summary.base.counted);
     out.set("regions.base_pure_share", summary.base.pureShare());
     out.set("regions.finer", summary.finer.counted);
     out.set("regions.finer_pure_share", summary.finer.pureShare());
     out.set("regions.by_rays", asVector(summary.rays));
-    out.set("regions.by_open_share", asVector(summary.shares));
+    out.set("regions.by_visible_share", asVector(summary.shares));
     out.set("openness", asVector(summary.skyVisibility));
     out.set("bytes.file", fileBytes);
     for (const auto& [name, bytes] : summary.bytes) out.set("bytes." + name, bytes);
@@ -119,15 +119,15 @@ std::string factsAsText(const CacheFacts& facts) {
               summary.low.z, summary.high.x, summary.high.y, summary.high.z) +
         print("directions     level %d (%s), %d rays, seeds %s\n", header.level,
               header.adaptive ? "adaptive" : "uniform", header.rays, header.seeds.c_str()) +
-        print(
-            "items          %zu (%llu of them parts of patches) in %llu voxels of %g, %zu blocks\n",
-            items.size(), static_cast<unsigned long long>(summary.parts),
-            static_cast<unsigned long long>(summary.voxels), header.spacing, items.blocks.size()) +
+        print("items          %zu (%llu of them subpatches) in %llu voxels of %g, %zu blocks\n",
+              items.size(), static_cast<unsigned long long>(summary.subpatches),
+              static_cast<unsigned long long>(summary.voxels), header.spacing,
+              items.blocks.size()) +
         tallyLine("base regions", summary.base) + tallyLine("finer regions", summary.finer);
     text +=
-        "items by open share of their directions\n" + histogram(summary.skyVisibility, tenths());
+        "items by visible share of their directions\n" + histogram(summary.skyVisibility, tenths());
     text += "regions by number of rays\n" + histogram(summary.rays, rayLabels());
-    text += "regions by open share of their rays\n" + histogram(summary.shares, shareLabels());
+    text += "regions by visible share of their rays\n" + histogram(summary.shares, shareLabels());
     text += print("bytes          %llu in the file; uncompressed:\n",
                   static_cast<unsigned long long>(fileBytes));
     for (const auto& [name, bytes] : summary.bytes)
@@ -138,17 +138,17 @@ std::string factsAsText(const CacheFacts& facts) {
 std::string skyAsText(const SkyView& view) {
     std::string text = print("items          %zu", view.weights().size());
     if (view.weights().empty())
-        return text + ": the cache knows nothing here (off the surfaces, or no side faces so)\n";
+        return text + ": no items here (off the surfaces, or no side faces so)\n";
     text += ", weights";
     for (const float weight : view.weights()) text += print(" %.3f", static_cast<double>(weight));
     const SkyView::Figures f = view.figures();
     return text +
            print("\nknown          %.1f %% of the hemisphere, %.1f %% of that pure\n",
                  100 * f.known, 100 * f.pure) +
-           print("open           %.1f %% of it, %.1f %% weighted by the cosine\n", 100 * f.open,
-                 100 * f.openCosine) +
-           print("toward         %.3f, %.3f, %.3f: the middle of the open part\n", f.bentNormal.x,
-                 f.bentNormal.y, f.bentNormal.z);
+           print("visible        %.1f %% of it, %.1f %% weighted by the cosine\n", 100 * f.visible,
+                 100 * f.visibleCosine) +
+           print("toward         %.3f, %.3f, %.3f: the middle of the visible part\n",
+                 f.bentNormal.x, f.bentNormal.y, f.bentNormal.z);
 }
 
 std::string skyAsJson(const SkyView& view) {
@@ -158,8 +158,8 @@ std::string skyAsJson(const SkyView& view) {
     out.set("weights", std::vector<double>(view.weights().begin(), view.weights().end()));
     out.set("known", f.known);
     out.set("pure", f.pure);
-    out.set("open", f.open);
-    out.set("open_cosine", f.openCosine);
+    out.set("visible", f.visible);
+    out.set("visible_cosine", f.visibleCosine);
     out.set("open_direction", std::vector{f.bentNormal.x, f.bentNormal.y, f.bentNormal.z});
     return out.text();
 }

@@ -59,12 +59,13 @@ void addSettings(HtmlPage& page, const CacheFacts& facts) {
 }
 
 void addSlices(HtmlPage& page, const CacheFacts& facts) {
-    page.heading("Slices: how open the sky is");
+    page.heading("Slices: sky visibility");
     page.paragraph(
         "The set cut open at a quarter, at half and at three quarters of its extent, and looked at "
-        "from above, from +Z and from +X. Colours are the open share of the sky over each voxel's "
+        "from above, from +Z and from +X. Colours are the visible share of the sky over each "
+        "voxel's "
         "side that sees most of the upper sky; what lies deeper behind the cut is paler.");
-    page.colorScale("closed", "open");
+    page.colorScale("occluded", "visible");
     const VoxelRuns runs = findVoxels(facts.items);
     const VolumeGrid skyVisibility =
         makeVolumeGrid(parseGridRequest("openness"), 0, facts.header, facts.items, runs);
@@ -89,10 +90,11 @@ std::vector<std::uint64_t> asVector(const std::array<std::uint64_t, N>& counts) 
 void addHistograms(HtmlPage& page, const CacheSummary& summary) {
     page.heading("Histograms");
     std::vector<std::string> shares = shareLabels();
-    page.bars("Items by the open share of their sky", {shares.begin() + 1, shares.end() - 1},
+    page.bars("Items by the visible share of their sky", {shares.begin() + 1, shares.end() - 1},
               asVector(summary.skyVisibility));
     page.bars(
-        "Regions by the open share of their rays; \"hidden\" and \"open\" are pure: all rays "
+        "Regions by the visible share of their rays; \"occluded\" and \"visible\" are pure: all "
+        "rays "
         "agreed",
         shares, asVector(summary.shares));
     page.bars(
@@ -113,8 +115,9 @@ void addBytes(HtmlPage& page, const CacheSummary& summary) {
 std::string reportPage(const std::string& name, const CacheFacts& facts) {
     HtmlPage page("Shadow cache " + name);
     page.paragraph(
-        "For every place near the surfaces of a static set, this cache knows which directions are "
-        "open to the sky. It knows no light and no camera: one bake serves every shot of the set "
+        "For every place near the surfaces of a static set, this cache stores which directions "
+        "reach the sky. It depends on no light and no camera: one bake serves every shot of the "
+        "set "
         "under any environment map.");
     addSettings(page, facts);
     addSlices(page, facts);

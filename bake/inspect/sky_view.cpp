@@ -11,17 +11,18 @@ namespace shadowcache {
 namespace {
 
 // Linear colours of the picture.
-const Rgb kHidden(0.008f, 0.008f, 0.012f);
+const Rgb kOccluded(0.008f, 0.008f, 0.012f);
 const Rgb kMixed(0.85f, 0.36f, 0.04f);
-const Rgb kOpen(0.35f, 0.66f, 1.0f);
+const Rgb kVisible(0.35f, 0.66f, 1.0f);
 const Rgb kBelow(0.11f, 0.11f, 0.11f);
 const Rgb kUnknown(0.16f, 0.04f, 0.24f);
 
-Rgb colorOf(double open) {
+Rgb colorOf(double visible) {
     const auto between = [](const Rgb& a, const Rgb& b, double t) {
         return a * static_cast<float>(1 - t) + b * static_cast<float>(t);
     };
-    return open < 0.5 ? between(kHidden, kMixed, 2 * open) : between(kMixed, kOpen, 2 * open - 1);
+    return visible < 0.5 ? between(kOccluded, kMixed, 2 * visible)
+                         : between(kMixed, kVisible, 2 * visible - 1);
 }
 
 }  // namespace
@@ -44,10 +45,10 @@ SkyView::Sight SkyView::lookAtCell(std::uint32_t finestCell) const {
         const CountedRegion region = items_[i].along(finestCell);
         if (region.d == 0) continue;
         const auto weight = static_cast<double>(weights_[i]);
-        sight.open += weight * region.share();
+        sight.visible += weight * region.share();
         sight.counted += weight;
     }
-    if (sight.counted > 0) sight.open /= sight.counted;
+    if (sight.counted > 0) sight.visible /= sight.counted;
     return sight;
 }
 
@@ -68,14 +69,14 @@ SkyView::Figures SkyView::figures() const {
         if (sight.counted <= 0) continue;
         f.known += area;
         knownCosine += area * cosine;
-        f.open += area * sight.open;
-        f.openCosine += area * cosine * sight.open;
-        f.bentNormal += center * (area * sight.open);
-        if (sight.open <= 0 || sight.open >= 1) f.pure += area;
+        f.visible += area * sight.visible;
+        f.visibleCosine += area * cosine * sight.visible;
+        f.bentNormal += center * (area * sight.visible);
+        if (sight.visible <= 0 || sight.visible >= 1) f.pure += area;
     }
     if (f.known > 0) {
-        f.open /= f.known;
-        f.openCosine /= knownCosine;
+        f.visible /= f.known;
+        f.visibleCosine /= knownCosine;
         f.pure /= f.known;
         f.known /= all;
     }
@@ -97,7 +98,7 @@ Image SkyView::picture(int width) const {
                 continue;
             }
             const Sight sight = look(direction);
-            image.pixels.push_back(sight.counted > 0 ? colorOf(sight.open) : kUnknown);
+            image.pixels.push_back(sight.counted > 0 ? colorOf(sight.visible) : kUnknown);
         }
     }
     return image;

@@ -20,7 +20,7 @@ public:
 
     /// Prediction for one direction.
     struct Sight {
-        double open;     ///< visible: share of the rays that reached the sky, 0 to 1
+        double visible;  ///< share of the rays that reached the sky, 0 to 1
         double counted;  ///< share of the items that have rays there; 0: nothing is known
     };
     /// By the finest counts around a unit vector.
@@ -29,8 +29,8 @@ public:
     /// The hemisphere above the place in figures; means are over the part that is known.
     struct Figures {
         double known = 0;           ///< share of the hemisphere
-        double open = 0;            ///< mean visible share
-        double openCosine = 0;      ///< sky visibility: the same weighted by the cosine
+        double visible = 0;         ///< mean visible share
+        double visibleCosine = 0;   ///< the same weighted by the cosine
         double pure = 0;            ///< share where all rays agreed
         Vec3d bentNormal{0, 0, 0};  ///< mean visible direction, unit length, or zero
     };

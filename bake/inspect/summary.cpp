@@ -8,16 +8,16 @@ namespace shadowcache {
 
 namespace {
 
-/// Mean open share of an item's regions; as the grid for volume tools has it, but by item.
-double openShare(const CacheItems& items, std::size_t item, std::size_t cells) {
-    double open = 0;
+/// Mean visible share of an item's regions; as the grid for volume tools has it, but by item.
+double visibleShare(const CacheItems& items, std::size_t item, std::size_t cells) {
+    double visible = 0;
     unsigned counted = 0;
     for (std::size_t c = item * cells; c < (item + 1) * cells; ++c) {
         if (items.d[c] == 0) continue;
-        open += static_cast<double>(items.n[c]) / items.d[c];
+        visible += static_cast<double>(items.n[c]) / items.d[c];
         ++counted;
     }
-    return counted ? open / counted : 0.0;
+    return counted ? visible / counted : 0.0;
 }
 
 void findBounds(const CacheHeader& header, const CacheItems& items, CacheSummary& summary) {
@@ -50,9 +50,9 @@ CacheSummary summarize(const CacheHeader& header, const CacheItems& items) {
     findBounds(header, items, summary);
     for (std::size_t i = 0; i < items.size(); ++i) {
         summary.voxels += i == 0 || items.voxel[i] != items.voxel[i - 1];
-        summary.parts += PatchCode::of(items.patch[i]).subpatch != 0;
-        const double open = openShare(items, i, cells);
-        ++summary.skyVisibility[std::min(static_cast<std::size_t>(open * CacheSummary::kBins),
+        summary.subpatches += PatchCode::of(items.patch[i]).subpatch != 0;
+        const double visible = visibleShare(items, i, cells);
+        ++summary.skyVisibility[std::min(static_cast<std::size_t>(visible * CacheSummary::kBins),
                                          CacheSummary::kBins - 1)];
     }
     const auto add = [&](RegionTally& tally, unsigned n, unsigned d) {

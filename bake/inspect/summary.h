@@ -31,7 +31,7 @@ struct CacheSummary {
 
     Vec3d low{0, 0, 0}, high{0, 0, 0};  ///< box of the voxels, world space
     std::uint64_t voxels = 0;           ///< with items
-    std::uint64_t parts = 0;            ///< items that are parts of a patch
+    std::uint64_t subpatches = 0;       ///< items that are subpatches
     RegionTally base, finer;            ///< coarsest regions; those of blocks
     /// Items by their sky visibility, the mean visible share of their base cells.
     std::array<std::uint64_t, kBins> skyVisibility{};

@@ -71,7 +71,8 @@ typename Grid::Ptr takeGrid(openvdb::io::File& file, const char* name, const fs:
     return grid;
 }
 
-/// Refuses a file shorter than it says, before OpenVDB takes what lies behind its end for sizes.
+/// Refuses a file shorter than its header states, before OpenVDB takes what lies behind its end for
+/// sizes.
 void requireWhole(const fs::path& path) {
     // The library keeps this table to itself: magic number, file and library versions, a flag for
     // offsets, 36 characters of UUID, metadata, then a descriptor of every grid before its data.
@@ -86,7 +87,7 @@ void requireWhole(const fs::path& path) {
     in.exceptions(std::ios::failbit | std::ios::badbit);
     try {
         const auto format = number(std::uint32_t{0});
-        if (format > openvdb::OPENVDB_FILE_VERSION) return;  // the library says so better
+        if (format > openvdb::OPENVDB_FILE_VERSION) return;  // the library's own message is better
         const auto major = number(std::uint32_t{0}), minor = number(std::uint32_t{0});
         openvdb::io::setVersion(in, {major, minor}, format);
         in.seekg(1 + 36, std::ios::cur);
@@ -102,7 +103,7 @@ void requireWhole(const fs::path& path) {
     }
 }
 
-/// Opens a cache file for `read`, and says what is wrong with it in our own words.
+/// Opens a cache file for `read`, and reports what is wrong with it in our own words.
 template <class Read>
 auto withCacheFile(const fs::path& path, const Read& read) {
     initializeOpenVdb();

@@ -155,7 +155,7 @@ void PointLayoutReader::readSizes(Pass& pass, std::span<const AttributeSpec> wan
     for (LeafPlace& leaf : pass.leaves)
         for (std::size_t a = 0; a < pass.attributes; ++a) {
             const auto length = number<std::uint64_t>();
-            number<std::uint8_t>();  // flags that say nothing of the layout
+            number<std::uint8_t>();  // flags that do not concern the layout
             const auto layout = number<std::uint8_t>();
             const auto points = number<std::uint32_t>();
             const openvdb::Index stride = layout & kStrided ? number<std::uint32_t>() : 1;

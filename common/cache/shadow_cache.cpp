@@ -70,10 +70,10 @@ void keepNearestLayers(FoundItems& items, std::size_t begin) {
     items.count = kept;
 }
 
-/// A sheet of surface that lies this much nearer to the place, in spacings, is another one.
+/// A depth layer that lies this much nearer to the place, in spacings, is another one.
 SHADOWCACHE_TUNED(float, kSameSheet, 0.05f);
 
-/// Parts of patches stand for the larger ones of their sheet of surface as far as they reach: at
+/// Subpatches stand for the larger ones of their depth layer as far as they reach: at
 /// the rim of what was cut their weights fall to zero, and the larger ones' rise.
 void preferParts(FoundItems& items) {
     std::array<int, ShadowCache::kMaxItems> cutsAt;
@@ -97,9 +97,9 @@ void preferParts(FoundItems& items) {
     for (std::size_t i = 0; i < items.count; ++i) items.view[i].weight *= left[i];
 }
 
-/// Weight of a part of a patch at a place, by the place's distance from the part's middle along the
-/// patch: bilinear among parts of one size. Outside of its voxel it falls to zero across the patch,
-/// too. `fromMiddle`: of the voxel, in spacings.
+/// Weight of a subpatch at a place, by the place's distance from the subpatch's middle along the
+/// patch: bilinear among subpatches of one size. Outside of its voxel it falls to zero across the
+/// patch, too. `fromMiddle`: of the voxel, in spacings.
 float partWeight(const PatchCode& code, const Vec3f& fromMiddle) {
     const std::array<float, 2> middle = middleOf(code.subpatch);
     const auto inverse = static_cast<float>(1 << subdivisionsOf(code.subpatch));
@@ -277,7 +277,7 @@ int ShadowCache::Reader::lookUp(const Vec3d& position, const Vec3f& normal,
     if (impl_->paged) impl_->paged->beginLookup();
     FoundItems found{out, {}};
     impl_->collect(position, normal, 0, found);
-    // A place off the surface, as on something that moves, may lie beside all parts of a patch.
+    // A place off the surface, as on something that moves, may lie beside all subpatches.
     if (found.count == 0) impl_->collect(position, normal, 1e-6f, found);
     preferParts(found);
     return keepWeighty(out.first(found.count));

@@ -37,14 +37,15 @@ VoxelRuns findVoxels(const CacheItems& items) {
 
 VolumeGrid skyVisibilityGrid(const CacheHeader& header, const CacheItems& items,
                              const VoxelRuns& runs) {
-    std::vector<double> open(runs.voxels.size()), counted(runs.voxels.size());
+    std::vector<double> visible(runs.voxels.size()), counted(runs.voxels.size());
     forBaseRegions(header, items, runs, [&](std::size_t v, std::size_t, float share, float weight) {
-        open[v] += static_cast<double>(share * weight);
+        visible[v] += static_cast<double>(share * weight);
         counted[v] += static_cast<double>(weight);
     });
     VolumeGrid grid{kSkyVisibilityGrid, VolumeKind::fog, {}};
-    for (std::size_t v = 0; v < open.size(); ++v)
-        grid.values.emplace_back(counted[v] > 0 ? static_cast<float>(open[v] / counted[v]) : 0.0f);
+    for (std::size_t v = 0; v < visible.size(); ++v)
+        grid.values.emplace_back(counted[v] > 0 ? static_cast<float>(visible[v] / counted[v])
+                                                : 0.0f);
     return grid;
 }
 

@@ -155,7 +155,7 @@ private:
     std::array<std::vector<double>, kLevel + 1> luminance_;
     /// What is summed over a cell for each colour.
     struct Moments {
-        // Imath leaves the numbers of a vector undefined unless told.
+        // Imath leaves the numbers of a vector undefined unless set.
         std::array<Vec3d, 3> firstMoment{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
         std::array<std::array<double, 6>, 3> second{};
     };

@@ -41,7 +41,7 @@ Box3d instanceBounds(const TriangleMesh& mesh, const MeshInstance& instance);
 const Material* materialOf(const TriangleMesh& mesh, std::uint32_t triangle) noexcept;
 
 /// Linear albedo at barycentric coordinates of TriangleMesh::triangles[triangle]; `fallback` where
-/// the files tell no colour.
+/// the files give no colour.
 Rgb albedoAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
              const Rgb& fallback) noexcept;
 

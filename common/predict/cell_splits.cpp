@@ -17,8 +17,8 @@ CellSplitter::CellSplitter(const Environment& environment, const DirectionTiers&
       finest_(Environment::kLevel - (tiers.baseLevel() == Environment::kLevel % 2 ? 0 : 1)),
       leastNoise_(kLeastNoise * static_cast<float>(environment.luminanceIntegral())) {}
 
-bool CellSplitter::judge(int tier, const CellLight& sky, const float* c, float leastNoise,
-                         std::uint8_t* uncertain, Splits& out) const {
+bool CellSplitter::decide(int tier, const CellLight& sky, const float* c, float leastNoise,
+                          std::uint8_t* uncertain, Splits& out) const {
     out.any = false;
     const bool divisible = tiers_.baseLevel() + 2 * tier < finest_;
     const bool refined = tier < tiers_.refinements();

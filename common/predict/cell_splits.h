@@ -48,7 +48,7 @@ public:
     void mark(const Counts& counts, int tier, std::uint32_t block, const CellLight& sky,
               const float* c, float leastNoise, Splits& out) const {
         alignas(16) std::uint8_t uncertain[kBlockCells];
-        if (!judge(tier, sky, c, leastNoise, uncertain, out)) return;
+        if (!decide(tier, sky, c, leastNoise, uncertain, out)) return;
         for (std::uint32_t i = 0; i < kBlockCells; ++i)
             if (uncertain[i] != 0)
                 out.marks[i] |=
@@ -61,8 +61,8 @@ private:
     /// Marks the cells for which the horizon is reason enough, and notes those whose visibility is
     /// uncertain.
     /// @return whether any cell can be split
-    bool judge(int tier, const CellLight& sky, const float* c, float leastNoise,
-               std::uint8_t* uncertain, Splits& out) const;
+    bool decide(int tier, const CellLight& sky, const float* c, float leastNoise,
+                std::uint8_t* uncertain, Splits& out) const;
 
     DirectionTiers tiers_;
     int finest_;  ///< level down to which cells on the horizon are split

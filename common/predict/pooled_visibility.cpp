@@ -15,7 +15,7 @@ void addCounts16(PooledBlock& block, const std::uint8_t* n, const std::uint8_t* 
     for (int i = 0; i < kBlockCells; ++i) {
         const auto rays = static_cast<float>(d[i]);
         const float share = d[i] ? weight : 0.0f;
-        block.open[i] += share * static_cast<float>(n[i]) / std::max(rays, 1.0f);
+        block.visible[i] += share * static_cast<float>(n[i]) / std::max(rays, 1.0f);
         block.weight[i] += share;
         block.rays[i] += weight * rays;
         block.rays2[i] += weight * weight * rays;
@@ -55,9 +55,9 @@ bool touches(const Cap& cap, const Vec3f& axis, float angle) {
 /// What was visible may be occluded now; what was occluded still is.
 void makeUncertain(PooledBlock& block, int i) {
     /// Share of what was visible that stays so where something moves in front.
-    static SHADOWCACHE_TUNED(float, kOpenStill, 0.75f);
-    if (!(block.open[i] > 0)) return;
-    block.open[i] *= kOpenStill;
+    static SHADOWCACHE_TUNED(float, kStillVisible, 0.75f);
+    if (!(block.visible[i] > 0)) return;
+    block.visible[i] *= kStillVisible;
     block.rays[i] = block.rays2[i] = 1;
 }
 
@@ -131,13 +131,13 @@ const PooledBlock* PooledVisibility::children(int tier, std::uint32_t cell) cons
 void PooledVisibility::poolBlock(std::uint16_t key, const PooledBlock* parents, int i,
                                  PooledBlock& block) const {
     if (parents && parents_[key].link < 0) {
-        std::fill_n(block.open, kBlockCells, parents->open[i]);
+        std::fill_n(block.visible, kBlockCells, parents->visible[i]);
         std::fill_n(block.weight, kBlockCells, parents->weight[i]);
         std::fill_n(block.rays, kBlockCells, parents->rays[i]);
         std::fill_n(block.rays2, kBlockCells, parents->rays2[i]);
         return;
     }
-    float counted = 0, countedOpen = 0;  // of the items that have it, in the parent cell
+    float counted = 0, countedVisible = 0;  // of the items that have it, in the parent cell
     for (std::int32_t l = parents_[key].link; l >= 0;
          l = links_[static_cast<std::size_t>(l)].next) {
         const Link& link = links_[static_cast<std::size_t>(l)];
@@ -146,7 +146,7 @@ void PooledVisibility::poolBlock(std::uint16_t key, const PooledBlock* parents, 
         addCounts16(block, counts.n, counts.d, item.weight);
         counted += item.weight;
         if (key < tiers_.baseCells() && item.d[key] > 0)
-            countedOpen +=
+            countedVisible +=
                 item.weight * static_cast<float>(item.n[key]) / static_cast<float>(item.d[key]);
     }
     float weight = 1 - counted, ratio = 0;
@@ -154,14 +154,14 @@ void PooledVisibility::poolBlock(std::uint16_t key, const PooledBlock* parents, 
     if (key < tiers_.baseCells()) {
         weight = std::max(0.0f, std::min(weight, parents->weight[i] - counted));
         if (weight <= 1e-4f) return;
-        ratio = std::clamp((parents->open[i] - countedOpen) / weight, 0.0f, 1.0f);
+        ratio = std::clamp((parents->visible[i] - countedVisible) / weight, 0.0f, 1.0f);
     } else {
         if (parents->weight[i] <= 0) return;
         ratio = parents->ratio(i);
     }
     for (int k = 0; k < kBlockCells; ++k) {
         if (block.weight[k] <= 0) continue;
-        block.open[k] += weight * ratio;
+        block.visible[k] += weight * ratio;
         block.weight[k] += weight;
     }
 }
@@ -182,7 +182,7 @@ bool PooledVisibility::isInOccluderCone(int level, std::uint32_t cell) const {
 }
 
 /// Makes those of sixteen cells uncertain that an occluder cone meets. Cells finer than the caps
-/// are judged by their common ancestor.
+/// are compared by their common ancestor.
 void PooledVisibility::applyOccluderCones(int level, std::uint32_t firstCell,
                                           PooledBlock& block) const {
     for (std::uint32_t i = 0; i < kBlockCells && firstCell + i < cellCount(level); ++i) {

@@ -11,16 +11,16 @@ namespace shadowcache {
 
 /// Visibility of sixteen cells pooled over cache items.
 struct alignas(64) PooledBlock {
-    float open[kBlockCells];    ///< visible: sum over the items of weight * n / d
-    float weight[kBlockCells];  ///< sum of the weights of the items that counted rays there, <= 1
-    float rays[kBlockCells];    ///< sum of weight * d
-    float rays2[kBlockCells];   ///< sum of weight^2 * d
+    float visible[kBlockCells];  ///< sum over the items of weight * n / d
+    float weight[kBlockCells];   ///< sum of the weights of the items that counted rays there, <= 1
+    float rays[kBlockCells];     ///< sum of weight * d
+    float rays2[kBlockCells];    ///< sum of weight^2 * d
 
     /// Visible share of cell i, in [0, 1]; weight[i] must be positive.
-    float ratio(int i) const { return open[i] / weight[i]; }
+    float ratio(int i) const { return visible[i] / weight[i]; }
     /// Visible share of cell i, 0 where nothing was counted.
     float ratioOrNone(int i) const {
-        const float share = open[i] / (weight[i] > 1e-30f ? weight[i] : 1e-30f);
+        const float share = visible[i] / (weight[i] > 1e-30f ? weight[i] : 1e-30f);
         return share < 1 ? share : 1.0f;
     }
     /// Rays that the ratio is worth: those of one item, or more where several share the weight.
@@ -73,7 +73,7 @@ private:
         std::int32_t next;  ///< block of the same cell in links_; -1: no more
     };
 
-    /// A cone of directions that something may hide.
+    /// A cone of directions that something may occlude.
     struct OccluderCone {
         Vec3f axis;
         float angle;

@@ -85,8 +85,8 @@ public:
     /// Bit i: ray i (< count <= 8) reaches the sky.
     std::uint32_t visibility(const RayPacket& rays, int count) const noexcept;
 
-    /// Finds out which of the first `count` rays of a stream are open. Fastest when neighbours in
-    /// the stream are near each other in place and direction.
+    /// Finds out which of the first `count` rays of a stream reach the sky. Fastest when neighbours
+    /// in the stream are near each other in place and direction.
     void trace(RayStream& rays, std::size_t count) const noexcept;
 
     /// Distances to the first hit of `count` rays, infinite where there is none.

@@ -16,7 +16,7 @@ struct Arguments {
     std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
     std::vector<std::string> dynamic;
     bool samplesGiven = false;
-    int spp = 0;        ///< shadow rays a pixel; 0: as camera rays and samples say
+    int spp = 0;        ///< shadow rays a pixel; 0: given by camera rays and samples
     bool list = false;  ///< print what the set has, do not render
 };
 

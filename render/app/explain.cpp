@@ -97,7 +97,7 @@ std::string explain(const FrameRequest& frame, const Forecast& forecast) {
     small.width = std::max(1, static_cast<int>(std::lround(options.width * shrink)));
     small.height = std::max(1, static_cast<int>(std::lround(options.height * shrink)));
     const Film plain = render(smaller, picture);
-    // A second time for what the cache says, which is not part of the work to be timed.
+    // A second time for what the cache predicts, which is not part of the work to be timed.
     small.insight = forecast.estimator.needsCache;
     RenderStats unused;
     const Means means =

@@ -15,8 +15,8 @@ struct Forecast {
     double setupSeconds;  ///< already spent on loading and building
 };
 
-/// Text that says which estimator works, on what, what noise and what time to expect. Renders a
-/// thumbnail to know.
+/// Text about the job: estimator, inputs, and the noise and time to expect, measured by rendering a
+/// thumbnail.
 std::string explain(const FrameRequest& frame, const Forecast& forecast);
 
 }  // namespace shadowcache

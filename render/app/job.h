@@ -49,8 +49,8 @@ struct RenderJob {
     float exposure = 0;
     std::filesystem::path reference;
     std::filesystem::path stats;
-    double targetError = 0;  ///< relMSE to reach; 0: as many samples as `render` says
-    bool explain = false;    ///< say what to expect, write nothing
+    double targetError = 0;  ///< relMSE to reach; 0: as many samples as `render` states
+    bool explain = false;    ///< print what to expect, write nothing
     std::optional<std::array<int, 2>> debugPixel;  ///< print this pixel's story, write nothing
     int threads = 0;
     std::vector<std::pair<std::string, std::string>>

@@ -27,13 +27,13 @@ std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame);
 /// The EXR of a frame.
 std::filesystem::path frameFile(const RenderJob& job, int frame);
 
-/// All that a frame's file tells but the time it took.
+/// All metadata of a frame's file but the time it took.
 ///
 /// @param cache  null: none
 Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
                        const LightPlan::Light& light, int frame);
 
-/// What a frame's file tells of how it came about.
+/// Metadata of a frame's file: how it was made.
 struct FrameProgress {
     double seconds = 0;
     int cameraRays = 0;    ///< that each pixel has so far

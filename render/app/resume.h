@@ -17,7 +17,7 @@ enum class FrameState {
     done
 };
 
-/// Compares a frame's file with the metadata it would get; what says nothing of the picture (time,
+/// Compares a frame's file with the metadata it would get; what does not concern the picture (time,
 /// threads, where it is written) is left out.
 FrameState frameState(const std::filesystem::path& path, const Metadata& metadata);
 

@@ -197,7 +197,7 @@ private:
         return renderProgressive(request, stats_, observer);
     }
 
-    /// Prints the error that the spread of the frame's camera rays tells.
+    /// Prints the error estimated from the spread of the frame's camera rays.
     void reportError(int frame) const {
         std::printf(
             "frame %d: %.4g camera rays a pixel, relMSE %.3g by the spread of its camera rays, "

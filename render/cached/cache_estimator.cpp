@@ -207,7 +207,7 @@ private:
         return w.itemIrradiance.mean(lookUp(point, w), point.normal);
     }
 
-    /// The counts know nothing of what moves.
+    /// The counts do not include what moves.
     static void addOccluderCone(const Ball& ball, const ShadingPoint& point,
                                 PooledVisibility& pooled) {
         const Vec3f towards = ball.center - point.rayOrigin;

@@ -9,16 +9,16 @@ OpennessMeter::OpennessMeter(const DirectionTiers& tiers) {
 }
 
 float OpennessMeter::measure(const PooledVisibility& pooled, const Vec3f& normal) const {
-    float open = 0, all = 0;
+    float visible = 0, all = 0;
     for (std::uint32_t cell = 0; cell < baseCells_.size(); ++cell) {
         const PooledBlock& block = pooled.base(cell / kBlockCells);
         const int i = static_cast<int>(cell % kBlockCells);
         const float cosine = baseCells_[cell].dot(normal);
         if (cosine <= 0 || block.weight[i] <= 0) continue;
-        open += cosine * block.ratio(i);
+        visible += cosine * block.ratio(i);
         all += cosine;
     }
-    return all > 0 ? open / all : 0.0f;
+    return all > 0 ? visible / all : 0.0f;
 }
 
 }  // namespace shadowcache

@@ -32,7 +32,7 @@ std::uint64_t PilotRays::trace(const EstimatorContext& context, const ShadingPoi
         draw(context.environment, point, k, sums[k], samples);
     Estimate unused;
     samples.trace(context.scene, point, context.environment, unused);
-    for (std::size_t i = 0; i < samples.size(); ++i) found.add(posteriors_[i], samples.open(i));
+    for (std::size_t i = 0; i < samples.size(); ++i) found.add(posteriors_[i], samples.visible(i));
     return unused.rays;
 }
 

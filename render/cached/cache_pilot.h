@@ -13,7 +13,8 @@ namespace shadowcache {
 /// are unsure and half where the light is. Arrays are reused from place to place.
 class PilotRays {
 public:
-    /// Notes in `found` what rays from `point`, whose regions are given, say of the counts.
+    /// Adds to `found` rays from `point`, whose regions are given, beside what the counts
+    /// predicted.
     ///
     /// @return number of rays
     std::uint64_t trace(const EstimatorContext& context, const ShadingPoint& point,

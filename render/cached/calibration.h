@@ -6,8 +6,8 @@
 
 namespace shadowcache {
 
-/// How far the cache's word about a region can be trusted, measured: of the regions that the counts
-/// call open with probability a, which share was open? Before the first ray is added it is a
+/// Calibrates the predicted visibility against pilot rays: of the regions that the counts predict
+/// to be visible with probability a, which share was visible? Before the first ray is added it is a
 /// itself. [docs/estimator.md]
 class Calibration {
 public:
@@ -17,23 +17,23 @@ public:
 
     Calibration();
 
-    /// Notes a ray into a region that the counts call open with probability `a`. Not thread-safe.
-    void add(float a, bool open);
-    /// Adds what another one noted.
+    /// Adds a ray into a region whose predicted visibility is `a`. Not thread-safe.
+    void add(float a, bool visible);
+    /// Adds the rays of another one.
     void add(const Calibration& other);
     /// Brings apply() up to date with what was added.
     void update();
 
-    /// What is known of a region that the counts call open with probability `a`.
+    /// Calibrated prediction for a region whose counts predict visibility `a`.
     struct Calibrated {
         float posterior;   ///< probability that its light is seen, in (0, 1)
         float correction;  ///< to add to the visibility the counts give, where they are wrong by
                            ///< more than chance and rounding explain; else 0
     };
     Calibrated apply(float a) const {
-        Calibrated verdict;
-        apply<1>(&a, &verdict.posterior, &verdict.correction);
-        return verdict;
+        Calibrated calibrated;
+        apply<1>(&a, &calibrated.posterior, &calibrated.correction);
+        return calibrated;
     }
     /// The same of `count` regions at once: loops that become vectors.
     template <int count>
@@ -49,7 +49,8 @@ public:
             correction[i] = correction_[bin[i]];
         }
         for (int i = 0; i < count; ++i) {
-            // Doubts of one bin differ by half an octave: what is right for their mean may pass 1.
+            // Uncertainties of one bin differ by half an octave: what is right for their mean may
+            // pass 1.
             const float moved = uncertainty[i] * factor[i];
             const float corrected = moved < 1 - kLeastUncertainty ? moved : 1 - kLeastUncertainty;
             posterior[i] = a[i] > 0.5f ? 1 - corrected : corrected;
@@ -73,7 +74,7 @@ private:
         return (bin < last ? bin : last) + kBinsPerSide * static_cast<std::uint32_t>(a > 0.5f);
     }
 
-    std::array<std::uint64_t, kBins> open_{}, rays_{};
+    std::array<std::uint64_t, kBins> visible_{}, rays_{};
     std::array<double, kBins> sum_{};  ///< of a, over the rays
     alignas(64) std::array<float, kBins> factor_;
     alignas(64) std::array<float, kBins> correction_{};

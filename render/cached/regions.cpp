@@ -8,6 +8,7 @@
 #include "common/predict/cell_light.h"
 #include "common/predict/horizon.h"
 #include "common/predict/lanes.h"
+#include "common/predict/posterior.h"
 
 namespace shadowcache {
 
@@ -27,14 +28,11 @@ struct RegionBuilder::Task {
 
 namespace {
 
-/// How strongly a region's parent counts beside its own rays, in rays.
-SHADOWCACHE_TUNED(float, kRegionPrior, 0.5f);
-
 /// Mean square, over the tilts of a cluster's normals, of what they change of a cosine, as a share
 /// of the widest tilt's square.
 SHADOWCACHE_TUNED(float, kTiltMoment, 0.1f);
 
-/// Least height over the horizon at which the share of a tilt in the cosine is judged.
+/// Least height over the horizon at which the share of a tilt in the cosine is evaluated.
 SHADOWCACHE_TUNED(float, kLeastTiltHeight, 0.05f);
 
 void estimateVisibility(const PooledBlock* counts, float parentVisibility, float parentPosterior,
@@ -50,13 +48,13 @@ void estimateVisibility(const PooledBlock* counts, float parentVisibility, float
         const float rays = counts->rays[i] * counts->rays[i] / std::max(counts->rays2[i], 1e-30f);
         const float c = counts->ratioOrNone(i);
         out.c[i] = c;
-        out.posterior[i] = (c * rays + kRegionPrior * parentPosterior) / (rays + kRegionPrior);
+        out.posterior[i] = posteriorVisibility(c * rays, rays, parentPosterior);
     }
 }
 
-/// Mean square of the residual in a region that is visible with probability `a` and that the
-/// control variate says is visible by `c`, in units of its light. The two moments are those of the
-/// clamped cosine and of what stands in for it; both 1 above the horizon.
+/// Mean square of the residual in a region that is visible with probability `a` and whose
+/// visibility the control variate takes for `c`, in units of its light. The two moments are those
+/// of the clamped cosine and of what stands in for it; both 1 above the horizon.
 float residualMoment(float a, float c, float cosineMoment, float fitMoment) {
     return a * (cosineMoment - fitMoment) + fitMoment * (a * (1 - c) * (1 - c) + (1 - a) * c * c);
 }
@@ -111,10 +109,10 @@ const Regions& RegionBuilder::build(const PooledVisibility& pooled, const Vec3f&
     float visible = 0, counted = 0;
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
         for (int i = 0; i < kBlockCells; ++i) {
-            visible += pooled.base(b).open[i];
+            visible += pooled.base(b).visible[i];
             counted += pooled.base(b).weight[i];
         }
-    const Parent sphere{0, (visible + 0.5f) / (counted + 1)};
+    const Parent sphere{0, spherePrior(visible, counted)};
     const Task task{pooled, calibration, normal, tilt};
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
         addBlock(task, 0, b, &pooled.base(b), sphere);

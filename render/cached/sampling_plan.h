@@ -31,7 +31,7 @@ struct Brightness {
     double unsureShare = 0;  ///< how much of the light that is predicted but not sure counts
 };
 
-/// Standard deviation of one sample of a point, as far as the regions tell.
+/// Standard deviation of one sample of a point, as the regions predict it.
 double deviationOf(const Regions& regions);
 
 /// Plans the sampling of regions by their predicted deviation and a defensive share of their light.

@@ -1,4 +1,4 @@
-// The estimators that know no visibility: uniform, cosine, environment and their combination.
+// The estimators that use no visibility: uniform, cosine, environment and their combination.
 
 #include <algorithm>
 #include <cmath>

@@ -49,15 +49,15 @@ struct DomeCells::Learner {
     /// Posterior mean of the tiles' visibility, with that of the larger cell as the prior.
     std::vector<float> learn(std::span<const std::uint32_t> places,
                              const std::vector<float>& prior) const {
-        std::vector<float> traced(prior.size(), 0.0f), open(prior.size(), 0.0f);
+        std::vector<float> traced(prior.size(), 0.0f), visible(prior.size(), 0.0f);
         for (const std::uint32_t i : places)
             for (const TileRay& ray : rays.subspan(i * raysAPlace, counts[i])) {
                 traced[ray.tile] += 1;
-                open[ray.tile] += ray.open ? 1.0f : 0.0f;
+                visible[ray.tile] += ray.visible ? 1.0f : 0.0f;
             }
         for (std::size_t t = 0; t < prior.size(); ++t)
-            open[t] = (open[t] + kPriorRays * prior[t]) / (traced[t] + kPriorRays);
-        return open;
+            visible[t] = (visible[t] + kPriorRays * prior[t]) / (traced[t] + kPriorRays);
+        return visible;
     }
 };
 

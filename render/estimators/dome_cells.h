@@ -12,10 +12,10 @@ namespace shadowcache {
 /// A shadow ray toward a tile of the map.
 struct TileRay {
     std::uint8_t tile;
-    bool open;
+    bool visible;
 };
 
-/// What the rays of some places on the film tell of the visibility of the map's tiles, in cells of
+/// Learned from the rays of some places on the film: the visibility of the map's tiles, in cells of
 /// places that are near each other on the film, in the world and in normal. Cells are the leaves of
 /// a kd-tree, so that each has about the same number of places. Immutable once built, thread-safe.
 class DomeCells {

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kTiles = 128;
 /// One sample in how many is in proportion to the cosine.
 constexpr std::uint32_t kCosinePeriod = 4;
-/// Share of the tiles' samples that knows the light and the cosine only.
+/// Share of the tiles' samples drawn by the light and the cosine only.
 constexpr float kDefensiveShare = 0.2f;
 /// The pilot's rays at a place, and their share in the frame's samples.
 constexpr std::size_t kPilotRays = RayPacket::kSize;
@@ -138,7 +138,7 @@ private:
         }
         Estimate unused;
         w.samples.trace(context_.scene, point, context_.environment, unused);
-        for (std::size_t k = 0; k < count; ++k) out[k].open = w.samples.open(k);
+        for (std::size_t k = 0; k < count; ++k) out[k].visible = w.samples.visible(k);
         return count;
     }
 
@@ -193,7 +193,7 @@ private:
     }
 
     /// Sets w.choice to light * cosine * sqrt(visibility), which is the best for a tile whose rays
-    /// are open with that chance; the defensive share to light * cosine.
+    /// are visible with that chance; the defensive share to light * cosine.
     bool chooseTiles(const ShadingPoint& point, DomeWorkspace& w) const {
         const std::size_t count = tiles_.size();
         w.cosines.resize(count);

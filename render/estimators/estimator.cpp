@@ -15,26 +15,26 @@ SHADOWCACHE_TUNED(std::size_t, kPilotPlaces, 1024);
 
 void LightSamples::clear() {
     direction_.clear();
-    ifOpen_.clear();
-    ifHidden_.clear();
+    ifVisible_.clear();
+    ifOccluded_.clear();
     groupEnds_.clear();
 }
 
-void LightSamples::add(const Vec3f& direction, const Rgb& ifOpen, const Rgb& ifHidden) {
+void LightSamples::add(const Vec3f& direction, const Rgb& ifVisible, const Rgb& ifOccluded) {
     direction_.push_back(direction);
-    ifOpen_.push_back(ifOpen);
-    ifHidden_.push_back(ifHidden);
+    ifVisible_.push_back(ifVisible);
+    ifOccluded_.push_back(ifOccluded);
 }
 
 void LightSamples::trace(const Scene& scene, const ShadingPoint& point,
                          const Environment& environment, Estimate& estimate) {
-    open_.assign(size(), 0);
+    visible_.assign(size(), 0);
     RayPacket packet{};
     std::size_t sampleOf[RayPacket::kSize];
     int queued = 0;
     const auto flush = [&] {
-        const std::uint32_t open = scene.visibility(packet, queued);
-        for (int i = 0; i < queued; ++i) open_[sampleOf[i]] = (open >> i) & 1;
+        const std::uint32_t visible = scene.visibility(packet, queued);
+        for (int i = 0; i < queued; ++i) visible_[sampleOf[i]] = (visible >> i) & 1;
         estimate.rays += static_cast<std::uint32_t>(queued);
         queued = 0;
     };
@@ -51,11 +51,11 @@ void LightSamples::trace(const Scene& scene, const ShadingPoint& point,
     std::size_t i = 0;
     for (const std::size_t end : groupEnds_) {
         for (const std::size_t begin = i; i < end; ++i) {
-            const Rgb& value = open_[i] ? ifOpen_[i] : ifHidden_[i];
+            const Rgb& value = visible_[i] ? ifVisible_[i] : ifOccluded_[i];
             for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(value[c]);
             if ((i - begin) % 2 == 0) continue;
             // The squared difference of two neighbours estimates the variance of their sum.
-            const Rgb& other = open_[i - 1] ? ifOpen_[i - 1] : ifHidden_[i - 1];
+            const Rgb& other = visible_[i - 1] ? ifVisible_[i - 1] : ifOccluded_[i - 1];
             const auto difference = static_cast<double>(environment.luminance(value - other));
             variance += difference * difference;
         }

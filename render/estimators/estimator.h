@@ -60,16 +60,17 @@ struct Estimate {
     std::uint32_t reused = 0;  ///< traced to reuse what other points found
 };
 
-/// Directions to test for occlusion, and what each adds to the irradiance if it is open or hidden.
+/// Directions to test for occlusion, and what each adds to the irradiance if it is visible or
+/// occluded.
 class LightSamples {
 public:
     void clear();
-    void add(const Vec3f& direction, const Rgb& ifOpen, const Rgb& ifHidden = Rgb(0, 0, 0));
-    /// A sample whose contribution is zero whatever a ray would say.
+    void add(const Vec3f& direction, const Rgb& ifVisible, const Rgb& ifOccluded = Rgb(0, 0, 0));
+    /// A sample whose contribution is zero whether visible or not.
     void addZero() { add(Vec3f(0, 0, 0), Rgb(0, 0, 0)); }
     std::size_t size() const { return direction_.size(); }
-    /// Whether sample `i`, whose direction is not zero, was open; after trace().
-    bool open(std::size_t i) const { return open_[i] != 0; }
+    /// Whether sample `i`, whose direction is not zero, was visible; after trace().
+    bool visible(std::size_t i) const { return visible_[i] != 0; }
     const Vec3f& direction(std::size_t i) const { return direction_[i]; }
 
     /// Ends a group of samples that estimate the same thing; the variance is estimated from
@@ -82,8 +83,8 @@ public:
 
 private:
     std::vector<Vec3f> direction_;
-    std::vector<Rgb> ifOpen_, ifHidden_;
-    std::vector<std::uint8_t> open_;
+    std::vector<Rgb> ifVisible_, ifOccluded_;
+    std::vector<std::uint8_t> visible_;
     std::vector<std::size_t> groupEnds_;
 };
 
@@ -133,15 +134,15 @@ public:
     virtual std::uint64_t run(std::span<const ShadingPoint> points, int samples) = 0;
 };
 
-/// What the cache says of a place before any ray is traced there.
+/// What the cache predicts at a place before any ray is traced there.
 struct CacheInsight {
-    float openness = 0;       ///< open share of the sky, weighted by the cosine
+    float openness = 0;       ///< visible share of the sky, weighted by the cosine
     float expectedNoise = 0;  ///< standard deviation expected of the irradiance's luminance
     int items = 0;            ///< cache items found
     int regions = 0;          ///< regions that samples are drawn from
 };
 
-/// Tells what the cache says of a place.
+/// Reports what the cache predicts at a place.
 class InsightSource {
 public:
     virtual ~InsightSource() = default;

@@ -10,8 +10,8 @@ namespace {
 constexpr int kRounds = 40;
 
 struct LitCell {
-    Vec3d flux;   ///< integral of luminance times direction
-    Vec3d power;  ///< integral of the radiance
+    Vec3d firstMoment;       ///< integral of luminance times direction
+    Vec3d radianceIntegral;  ///< integral of the radiance
     double luminance;
 };
 
@@ -24,8 +24,8 @@ std::vector<LitCell> litCells(const Environment& environment) {
             const Environment::Texel t = environment.texel(i);
             const auto area = static_cast<double>(t.solidAngle);
             const double luminance = static_cast<double>(environment.luminance(t.radiance)) * area;
-            cell.flux += Vec3d(t.center) * luminance;
-            cell.power += Vec3d(t.radiance) * area;
+            cell.firstMoment += Vec3d(t.center) * luminance;
+            cell.radianceIntegral += Vec3d(t.radiance) * area;
             cell.luminance += luminance;
         }
         if (cell.luminance > 0) cells.push_back(cell);
@@ -42,7 +42,7 @@ std::vector<Vec3d> firstCenters(const std::vector<LitCell>& cells, int count) {
     for (const LitCell& cell : cells) {
         below += cell.luminance;
         const auto made = static_cast<double>(centers.size());
-        if (below >= total * (made + 0.5) / count) centers.push_back(cell.flux.normalized());
+        if (below >= total * (made + 0.5) / count) centers.push_back(cell.firstMoment.normalized());
     }
     return centers;
 }
@@ -59,23 +59,24 @@ std::size_t nearest(const std::vector<Vec3d>& centers, const Vec3d& direction) {
 std::vector<DirectionalLight> clusterLights(const Environment& environment, int count) {
     const std::vector<LitCell> cells = litCells(environment);
     std::vector<Vec3d> centers = firstCenters(cells, count);
-    std::vector<Vec3d> flux, power;
+    std::vector<Vec3d> firstMoment, radianceIntegral;
     for (int round = 0; round < kRounds; ++round) {
-        flux.assign(centers.size(), Vec3d(0.0));
-        power.assign(centers.size(), Vec3d(0.0));
+        firstMoment.assign(centers.size(), Vec3d(0.0));
+        radianceIntegral.assign(centers.size(), Vec3d(0.0));
         for (const LitCell& cell : cells) {
-            const std::size_t k = nearest(centers, cell.flux);
-            flux[k] += cell.flux;
-            power[k] += cell.power;
+            const std::size_t k = nearest(centers, cell.firstMoment);
+            firstMoment[k] += cell.firstMoment;
+            radianceIntegral[k] += cell.radianceIntegral;
         }
         const std::vector<Vec3d> before = centers;
         for (std::size_t k = 0; k < centers.size(); ++k)
-            if (flux[k].length() > 0) centers[k] = flux[k].normalized();
+            if (firstMoment[k].length() > 0) centers[k] = firstMoment[k].normalized();
         if (centers == before) break;
     }
     std::vector<DirectionalLight> lights;
     for (std::size_t k = 0; k < centers.size(); ++k)
-        if (power[k] != Vec3d(0.0)) lights.push_back({Vec3f(centers[k]), Rgb(power[k])});
+        if (radianceIntegral[k] != Vec3d(0.0))
+            lights.push_back({Vec3f(centers[k]), Rgb(radianceIntegral[k])});
     return lights;
 }
 

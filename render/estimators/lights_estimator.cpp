@@ -21,7 +21,7 @@ private:
         for (const DirectionalLight& light : lights_) {
             const float cosine = light.direction.dot(point.normal);
             if (cosine <= 0) continue;
-            w.samples.add(light.direction, light.power * cosine);
+            w.samples.add(light.direction, light.radianceIntegral * cosine);
             w.samples.endGroup();
         }
         return {0, 0, 0};

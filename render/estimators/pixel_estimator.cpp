@@ -33,12 +33,12 @@ public:
           width_(static_cast<std::size_t>(options.width)),
           height_(static_cast<std::size_t>(options.height)),
           pixels_(width_ * height_) {
-        std::vector<double> power(pixels_.size()), area(pixels_.size());
+        std::vector<double> luminanceIntegral(pixels_.size()), area(pixels_.size());
         for (std::size_t i = 0; i < context.environment.texelCount(); ++i)
-            addTexel(context.environment, i, power, area);
+            addTexel(context.environment, i, luminanceIntegral, area);
         for (std::size_t k = 0; k < pixels_.size(); ++k) {
             pixels_[k] = rectangle(k);
-            const double mean = area[k] > 0 ? power[k] / area[k] : 0;
+            const double mean = area[k] > 0 ? luminanceIntegral[k] / area[k] : 0;
             pixels_[k].luminance = std::max(mean, leastLuminance(pixels_[k]));
         }
     }
@@ -55,14 +55,14 @@ private:
 
     /// Shares a texel out among the rectangles that it lies in, by points that stand on its sides,
     /// too; one no brighter than the map is in the mean goes to that of its middle.
-    void addTexel(const Environment& environment, std::size_t i, std::vector<double>& power,
-                  std::vector<double>& area) const {
+    void addTexel(const Environment& environment, std::size_t i,
+                  std::vector<double>& luminanceIntegral, std::vector<double>& area) const {
         const Environment::Texel t = environment.texel(i);
         const auto luminance = static_cast<double>(environment.luminance(t.radiance));
         const auto solidAngle = static_cast<double>(t.solidAngle);
         const auto add = [&](std::size_t k, double share) {
             area[k] += share;
-            power[k] += share * luminance;
+            luminanceIntegral[k] += share * luminance;
         };
         if (luminance <= environment.luminanceIntegral() / (4 * kPi))
             return add(pixelAlong(Vec3d(t.center)), solidAngle);

@@ -9,7 +9,7 @@
 
 namespace shadowcache {
 
-/// What the renderer knows of one pixel, averaged over its camera rays.
+/// What the renderer found at one pixel, averaged over its camera rays.
 struct Pixel {
     Rgb color{0, 0, 0};  ///< outgoing radiance, or the sky's
     Rgb irradiance{0, 0, 0};
@@ -17,14 +17,14 @@ struct Pixel {
     Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
     Vec3f position{0, 0, 0};  ///< world space
     float depth = 0;          ///< distance from the camera; 0: the sky
-    float variance = 0;       ///< of the irradiance's luminance, as the camera rays' spread tells;
-                              ///< of one camera ray, as its samples tell
+    float variance = 0;  ///< of the irradiance's luminance, from the spread of the camera rays;
+                         ///< of one camera ray, from its samples
     float colorVariance = 0;  ///< of the colour's luminance: edges, albedo and sky included
     float rays = 0;           ///< shadow rays traced
     float reusedRays = 0;     ///< those of them that reuse what other pixels found
     float cameraRays = 0;
-    // What the cache says before any ray, if RenderOptions::insight.
-    float openness = 0;       ///< open share of the sky, weighted by the cosine
+    // What the cache predicts before any ray, if RenderOptions::insight.
+    float openness = 0;       ///< visible share of the sky, weighted by the cosine
     float expectedNoise = 0;  ///< standard deviation of the irradiance's luminance
     float items = 0;          ///< cache items found
     float regions = 0;        ///< regions that samples are drawn from
@@ -42,7 +42,7 @@ struct Film {
 /// Whether colour, irradiance and variance are finite numbers.
 bool isFinite(const Pixel& pixel);
 
-/// Names that channels() knows.
+/// Names that channels() accepts.
 const std::vector<std::string>& aovNames();
 
 /// How an AOV is drawn in false colour.
@@ -54,7 +54,7 @@ struct AovScale {
 /// Nothing for an AOV that is no false-colour picture.
 std::optional<AovScale> aovScale(const std::string& name);
 
-/// Whether an AOV shows what the cache says (RenderOptions::insight).
+/// Whether an AOV shows what the cache predicts (RenderOptions::insight).
 bool needsInsight(const std::string& aov);
 
 /// R, G, B and the channels of the AOVs named, for writeExr.

@@ -25,7 +25,7 @@ struct ProgressiveFrame {
 };
 
 /// Renders one frame in passes over all of it, of options.passRays camera rays a pixel each. The
-/// first pass is completed whatever `stop` says; Ctrl-C ends a later one as `stop` does. After n
+/// first pass is completed whatever `stop` returns; Ctrl-C ends a later one as `stop` does. After n
 /// passes the picture has the bits of render() with n times passRays camera rays; the sequence must
 /// not depend on its length (Sequence::sobol, random), nor the estimator on the order of tiles.
 ///

@@ -87,10 +87,10 @@ std::vector<int> shareOut(std::span<const TileError> tiles, double target) {
     return rays;
 }
 
-/// How much more error some tiles have than is foreseen, and than the spread of their camera rays
-/// tells.
+/// Error found in some tiles over the planned one, and over that estimated from the spread of their
+/// camera rays.
 struct Correction {
-    double plan, told;
+    double plan, estimated;
 };
 
 /// From two renders that share no number with each other or the pilot.
@@ -109,14 +109,14 @@ Correction checkPlan(FrameRequest frame, std::span<const TileError> pilot, const
     const auto a = renderSomeTiles(frame, some, stats);
     frame.options.seed += kPilotSeed;
     const auto b = renderSomeTiles(frame, some, stats);
-    double found = 0, expected = 0, told = 0;
+    double found = 0, expected = 0, estimated = 0;
     for (std::size_t i = 0; i < some.size(); ++i) {
         expected += pilot[some[i]].sum * kTargetPilotRays / frame.tileRays[some[i]];
         for (std::size_t p = 0; p < a[i].size(); ++p) {
             const Rgb mean = (a[i][p].color + b[i][p].color) * 0.5f;
             const double variance = static_cast<double>(a[i][p].colorVariance) +
                                     static_cast<double>(b[i][p].colorVariance);
-            told += scale.relative(0.5 * variance, mean);
+            estimated += scale.relative(0.5 * variance, mean);
             found += scale.relativeRgb(a[i][p].color - b[i][p].color, mean) / 2;
         }
     }
@@ -124,7 +124,7 @@ Correction checkPlan(FrameRequest frame, std::span<const TileError> pilot, const
         return value > 0 ? std::clamp(found / value, 1 / kMostPlanCorrection, kMostPlanCorrection)
                          : 1.0;
     };
-    return {ratio(expected), ratio(told)};
+    return {ratio(expected), ratio(estimated)};
 }
 
 }  // namespace
@@ -163,7 +163,7 @@ double planForError(FrameRequest& frame, double target, RenderStats& stats) {
     frame.options.cameraRays = std::ranges::max(frame.tileRays);
     frame.options.seed = seed;
     runPilot(frame, stats);
-    return correction.told;
+    return correction.estimated;
 }
 
 }  // namespace shadowcache

@@ -6,15 +6,15 @@
 
 namespace shadowcache {
 
-/// relMSE of a picture as the spread of its camera rays tells it.
+/// relMSE of a picture, estimated from the spread of its camera rays.
 double measuredError(std::span<const Pixel> pixels, const Rgb& luminanceWeights);
 
 /// Sets the camera rays of each tile of a frame so that its relMSE comes to `target` (> 0): pixels
 /// whole, with edges and sky. A pilot finds out where they are needed. Its random numbers are not
-/// the picture's, so that the picture stays unbiased whatever the pilot found. Leaves the estimator
-/// surveyed for the frame.
+/// the picture's, so that the picture stays unbiased whatever the pilot found. The estimator
+/// keeps the pilot of the frame.
 ///
-/// @return how much more error there is than measuredError() tells, as the pilot found
+/// @return error found by the pilot over that of measuredError()
 double planForError(FrameRequest& frame, double target, RenderStats& stats);
 
 }  // namespace shadowcache

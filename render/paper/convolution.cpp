@@ -63,18 +63,19 @@ Vec3d fittedIrradiance(const Environment& environment, std::uint32_t cell, const
     Vec3d sum(0, 0, 0);
     for (int c = 0; c < 3; ++c) {
         const auto& s = m.second[c];
-        const Vec3f flux(m.firstMoment[c][0][k], m.firstMoment[c][1][k], m.firstMoment[c][2][k]);
+        const Vec3f firstMoment(m.firstMoment[c][0][k], m.firstMoment[c][1][k],
+                                m.firstMoment[c][2][k]);
         const Vec3f turned(s[0][k] * normal.x + s[3][k] * normal.y + s[4][k] * normal.z,
                            s[3][k] * normal.x + s[1][k] * normal.y + s[5][k] * normal.z,
                            s[4][k] * normal.x + s[5][k] * normal.y + s[2][k] * normal.z);
         const float value = fit.constant * (s[0][k] + s[1][k] + s[2][k]) +
-                            fit.linear * normal.dot(flux) + fit.square * normal.dot(turned);
+                            fit.linear * normal.dot(firstMoment) + fit.square * normal.dot(turned);
         sum[c] = std::max(0.0, static_cast<double>(value));
     }
     return sum;
 }
 
-/// Irradiance from a cell; `cut` has the say over cells of the finest level on the horizon.
+/// Irradiance from a cell; `cut` decides about cells of the finest level on the horizon.
 template <typename Cut>
 Vec3d sumCells(const Environment& environment, int level, std::uint32_t cell, const Vec3d& n,
                const Cut& cut) {
@@ -110,13 +111,13 @@ template <typename Cut>
 double convolveBy(const Environment& environment, const MapTriangle& t, const Vec3d& n,
                   const Cut& cut) {
     const double height = n.dot(t.axis), sine = t.sinRadius;
-    if (height >= sine) return std::max(0.0, n.dot(t.flux));
+    if (height >= sine) return std::max(0.0, n.dot(t.firstMoment));
     if (height <= -sine) return 0;
     if (t.level <= Environment::kLevel)
         return sumCells(environment, t.level, t.cell, n, cut)
             .dot(Vec3d(environment.luminanceWeights()));
     // Finer than the order of the texels: one cosine for all of the triangle.
-    return t.power * std::max(height, sine / 4);
+    return t.luminanceIntegral * std::max(height, sine / 4);
 }
 
 }  // namespace

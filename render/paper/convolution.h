@@ -7,8 +7,8 @@
 
 namespace shadowcache {
 
-/// Irradiance from the map on a surface of unit normal `n`, as if nothing hid it: exact, but for
-/// texels that the horizon cuts, which count by their middles. [paper 3.1, eq. 2]
+/// Irradiance from the map on a surface of unit normal `n`, as if nothing occluded it: exact, but
+/// for texels that the horizon cuts, which count by their middles. [paper 3.1, eq. 2]
 Vec3d mapIrradiance(const Environment& environment, const Vec3d& n) noexcept;
 
 /// That irradiance, tabulated over the normal, bilinear in polar angle and azimuth. The nodes are

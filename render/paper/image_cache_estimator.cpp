@@ -22,8 +22,8 @@ struct ImageItem {
 
 struct ImageWorkspace final : PaperWorkspace {
     std::unordered_map<std::uint64_t, ImageItem> cache;
-    std::vector<float> open, counted;  ///< sums over the items nearby, by group
-    std::uint64_t item;                ///< of the pixel in work
+    std::vector<float> visible, counted;  ///< sums over the items nearby, by group
+    std::uint64_t item;                   ///< of the pixel in work
 };
 
 std::uint64_t itemKey(int column, int row) {
@@ -70,7 +70,7 @@ private:
 
     void lookUp(const ShadingPoint& point, PaperWorkspace& workspace) const override {
         auto& w = static_cast<ImageWorkspace&>(workspace);
-        w.open.assign(groups_, 0.0f);
+        w.visible.assign(groups_, 0.0f);
         w.counted.assign(groups_, 0.0f);
         const int column = point.filmX / kItemPixels, row = point.filmY / kItemPixels;
         w.item = itemKey(column, row);
@@ -79,7 +79,7 @@ private:
                 const auto found = w.cache.find(itemKey(x, y));
                 if (found == w.cache.end()) continue;
                 for (std::uint32_t g = 0; g < groups_; ++g) {
-                    w.open[g] += static_cast<float>(found->second.n[g]);
+                    w.visible[g] += static_cast<float>(found->second.n[g]);
                     w.counted[g] += static_cast<float>(found->second.d[g]);
                 }
             }
@@ -90,7 +90,7 @@ private:
         const auto& w = static_cast<const ImageWorkspace&>(workspace);
         const std::uint32_t g = group_[triangle];
         if (!(w.counted[g] > 0)) return {};
-        return {w.open[g] / w.counted[g], w.counted[g]};
+        return {w.visible[g] / w.counted[g], w.counted[g]};
     }
 
     /// Counts what the point's rays found.
@@ -102,7 +102,7 @@ private:
         for (std::size_t i = 0; i < w.triangleOf.size(); ++i) {
             if (w.samples.direction(i) == Vec3f(0, 0, 0)) continue;
             const std::uint32_t g = group_[w.triangleOf[i]];
-            addCounts(item.n[g], item.d[g], w.samples.open(i) ? 1 : 0, 1);
+            addCounts(item.n[g], item.d[g], w.samples.visible(i) ? 1 : 0, 1);
         }
     }
 };

@@ -23,13 +23,15 @@ double volumeOf(const SphericalTriangle& t) noexcept {
 
 }  // namespace
 
-std::array<double, 3> linearShape(const SphericalTriangle& corners, const Vec3d& flux) noexcept {
-    // The coordinates of the flux are the moments m_k of the light with the barycentric coordinates
-    // (up to their sum over a direction, which is next to 1 in a small triangle); their matrix of
-    // products over a triangle is A / 12 (1 + delta_kl), whose inverse gives 3 / A (4 m_k - sum).
+std::array<double, 3> linearShape(const SphericalTriangle& corners,
+                                  const Vec3d& firstMoment) noexcept {
+    // The coordinates of the first moment are the moments m_k of the light with the barycentric
+    // coordinates (up to their sum over a direction, which is next to 1 in a small triangle); their
+    // matrix of products over a triangle is A / 12 (1 + delta_kl), whose inverse gives 3 / A (4 m_k
+    // - sum).
     const auto dual = dualOf(corners, volumeOf(corners));
     std::array<double, 3> moment{}, shape{};
-    for (std::size_t k = 0; k < 3; ++k) moment[k] = dual[k].dot(flux);
+    for (std::size_t k = 0; k < 3; ++k) moment[k] = dual[k].dot(firstMoment);
     const double all = moment[0] + moment[1] + moment[2];
     for (std::size_t k = 0; k < 3; ++k) shape[k] = std::max(kLeastCorner, 12 * moment[k] / all - 3);
     const double mean = (shape[0] + shape[1] + shape[2]) / 3;

@@ -9,8 +9,9 @@ namespace shadowcache {
 /// Values at the corners, mean 1, of the linear function over a triangle that is next to its light
 /// in the mean square, but nowhere below a tenth of the mean.
 ///
-/// @param flux  integral of luminance times direction over the triangle, not 0
-std::array<double, 3> linearShape(const SphericalTriangle& corners, const Vec3d& flux) noexcept;
+/// @param firstMoment  integral of luminance times direction over the triangle, not 0
+std::array<double, 3> linearShape(const SphericalTriangle& corners,
+                                  const Vec3d& firstMoment) noexcept;
 
 /// Density over the directions in a spherical triangle that is linear over the plane through its
 /// corners.

@@ -126,7 +126,7 @@ void Paper::convolveAll(const Vec3f& n, std::vector<float>& out) const {
 void Paper::addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& w) const {
     const MapTriangle& t = triangles_[triangle];
     const double height = n.dot(t.axis), sine = t.sinRadius;
-    if (height <= -sine || (t.power <= 0 && t.floor <= 0)) return;
+    if (height <= -sine || (t.luminanceIntegral <= 0 && t.floor <= 0)) return;
     const double light = std::max(static_cast<double>(w.convolution[triangle]),
                                   t.floor * std::max(height, kLeastFloorCosine));
     const double weight = light * visibility(w, triangle);

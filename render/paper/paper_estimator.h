@@ -45,9 +45,9 @@ protected:
 
     const std::vector<MapTriangle>& triangles() const { return triangles_; }
 
-    /// Brings what the cache knows around `point` to the workspace.
+    /// Reads the predictions of the cache around `point` into the workspace.
     virtual void lookUp(const ShadingPoint& point, PaperWorkspace& w) const;
-    /// What it knows of a triangle; all is open where nothing was counted.
+    /// Predicted visibility of a triangle; all is visible where nothing was counted.
     virtual CachedVisibility cached(const PaperWorkspace& w, std::uint32_t triangle) const;
 
 private:

@@ -14,17 +14,19 @@ namespace {
 
 /// Sums over the parts of texels that lie in a cell.
 struct Sums {
-    double area = 0, power = 0, square = 0;
-    Vec3d flux{0, 0, 0};
+    double area = 0, luminanceIntegral = 0, square = 0;
+    Vec3d firstMoment{0, 0, 0};
 
     void operator+=(const Sums& more) {
         area += more.area;
-        power += more.power;
+        luminanceIntegral += more.luminanceIntegral;
         square += more.square;
-        flux += more.flux;
+        firstMoment += more.firstMoment;
     }
     /// Variance of the luminance, integrated over the cell.
-    double variance() const { return area > 0 ? std::max(0.0, square - power * power / area) : 0; }
+    double variance() const {
+        return area > 0 ? std::max(0.0, square - luminanceIntegral * luminanceIntegral / area) : 0;
+    }
 };
 
 /// Intervals along a side of a texel that lies in several triangles.
@@ -102,9 +104,10 @@ MapTriangle makeTriangle(const Environment& environment, int level, std::uint32_
     t.radius = cap.angle;
     t.sinRadius = std::sin(t.radius);
     t.area = solidAngle(t.corners);
-    t.flux = sums.flux;
-    t.power = sums.power;
-    t.shape = t.power > 0 ? linearShape(t.corners, t.flux) : std::array<double, 3>{1, 1, 1};
+    t.firstMoment = sums.firstMoment;
+    t.luminanceIntegral = sums.luminanceIntegral;
+    t.shape = t.luminanceIntegral > 0 ? linearShape(t.corners, t.firstMoment)
+                                      : std::array<double, 3>{1, 1, 1};
     // A corner of the triangle may reach into a texel between the points: as if a part of the
     // brightest texel nearby were in it, the density is positive all the same. More, such as a
     // share of that luminance over all of a large triangle beside a lamp, would take the samples.

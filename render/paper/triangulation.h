@@ -16,11 +16,12 @@ struct MapTriangle {
     Vec3d axis;     ///< unit, at the middle
     double radius;  ///< angle around the axis that holds the triangle [rad]
     double sinRadius;
-    double area;                  ///< [sr]
-    Vec3d flux;                   ///< integral of luminance times direction
-    double power;                 ///< integral of the luminance
-    std::array<double, 3> shape;  ///< linear in place of constant: linearShape(corners, flux)
-    double floor;                 ///< least power to assume: positive wherever there is light
+    double area;               ///< [sr]
+    Vec3d firstMoment;         ///< integral of luminance times direction
+    double luminanceIntegral;  ///< integral of the luminance
+    std::array<double, 3>
+        shape;     ///< linear in place of constant: linearShape(corners, firstMoment)
+    double floor;  ///< least luminanceIntegral to assume: positive wherever there is light
 };
 
 /// Splits the icosahedron to `minLevel`, then, always the triangle over which the luminance varies

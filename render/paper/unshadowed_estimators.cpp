@@ -80,15 +80,15 @@ private:
         const int found = w.reader.lookUp(point.position, point.normal, w.items);
         w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));
         const Vec3d n(point.normal);
-        double open = 0, all = 0;
+        double visible = 0, all = 0;
         for (std::uint32_t c = 0; c < cells_.size(); ++c) {
             const double area = areaAbove(c, n);
             if (!(area > 0)) continue;
             const CachedVisibility v = visibilityOf(w.pooled, kLevel, c);
-            open += area * static_cast<double>(v.ratio);
+            visible += area * static_cast<double>(v.ratio);
             all += area;
         }
-        return map_.evaluate(point.normal) * static_cast<float>(open / all);
+        return map_.evaluate(point.normal) * static_cast<float>(visible / all);
     }
 
     double areaAbove(std::uint32_t cell, const Vec3d& n) const {

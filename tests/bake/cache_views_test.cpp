@@ -112,18 +112,18 @@ TEST(SkyView, SeesTheBlockWhereItStands) {
     const test::TestCache cache(baked(floorAndBlock()));
     const SkyView view(cache.cache(), {0, 0, 0}, {0, 1, 0});
     EXPECT_GE(view.weights().size(), 1u);
-    EXPECT_LT(view.look(Vec3d(1, 1, 0).normalized()).open, 0.05);
-    EXPECT_GT(view.look(Vec3d(-1, 1, 0).normalized()).open, 0.95);
-    EXPECT_GT(view.look({0, 1, 0}).open, 0.95);
+    EXPECT_LT(view.look(Vec3d(1, 1, 0).normalized()).visible, 0.05);
+    EXPECT_GT(view.look(Vec3d(-1, 1, 0).normalized()).visible, 0.95);
+    EXPECT_GT(view.look({0, 1, 0}).visible, 0.95);
     const SkyView::Figures f = view.figures();
     EXPECT_GT(f.known, 0.95);
     EXPECT_GT(f.pure, 0.5);
-    EXPECT_GT(f.open, 0.6);
+    EXPECT_GT(f.visible, 0.6);
     const TriangleMesh mesh = floorAndBlock();
     const Scene scene(mesh);
     const double hidden = test::hiddenByConvex(mesh, 2, mesh.triangles.size(),
                                                test::pointAlong(scene, {0, 0.4f, 0}, {0, -1, 0}));
-    EXPECT_NEAR(f.openCosine, 1 - hidden / kPi, 0.03);
+    EXPECT_NEAR(f.visibleCosine, 1 - hidden / kPi, 0.03);
     EXPECT_LT(f.bentNormal.x, -0.05);
     EXPECT_NEAR(f.bentNormal.z, 0, 0.05);
 

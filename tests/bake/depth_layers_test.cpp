@@ -85,7 +85,7 @@ TEST(DepthLayers, BecomeItemsThatKnowTheirOwnSky) {
     options.spacing = kSpacing;
     const BakeResult result = bake(scene, options);
     constexpr int kUp = 2;
-    double open[2] = {0, 0};
+    double visible[2] = {0, 0};
     int found = 0;
     for (std::size_t i = 0; i < result.items.size(); ++i) {
         const PatchCode code = PatchCode::of(result.items.patch[i]);
@@ -96,13 +96,13 @@ TEST(DepthLayers, BecomeItemsThatKnowTheirOwnSky) {
         for (std::size_t c = i * cells; c < (i + 1) * cells; ++c)
             n += result.items.n[c], d += result.items.d[c];
         ASSERT_LT(code.layer, 2);
-        open[code.layer] = n / d;
+        visible[code.layer] = n / d;
         ++found;
     }
     ASSERT_EQ(found, 2);
-    EXPECT_EQ(open[1], 1.0);  // nothing above the upper one
-    EXPECT_LT(open[0], 0.7);
-    EXPECT_GT(open[0], 0.0);
+    EXPECT_EQ(visible[1], 1.0);  // nothing above the upper one
+    EXPECT_LT(visible[0], 0.7);
+    EXPECT_GT(visible[0], 0.0);
 }
 
 }  // namespace

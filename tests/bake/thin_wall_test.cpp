@@ -81,7 +81,7 @@ TEST(ThinWall, OfTwoSkinsLeaksNoLight) {
         for (const int samples : {0, 16})
             EXPECT_EQ(wall.estimate(point, samples, 5).mean(0), 0.0) << point.position;
     const auto places = wall.places(false);
-    const double level = test::significance() / static_cast<double>(places.size());
+    const double level = test::significance(places.size());
     for (const ShadingPoint& point : places) {
         EXPECT_NEAR(wall.estimate(point, 0, 1).mean(0) / kPi, 1, 2e-2) << point.position;
         const auto estimates = wall.estimate(point, 16, 200);

@@ -174,12 +174,12 @@ double uniformityPValue(double tilt) {
 }
 
 TEST(LocateCell, CountsUniformDirectionsByArea) {
-    EXPECT_GT(uniformityPValue(0.0), test::significance());
+    EXPECT_GT(uniformityPValue(0.0), test::significance(1));
 }
 
 // Control: the test above must see a 3 % tilt of the density.
 TEST(LocateCell, SeesAThreePercentTilt) {
-    EXPECT_LT(uniformityPValue(0.03), test::significance());
+    EXPECT_LT(uniformityPValue(0.03), test::significance(1));
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ protected:
 INSTANTIATE_TEST_SUITE_P(Maps, EnvironmentMaps, testing::Range<std::size_t>(0, litMaps().size()),
                          [](const auto& test) { return litMaps()[test.param].name; });
 
-/// The total power is that of the map.
+/// The total luminance is that of the map.
 void EnvironmentMaps::expectPower() {
     double wanted = 0;
     const Image& map = named_.map;
@@ -75,15 +75,16 @@ void EnvironmentMaps::expectRadiance() {
 /// Moments are sums over the texels, and over the cells below.
 void EnvironmentMaps::expectMoments(const Texels& texels) {
     const Vec3d zero(0.0);
-    std::vector<std::array<Vec3d, 3>> flux(cellCount(Environment::kLevel), {zero, zero, zero});
-    std::vector<double> power(flux.size(), 0.0);
+    std::vector<std::array<Vec3d, 3>> firstMoment(cellCount(Environment::kLevel),
+                                                  {zero, zero, zero});
+    std::vector<double> luminance(firstMoment.size(), 0.0);
     for (std::size_t i = 0; i < texels.size(); ++i) {
         const Rgb radiance = environment_.texel(i).radiance;
         const std::uint32_t cell = texels.cell(i, Environment::kLevel);
         const Vec3d moment = texels.moment(i);
         for (std::size_t c = 0; c < 3; ++c)
-            flux[cell][c] += moment * static_cast<double>(radiance[static_cast<int>(c)]);
-        power[cell] += texels.power(i);
+            firstMoment[cell][c] += moment * static_cast<double>(radiance[static_cast<int>(c)]);
+        luminance[cell] += texels.luminanceIntegral(i);
     }
     for (int level = Environment::kLevel; level >= 0; --level) {
         double sum = 0;
@@ -91,27 +92,27 @@ void EnvironmentMaps::expectMoments(const Texels& texels) {
             const CellMoments& m = environment_.cells(level, cell / 16);
             const std::size_t k = cell % 16;
             sum += environment_.luminanceIntegral(level, cell);
-            EXPECT_NEAR(environment_.luminanceIntegral(level, cell), power[cell],
-                        1e-3 * power[cell]);
+            EXPECT_NEAR(environment_.luminanceIntegral(level, cell), luminance[cell],
+                        1e-3 * luminance[cell]);
             EXPECT_NEAR(static_cast<double>(m.luminanceIntegral[k]),
-                        environment_.luminanceIntegral(level, cell), 1e-7 * power[cell]);
+                        environment_.luminanceIntegral(level, cell), 1e-7 * luminance[cell]);
             for (std::size_t c = 0; c < 3; ++c)
                 for (int axis = 0; axis < 3; ++axis)
                     EXPECT_NEAR(
                         static_cast<double>(m.firstMoment[c][static_cast<std::size_t>(axis)][k]),
-                        flux[cell][c][axis], 1e-6 * flux[cell][c].length())
+                        firstMoment[cell][c][axis], 1e-6 * firstMoment[cell][c].length())
                         << level << " " << cell;
         }
         EXPECT_NEAR(sum / environment_.luminanceIntegral(), 1, 1e-12);
-        for (std::size_t cell = 0; cell < flux.size() / 4; ++cell) {
-            power[cell] =
-                power[4 * cell] + power[4 * cell + 1] + power[4 * cell + 2] + power[4 * cell + 3];
+        for (std::size_t cell = 0; cell < firstMoment.size() / 4; ++cell) {
+            luminance[cell] = luminance[4 * cell] + luminance[4 * cell + 1] +
+                              luminance[4 * cell + 2] + luminance[4 * cell + 3];
             for (std::size_t c = 0; c < 3; ++c)
-                flux[cell][c] = flux[4 * cell][c] + flux[4 * cell + 1][c] + flux[4 * cell + 2][c] +
-                                flux[4 * cell + 3][c];
+                firstMoment[cell][c] = firstMoment[4 * cell][c] + firstMoment[4 * cell + 1][c] +
+                                       firstMoment[4 * cell + 2][c] + firstMoment[4 * cell + 3][c];
         }
-        flux.resize(flux.size() / 4);
-        power.resize(power.size() / 4);
+        firstMoment.resize(firstMoment.size() / 4);
+        luminance.resize(luminance.size() / 4);
     }
 }
 
@@ -130,9 +131,10 @@ void EnvironmentMaps::expectRadii(const Texels& texels) {
 }
 
 /// How much of [0, 1) leads to each texel, against its density times its solid angle: no more than
-/// a step of the grid apart, whatever the map. `power` is that of all texels which `draw` may give.
+/// a step of the grid apart, whatever the map. `luminance` is that of all texels which `draw` may
+/// give.
 template <class Draw>
-void expectSharesMatch(const Texels& texels, int steps, double power, const Draw& draw) {
+void expectSharesMatch(const Texels& texels, int steps, double luminance, const Draw& draw) {
     struct Tally {
         int hits = 0;
         double share = 0;
@@ -151,9 +153,9 @@ void expectSharesMatch(const Texels& texels, int steps, double power, const Draw
     double total = 0, seen = 0, worst = 0;
     for (const auto& [texel, tally] : tallies) {
         total += tally.share;
-        seen += texels.power(texel) / power;
+        seen += texels.luminanceIntegral(texel) / luminance;
         worst = std::max(worst, std::abs(tally.share * steps - tally.hits));
-        EXPECT_GT(texels.power(texel), 0);
+        EXPECT_GT(texels.luminanceIntegral(texel), 0);
     }
     EXPECT_LT(worst, 1.2);
     EXPECT_NEAR(total, seen, 2e-3);  // the dimmest cells get a little more than their due
@@ -184,8 +186,8 @@ void EnvironmentMaps::expectSampleCell(const Texels& texels) {
         for (std::size_t k = 0; k < 5; ++k) {
             const std::uint32_t cell = lit[(lit.size() - 1) * k / 4];
             SCOPED_TRACE("level " + std::to_string(level) + " cell " + std::to_string(cell));
-            const double power = environment_.luminanceIntegral(level, cell);
-            expectSharesMatch(texels, 16000 >> level, power, [&](double u, float jitter) {
+            const double luminance = environment_.luminanceIntegral(level, cell);
+            expectSharesMatch(texels, 16000 >> level, luminance, [&](double u, float jitter) {
                 const EnvironmentSample s =
                     environment_.sampleCell(level, cell, u, jitter, 1 - jitter);
                 EXPECT_EQ(texels.cell(texels.along(s.direction), level), cell);
@@ -249,8 +251,8 @@ double histogramPValue(const NamedMap& named, const Bend& bend) {
 }
 
 // With its control where the light is spread: the test must see a 3 % tilt.
-TEST_P(EnvironmentMaps, HistogramFollowsThePower) {
-    const double level = test::significance() / static_cast<double>(litMaps().size());
+TEST_P(EnvironmentMaps, HistogramFollowsTheLight) {
+    const double level = test::significance(1);
     EXPECT_GT(histogramPValue(named_, [](double u) { return u; }), level);
     const bool spread = named_.name == "Noise" || named_.name == "Gradient" ||
                         named_.name == "AllEqual" || named_.name == "courtyard";
@@ -288,7 +290,7 @@ TEST(Environment, TakesItsLuminanceWeights) {
                       static_cast<double>(m.axis[axis][c % 16]);
         }
     EXPECT_EQ(red.luminance(Rgb(2, 3, 4)), 2.0f);
-    // Power along the cells' axes is all of the power but for the cells' width.
+    // Light along the cells' axes is all of it but for the cells' width.
     EXPECT_LT(wanted, red.luminanceIntegral());
     EXPECT_GT(wanted, 0.8 * red.luminanceIntegral());
 }

@@ -15,9 +15,9 @@ using test::CountedItem;
 
 constexpr DirectionTiers kTiers{4};  // 20 base cells, their children, and the children of these
 
-void expectCell(const PooledBlock& block, int i, float open, float weight, float rays,
+void expectCell(const PooledBlock& block, int i, float visible, float weight, float rays,
                 float rays2) {
-    EXPECT_FLOAT_EQ(block.open[i], open) << i;
+    EXPECT_FLOAT_EQ(block.visible[i], visible) << i;
     EXPECT_FLOAT_EQ(block.weight[i], weight) << i;
     EXPECT_FLOAT_EQ(block.rays[i], rays) << i;
     EXPECT_FLOAT_EQ(block.rays2[i], rays2) << i;
@@ -110,8 +110,8 @@ protected:
         pooled_.pool({&view_, 1});
     }
 
-    void expectSure(const PooledBlock& block, int i, float open) const {
-        expectCell(block, i, open, 1, 8, 8);
+    void expectSure(const PooledBlock& block, int i, float visible) const {
+        expectCell(block, i, visible, 1, 8, 8);
     }
     void expectUncertain(const PooledBlock& block, int i) const {
         expectCell(block, i, 0.75f, 1, 1, 1);

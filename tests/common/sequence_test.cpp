@@ -103,8 +103,8 @@ TEST(LarcherPillichshammer, WordsAreUniformOverSeeds) {
                 fixed[larcherPillichshammer(91) * std::uint64_t{kBins} >> 32] += 1;
             }
             const std::vector<double> expected(kBins, static_cast<double>(kSeeds) / kBins);
-            EXPECT_GT(test::chiSquaredPValue(counts, expected), test::significance() / 8);
-            EXPECT_LT(test::chiSquaredPValue(fixed, expected), test::significance() / 8);
+            EXPECT_GT(test::chiSquaredPValue(counts, expected), test::significance(8));
+            EXPECT_LT(test::chiSquaredPValue(fixed, expected), test::significance(8));
         }
 }
 
@@ -166,7 +166,7 @@ TEST(OwenSobol, EveryWordIsUniformOverTheSeeds) {
     for (int dimension = 0; dimension < kSobolDimensions; ++dimension)
         EXPECT_GT(uniformityPValue(
                       [&](std::uint64_t seed) { return sobolWord(37, dimension, seed) >> 26; }),
-                  test::significance())
+                  test::significance(kSobolDimensions))
             << dimension;
 }
 
@@ -176,7 +176,7 @@ TEST(OwenSobol, TheUniformityTestSeesAThreePercentTilt) {
                   const double u = sobolWord(37, 0, seed) * 0x1p-32;
                   return static_cast<std::size_t>(64.0 * u * (0.97 + 0.03 * u));
               }),
-              test::significance());
+              test::significance(kSobolDimensions));
 }
 
 TEST(OwenSobol, DimensionsOfOnePointAreIndependent) {
@@ -184,7 +184,7 @@ TEST(OwenSobol, DimensionsOfOnePointAreIndependent) {
         EXPECT_GT(uniformityPValue([a = a, b = b](std::uint64_t seed) {
                       return pairCell(sobolWord(5, a, seed), sobolWord(5, b, seed));
                   }),
-                  test::significance());
+                  test::significance(3));
 }
 
 TEST(OwenSobol, NeighbouringSeedsAreIndependent) {
@@ -193,7 +193,7 @@ TEST(OwenSobol, NeighbouringSeedsAreIndependent) {
                       return pairCell(sobolWord(11, dimension, 2 * seed),
                                       sobolWord(11, dimension, 2 * seed + 1));
                   }),
-                  test::significance());
+                  test::significance(kSobolDimensions));
 }
 
 // Owen's law for two points that part at the first bit: all later bits are independent.
@@ -201,7 +201,7 @@ TEST(OwenSobol, PointsThatPartAreIndependentBelow) {
     EXPECT_GT(uniformityPValue([](std::uint64_t seed) {
                   return pairCell(sobolWord(0, 0, seed) << 1, sobolWord(1, 0, seed) << 1);
               }),
-              test::significance());
+              test::significance(1));
 }
 
 // Control: with the bit where they part the two points depend on each other.
@@ -209,7 +209,7 @@ TEST(OwenSobol, TheIndependenceTestSeesTheFirstBit) {
     EXPECT_LT(uniformityPValue([](std::uint64_t seed) {
                   return pairCell(sobolWord(0, 0, seed), sobolWord(1, 0, seed));
               }),
-              test::significance());
+              test::significance(1));
 }
 
 double correlation(const Words& a, const Words& b) {
@@ -235,11 +235,11 @@ TEST(OwenSobol, SeedsPairPointsAtRandom) {
                                                sobol(0, kPoints, dimension, 2 * seed + 1)));
             squares += correlations.back() * correlations.back() / 4000.0;
         }
-        EXPECT_GT(test::meanPValue(correlations, 0.0), test::significance());
+        EXPECT_GT(test::meanPValue(correlations, 0.0), test::significance(kSobolDimensions));
         EXPECT_LT(squares, 2.5 / kPoints);
         // Control: a correlation of 2 % is seen.
         for (double& c : correlations) c += 0.02;
-        EXPECT_LT(test::meanPValue(correlations, 0.0), test::significance());
+        EXPECT_LT(test::meanPValue(correlations, 0.0), test::significance(kSobolDimensions));
     }
 }
 

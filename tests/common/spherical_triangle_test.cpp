@@ -156,14 +156,14 @@ class ArvoUniformity : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(ArvoUniformity, HoldsInSolidAngle) {
     EXPECT_GT(uniformityPValue(samplingCases()[GetParam()], [](double u) { return u; }),
-              test::significance());
+              test::significance(1));
 }
 
 // Control: the test above must see a 3 % tilt of the density.
 TEST_P(ArvoUniformity, SeesAThreePercentTilt) {
     EXPECT_LT(uniformityPValue(samplingCases()[GetParam()],
                                [](double u) { return u * (0.97 + 0.03 * u); }),
-              test::significance());
+              test::significance(1));
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, ArvoUniformity, testing::Range<std::size_t>(0, 7));

@@ -41,7 +41,7 @@ TEST_F(Info, CountsAddUp) {
     EXPECT_EQ(sumOf(info["regions"]["by_rays"]), cells);
     const auto counted = info["regions"]["base"].get<std::uint64_t>() +
                          info["regions"]["finer"].get<std::uint64_t>();
-    EXPECT_EQ(sumOf(info["regions"]["by_open_share"]), counted);
+    EXPECT_EQ(sumOf(info["regions"]["by_visible_share"]), counted);
     EXPECT_EQ(info["regions"]["by_rays"][0], cells - counted);
     EXPECT_EQ(info["bytes"]["items"]["n"], info["items"].get<std::uint64_t>() * 80);
     const std::string text = runWell("info", "set.vdb").out;
@@ -59,9 +59,9 @@ TEST_F(Info, TellsOfAPlace) {
     EXPECT_EQ(readBytes(path("sky.png")).substr(1, 3), "PNG");
     const json on = json::parse(runWell("info", "set.vdb --at 0,0.6,0,0,1,0 --json").out);
     const json under = json::parse(runWell("info", "set.vdb --at 0,0,0,0,1,0 --json").out);
-    EXPECT_GT(on["open"], 0.99);
-    EXPECT_LT(under["open"], on["open"].get<double>() - 0.1);
-    EXPECT_LT(under["open_cosine"], under["open"]) << "the table is overhead";
+    EXPECT_GT(on["visible"], 0.99);
+    EXPECT_LT(under["visible"], on["visible"].get<double>() - 0.1);
+    EXPECT_LT(under["visible_cosine"], under["visible"]) << "the table is overhead";
     EXPECT_GT(on["open_direction"][1], 0.99);
     EXPECT_NE(runWell("info", "set.vdb --at 0,9,0,0,1,0").out.find("knows nothing"),
               std::string::npos);

@@ -22,15 +22,15 @@ TEST(Calibration, IsTheCountsOwnBeforeAnyRay) {
 
 // Counts of any kind, whatever the rays found: a posterior outside (0, 1) would lose regions.
 TEST(Calibration, StaysBetweenZeroAndOne) {
-    for (const bool open : {false, true}) {
+    for (const bool visible : {false, true}) {
         Calibration tested;
         for (int k = 0; k < 20; ++k) {
             const float uncertainty = 1.01f * std::ldexp(0.5f, -k);
             for (int i = 0; i < 3000; ++i) {
-                tested.add(std::min(uncertainty, 1.0f), open);
-                tested.add(1 - std::min(uncertainty, 1.0f), open);
+                tested.add(std::min(uncertainty, 1.0f), visible);
+                tested.add(1 - std::min(uncertainty, 1.0f), visible);
             }
-            for (int i = 0; i < 30; ++i) tested.add(std::min(1.47f * uncertainty, 1.0f), open);
+            for (int i = 0; i < 30; ++i) tested.add(std::min(1.47f * uncertainty, 1.0f), visible);
         }
         tested.update();
         for (float a = 0; a <= 1; a += 1.0f / 4096) {

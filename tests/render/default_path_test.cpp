@@ -6,151 +6,25 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "common/base/sequence.h"
 #include "render/frame/integrator.h"
+#include "tests/support/lit_floor.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
 
 namespace shadowcache {
 namespace {
 
-constexpr int kWidth = 18, kHeight = 12;
-constexpr int kStrips = 3;  ///< of the film, side by side, each compared with a truth of its own
+using test::CacheKind;
+using test::cacheKinds;
+using test::Light;
+using test::LitFloor;
+using test::View;
 
-const Rgb kSky(1, 0.5f, 2);
-constexpr float kLampRadiance = 40;  ///< in units of the sky's
-const Vec3d kSeenLamp(-1, 0.7, 0.1), kHiddenLamp(1.25, 1, 0);
-
-/// A constant sky with one bright texel that all of the film's floor sees and one that the slab
-/// hides from all of it.
-struct Light {
-    static constexpr int kMapWidth = 64, kMapHeight = 32;
-    std::array<int, 2> seen = texelOf(kSeenLamp), hidden = texelOf(kHiddenLamp);
-    Image map = makeMap();
-
-    static std::array<int, 2> texelOf(const Vec3d& direction) {
-        return test::texelAt(kMapWidth, kMapHeight, direction.normalized());
-    }
-    Image makeMap() const {
-        Image image{kMapWidth, kMapHeight, {}};
-        image.pixels.assign(static_cast<std::size_t>(kMapWidth * kMapHeight), kSky);
-        for (const auto& [x, y] : {seen, hidden})
-            image.pixels[static_cast<std::size_t>(y * kMapWidth + x)] = kSky * kLampRadiance;
-        return image;
-    }
-};
-
-/// Looks straight down at the floor, from below the slab: the film maps to the floor linearly.
-struct View {
-    static constexpr double kFloorHeight = 0.6, kFloorWidth = kFloorHeight * kWidth / kHeight;
-
-    static Camera camera() { return {{0, 0.25, 0}, {0, -1, 0}, {0, 0, -1}, 1, kFloorHeight}; }
-    static ShadingPoint place(double filmX, double filmY) {
-        const Vec3d p((filmX - 0.5) * kFloorWidth, 0, (filmY - 0.5) * kFloorHeight);
-        return {Vec3f(p), p, {0, 1, 0}, 0};
-    }
-};
-
-/// What a cache says that is not what the bake found.
-struct CacheKind {
-    std::string name;
-    std::function<void(BakeResult&)> change;
-};
-
-void fillCounts(BakeResult& baked, const std::function<std::array<int, 2>(std::size_t)>& counts) {
-    for (std::size_t i = 0; i < baked.items.n.size(); ++i) {
-        const auto [n, d] = counts(i);
-        baked.items.n[i] = static_cast<std::uint8_t>(n);
-        baked.items.d[i] = static_cast<std::uint8_t>(d);
-    }
-    baked.items.blocks.clear();
-    std::ranges::fill(baked.items.firstBlock, 0u);
-}
-
-/// The base cell of `direction` is called `n` of 200 by every item; the rest stays as baked.
-void tellOneCell(BakeResult& baked, const Vec3d& direction, int n) {
-    const DirectionTiers tiers = baked.header.tiers();
-    const std::uint32_t cell = locateCell(tiers.baseLevel(), direction.normalized());
-    const CacheItems honest = baked.items;
-    baked.items.blocks.clear();
-    baked.items.firstBlock = {0};
-    for (std::size_t i = 0; i < honest.size(); ++i) {
-        baked.items.n[i * tiers.baseCells() + cell] = static_cast<std::uint8_t>(n);
-        baked.items.d[i * tiers.baseCells() + cell] = 200;
-        for (std::uint32_t b = honest.firstBlock[i]; b < honest.firstBlock[i + 1]; ++b) {
-            const std::uint32_t key = honest.blocks[b].key;
-            const bool first = key < tiers.blockKey(1, 0);
-            const std::uint32_t parent = first ? key : (key - tiers.blockKey(1, 0)) / kBlockCells;
-            if (parent != cell) baked.items.blocks.push_back(honest.blocks[b]);
-        }
-        baked.items.firstBlock.push_back(static_cast<std::uint32_t>(baked.items.blocks.size()));
-    }
-}
-
-std::vector<CacheKind> cacheKinds() {
-    return {{"Honest", [](BakeResult&) {}},
-            {"AllDark",
-             [](BakeResult& b) { fillCounts(b, [](std::size_t) {
-                                     return std::array{0, 255};
-                                 }); }},
-            {"AllOpen",
-             [](BakeResult& b) {
-                 fillCounts(b, [](std::size_t) { return std::array{255, 255}; });
-             }},
-            {"Random",
-             [](BakeResult& b) {
-                 fillCounts(b, [](std::size_t i) {
-                     const std::uint64_t h = hashWords(91, i);
-                     const int d = static_cast<int>(h % 256);
-                     return std::array{
-                         static_cast<int>((h >> 20) % static_cast<std::uint64_t>(d + 1)), d};
-                 });
-             }},
-            {"LampCalledHidden", [](BakeResult& b) { tellOneCell(b, kSeenLamp, 0); }},
-            {"LampCalledSeen", [](BakeResult& b) { tellOneCell(b, kHiddenLamp, 200); }}};
-}
-
-/// The floor under a slab, the light and a cache of one kind.
-struct LitFloor {
-    Light light;
-    TriangleMesh mesh = test::slabMesh();
-    Scene scene{mesh};
-    Environment environment = test::environmentOf(light.map);
-    test::TestCache cache;
-
-    explicit LitFloor(const CacheKind& kind) : cache(baked(kind)) {}
-
-    EstimatorContext context() const { return {scene, environment, &cache.cache()}; }
-
-    /// Mean irradiance of a strip of the film, from `nodes` x `nodes` places in each pixel.
-    Rgb truth(int strip, int nodes) const {
-        const double lamp =
-            (static_cast<double>(kLampRadiance) - 1) *
-            test::texelMoment(Light::kMapWidth, Light::kMapHeight, light.seen[0], light.seen[1]).y;
-        double sum = 0;
-        const int columns = kWidth / kStrips * nodes, rows = kHeight * nodes;
-        for (int i = 0; i < columns; ++i)
-            for (int j = 0; j < rows; ++j)
-                sum += kPi + lamp -
-                       test::hiddenByConvex(
-                           mesh, 2, mesh.triangles.size(),
-                           View::place((strip + (i + 0.5) / columns) / kStrips, (j + 0.5) / rows));
-        return kSky * static_cast<float>(sum / (columns * rows));
-    }
-
-private:
-    BakeResult baked(const CacheKind& kind) const {
-        BakeOptions options;
-        options.spacing = 0.5;
-        BakeResult result = bake(scene, options);
-        kind.change(result);
-        return result;
-    }
-};
+constexpr int kWidth = View::kWidth, kHeight = View::kHeight, kStrips = LitFloor::kStrips;
 
 RenderOptions effort(int cameraRays, int samples) {
     RenderOptions options;
@@ -242,7 +116,7 @@ TEST_P(DefaultPath, MeetsTheClosedForm) {
     const Path path = paths()[GetParam()];
     const LitFloor floor(path.cache);
     const auto estimator = findEstimator(path.estimator).make(floor.context());
-    const double level = test::significance() / (kStrips * std::size(kEfforts));
+    const double level = test::significance(kStrips * std::size(kEfforts));
     for (const auto& [cameraRays, samples] : kEfforts) {
         SCOPED_TRACE(std::to_string(cameraRays) + " x " + std::to_string(samples));
         const int count = std::max(36, path.films / (cameraRays * samples));
@@ -391,46 +265,132 @@ TEST(DefaultPathFilm, FramesAreIndependent) {
     EXPECT_LT(std::abs(next), 0.2 * same);
 }
 
+/// Where all of the sky is seen, and the counts say so, samples find nothing to add: all pixels are
+/// equal. Control: counts that are wrong.
+TEST(DefaultPathFilm, LeavesNoNoiseInFullLight) {
+    Image map = test::noiseMap(64, 32, 5);  // dark around the horizon, where cosines are not exact
+    std::fill(map.pixels.begin() + 64 * 8, map.pixels.end(), Rgb(0, 0, 0));
+    const test::World world(test::floorMesh(), map);
+    const auto unevenness = [&](const CacheKind& kind, bool withPilot) {
+        BakeResult baked = world.baked;
+        kind.change(baked);
+        const test::TestCache cache(baked);
+        EstimatorContext context = world.context();
+        context.cache = &cache.cache();
+        const auto estimator = findEstimator("cache").make(context);
+        RenderStats stats;
+        if (withPilot) runPilot({*estimator, View::camera(), 1, effort(4, 4)}, stats);
+        const Film film = render({*estimator, View::camera(), 1, effort(4, 4)}, stats);
+        const auto [least, most] = std::ranges::minmax_element(
+            film.pixels, {}, [](const Pixel& pixel) { return pixel.irradiance.y; });
+        return static_cast<double>(most->irradiance.y / least->irradiance.y) - 1;
+    };
+    for (const bool withPilot : {false, true})
+        EXPECT_LT(unevenness(cacheKinds().front(), withPilot), 1e-5) << withPilot;
+    EXPECT_GT(unevenness(cacheKinds()[1], false), 1e-3);
+}
+
+/// What the pilot finds lowers the noise of a pixel, alone without neighbours, where counts are
+/// wrong. Control: where they are right there is little to find.
+TEST(DefaultPathPixel, ThePilotLowersTheNoiseOfWrongCounts) {
+    const auto left = [](const CacheKind& kind) {
+        const LitFloor floor(kind);
+        const auto variance = [&](bool withPilot) {
+            const auto estimator = findEstimator("cache").make(floor.context());
+            RenderOptions options = effort(1, 16);
+            options.seed = 1000;
+            RenderStats stats;
+            if (withPilot) runPilot({*estimator, View::camera(), 1, options}, stats);
+            options.width = options.height = 1;
+            std::vector<Film> pixels;
+            for (options.seed = 1; options.seed <= 400; ++options.seed)
+                pixels.push_back(render({*estimator, View::camera(), 1, options}, stats));
+            return pixelVariance(pixels);
+        };
+        return variance(true) / variance(false);
+    };
+    EXPECT_LT(left(cacheKinds()[2]), 0.5);
+    EXPECT_LT(left(cacheKinds()[4]), 0.5);
+    EXPECT_GT(left(cacheKinds()[0]), 0.7);
+}
+
 /// A ball alone under a gradient: nothing hides the sky, so the irradiance is linear in the normal.
-class DefaultPathOnABall : public testing::TestWithParam<bool> {};
+/// Points that are lit together have normals of their own.
+class LitBall {
+public:
+    LitBall() {
+        TriangleMesh mesh;
+        test::addSphere(mesh, {0, 0, 0}, 1, 24);
+        world_.emplace(std::move(mesh), test::gradientMap(512, 256, slope_));
+    }
 
-INSTANTIATE_TEST_SUITE_P(Caches, DefaultPathOnABall, testing::Bool(), [](const auto& test) {
-    return std::string(test.param ? "AllDark" : "Honest");
-});
-
-// Points that are lit together have normals of their own. With its control: 1 % more is rejected.
-TEST_P(DefaultPathOnABall, MeetsTheClosedForm) {
-    const Vec3d slope(0.5, 0.3, -0.4);
-    TriangleMesh mesh;
-    test::addSphere(mesh, {0, 0, 0}, 1, 24);
-    const test::World world(std::move(mesh), test::gradientMap(512, 256, slope));
-    BakeResult told = world.baked;
-    if (GetParam()) cacheKinds()[1].change(told);
-    const test::TestCache cache(told);
-    EstimatorContext context = world.context();
-    context.cache = &cache.cache();
-    const auto estimator = findEstimator("cache").make(context);
-    const Camera camera = lookAt({2, 1.5, 1}, {0, 0, 0}, {0, 1, 0}, 0.5);
-    const double level = test::significance() / 5;
-    for (const auto& [cameraRays, samples] : {Effort{1, 1}, {1, 16}, {4, 4}, {16, 1}, {16, 4}}) {
-        SCOPED_TRACE(std::to_string(cameraRays) + " x " + std::to_string(samples));
-        RenderOptions options = effort(cameraRays, samples);
+    /// Relative errors of films, one for each seed.
+    std::vector<double> errors(const CacheKind& kind, const Effort& chosen, int count,
+                               bool withPilot) const {
+        BakeResult told = world_->baked;
+        kind.change(told);
+        const test::TestCache cache(told);
+        EstimatorContext context = world_->context();
+        context.cache = &cache.cache();
+        const auto estimator = findEstimator("cache").make(context);
+        RenderOptions options = effort(chosen.cameraRays, chosen.samples);
         RenderStats stats;
         options.seed = 1000;
-        runPilot({*estimator, camera, 1, options}, stats);
-        std::vector<double> ratios, more;
-        for (options.seed = 1; options.seed <= 60; ++options.seed) {
+        if (withPilot) runPilot({*estimator, camera_, 1, options}, stats);
+        std::vector<double> ratios;
+        for (options.seed = 1; static_cast<int>(ratios.size()) < count; ++options.seed) {
             double found = 0, truth = 0;
-            for (const Pixel& pixel : render({*estimator, camera, 1, options}, stats).pixels) {
+            for (const Pixel& pixel : render({*estimator, camera_, 1, options}, stats).pixels) {
                 const double seen = static_cast<double>(pixel.albedo.y / options.albedo.y);
                 found += static_cast<double>(pixel.irradiance.y);
-                truth += kPi * seen + 2 * kPi / 3 * slope.dot(Vec3d(pixel.normal));
+                truth += kPi * seen + 2 * kPi / 3 * slope_.dot(Vec3d(pixel.normal));
             }
             ratios.push_back(found / truth - 1);
-            more.push_back(found / truth - 1.01);
         }
-        EXPECT_GT(test::meanPValue(ratios, 0), level);
-        EXPECT_LT(test::meanPValue(more, 0), level);
+        return ratios;
+    }
+
+private:
+    const Vec3d slope_{0.5, 0.3, -0.4};
+    const Camera camera_ = lookAt({2, 1.5, 1}, {0, 0, 0}, {0, 1, 0}, 0.5);
+    std::optional<test::World> world_;
+};
+
+class DefaultPathOnABall : public testing::TestWithParam<std::size_t> {
+protected:
+    /// With its control: `wrong` more is rejected.
+    static void expectTruth(const std::vector<double>& errors, double wrong, double level) {
+        EXPECT_GT(test::meanPValue(errors, 0), level);
+        EXPECT_LT(test::meanPValue(errors, -wrong), level);
+    }
+
+    const LitBall ball_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Caches, DefaultPathOnABall, testing::Values<std::size_t>(0, 1),
+                         [](const auto& test) { return cacheKinds()[test.param].name; });
+
+TEST_P(DefaultPathOnABall, MeetsTheClosedForm) {
+    const double level = test::significance(5);
+    for (const Effort& e : {Effort{1, 1}, {1, 16}, {4, 4}, {16, 1}, {16, 4}}) {
+        SCOPED_TRACE(std::to_string(e.cameraRays) + " x " + std::to_string(e.samples));
+        expectTruth(ball_.errors(cacheKinds()[GetParam()], e, 60, true), 0.01, level);
+    }
+}
+
+/// Without a pilot nothing corrects wrong counts: all of the light that they deny comes from
+/// samples, whose numbers and densities count in full.
+class DefaultPathUncalibrated : public DefaultPathOnABall {};
+
+INSTANTIATE_TEST_SUITE_P(Caches, DefaultPathUncalibrated, testing::Values<std::size_t>(1, 3),
+                         [](const auto& test) { return cacheKinds()[test.param].name; });
+
+TEST_P(DefaultPathUncalibrated, MeetsTheClosedForm) {
+    const double level = test::significance(3);
+    for (const Effort& e : {Effort{1, 1}, {4, 4}, {16, 1}}) {
+        SCOPED_TRACE(std::to_string(e.cameraRays) + " x " + std::to_string(e.samples));
+        const int count = std::max(60, 600 / (e.cameraRays * e.samples));
+        expectTruth(ball_.errors(cacheKinds()[GetParam()], e, count, false), 0.015, level);
     }
 }
 

@@ -76,7 +76,7 @@ TEST_P(HostileLight, IsEstimatedWithoutBias) {
     const Rgb truth = test::tracedIrradiance(scene, point, map, 1500);
     const double whole = test::texelMoment(kWidth, kHeight, x, y).length() * 300;
     EXPECT_GT(static_cast<double>(truth.x), 1e-3 * whole) << "the place tells nothing";
-    const double level = test::significance() / static_cast<double>(2 * estimators.size());
+    const double level = test::significance(2 * estimators.size());
     for (const auto& [name, estimator] : estimators)
         for (const int samples : {3, 64}) {
             const auto estimates = test::runEstimator(*estimator, point, samples, 1500);

@@ -123,8 +123,7 @@ INSTANTIATE_TEST_SUITE_P(ClosedForms, Irradiance, testing::Range<std::size_t>(0,
 TEST_P(Irradiance, OfEveryEstimatorIsTheTruthAndNotThreePercentMore) {
     const Trial trial(cases()[GetParam()]);
     const bool sparse = trial.chosen.name == "OneTexel";
-    const double level =
-        test::significance() / static_cast<double>(trial.estimators.size() * std::size(kEfforts));
+    const double level = test::significance(trial.estimators.size() * std::size(kEfforts));
     for (const auto& [name, estimator] : trial.estimators)
         for (const Effort& effort : kEfforts) {
             const auto estimates =

@@ -131,7 +131,7 @@ TEST_P(Lies, ChangeNoMean) {
     options.paper.triangles = 1500;
     const EstimatorContext context{scene, environment, &cache.cache(), {}};
     const Vec3f places[] = {{1.3f, 0.3f, 0.7f}, {0.1f, 0.3f, -1}, {-1.1f, 0.5f, 0.2f}};
-    const double level = test::significance() / (2 * 2 * std::size(places));
+    const double level = test::significance(2 * 2 * std::size(places));
     for (const std::string name : {"paper", "cache"}) {
         // `paper` takes seconds to set up; two caches will do.
         if (name == "paper" && chosen.name != "RandomAndSure" && chosen.name != "AnotherSets")

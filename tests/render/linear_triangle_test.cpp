@@ -68,7 +68,7 @@ TEST(LinearTriangle, DensityHasUnitIntegral) {
 // Control: a corner value that differs by 5 % of the mean is rejected.
 TEST(LinearTriangle, DrawsFromItsDensity) {
     for (const int level : {0, 4}) {
-        const double limit = test::significance() / 2;
+        const double limit = test::significance(2);
         EXPECT_GT(samplingPValue(level, 7, kValues, kValues), limit) << level;
         EXPECT_LT(samplingPValue(level, 7, kValues, {0.1, 2.5, 0.45}), limit) << level;
     }
@@ -80,13 +80,13 @@ TEST(LinearTriangle, ShapeIsThatOfTheLight) {
     const SphericalTriangle t = cellTriangle(5, 100);
     const LinearTriangle light(t, {0.5, 2, 0.5});
     constexpr int kSide = 300;
-    Vec3d flux(0, 0, 0);
+    Vec3d firstMoment(0, 0, 0);
     for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x) {
             const Vec3d w = sampleDirection(t, (x + 0.5) / kSide, (y + 0.5) / kSide);
-            flux += w * light.density(w);
+            firstMoment += w * light.density(w);
         }
-    const auto shape = linearShape(t, flux);
+    const auto shape = linearShape(t, firstMoment);
     EXPECT_NEAR(shape[0], 0.5, 0.01);
     EXPECT_NEAR(shape[1], 2, 0.02);
     EXPECT_NEAR(shape[2], 0.5, 0.01);

@@ -88,7 +88,7 @@ TEST_F(Moving, ChangesNoMean) {
                       mesh_.origin + Vec3d(hit.position),
                       {0, 1, 0},
                       0});
-    const double level = test::significance() / (2 * static_cast<double>(points.size()));
+    const double level = test::significance(2 * points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Rgb truth = test::tracedIrradiance(*scene_, points[i], map, 64);
         for (const int samples : {4, 64}) {

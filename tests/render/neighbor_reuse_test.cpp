@@ -98,7 +98,7 @@ TEST_P(Mispredictions, ChangeNoMean) {
     const auto together = run(*estimator, points, 16, 1500, true);
     const auto mis =
         run(*findEstimator("mis").make({scene, environment, nullptr, {}}), points, 64, 1500, false);
-    const double level = test::significance() / (2 * kPoints);
+    const double level = test::significance(kPoints);
     int told = 0;
     for (std::size_t p = 0; p < kPoints; ++p) {
         std::vector<double> truth = mis[p].color[1];

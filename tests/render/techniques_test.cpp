@@ -73,7 +73,7 @@ TEST(Preconvolved, KnowsNoOccluder) {
 
 // Ambient visibility is a share of solid angle: that of a slab endless along z is the share of
 // azimuths about z that it leaves open. Control: the irradiance's share differs from it.
-TEST(AmbientOcclusion, IsTheOpenShareOfTheHemisphere) {
+TEST(AmbientOcclusion, IsTheVisibleShareOfTheHemisphere) {
     TriangleMesh mesh = floorMesh();
     test::addBox(mesh, {0.5f, 1, -400}, {2, 1.5f, 400});
     const World world(std::move(mesh), test::constantMap(kSky));
@@ -87,7 +87,7 @@ TEST(AmbientOcclusion, IsTheOpenShareOfTheHemisphere) {
     EXPECT_GT(std::abs(lit / share - 1), 0.05);
 }
 
-// Control: with half of the map's power the sums differ.
+// Control: with half of the map's radiance the sums differ.
 TEST(Lights, HaveTheEnergyOfTheMap) {
     const Environment environment = test::environmentOf(test::noiseMap(64, 32, 3));
     Vec3d map(0.0);
@@ -101,7 +101,7 @@ TEST(Lights, HaveTheEnergyOfTheMap) {
         EXPECT_GT(lights.size(), 0.8 * count);
         Vec3d sum(0.0);
         for (const DirectionalLight& light : lights) {
-            sum += Vec3d(light.power);
+            sum += Vec3d(light.radianceIntegral);
             EXPECT_NEAR(static_cast<double>(light.direction.length()), 1, 1e-5);
         }
         for (int c = 0; c < 3; ++c) {
@@ -145,8 +145,8 @@ TEST(Pixel, OnlyThePrintedFormMissesTheHorizon) {
             kSky * static_cast<float>(test::texelMoment(64, 32, x, kRow).dot(Vec3d(point.normal)));
     const auto exact = findEstimator("pixel").make(world.context(), options);
     const auto estimates = test::runEstimator(*exact, point, 64, 400);
-    EXPECT_GT(test::agreementPValue(estimates, truth), test::significance());
-    EXPECT_LT(test::agreementPValue(estimates, truth * 1.1f), test::significance());
+    EXPECT_GT(test::agreementPValue(estimates, truth), test::significance(1));
+    EXPECT_LT(test::agreementPValue(estimates, truth * 1.1f), test::significance(1));
     EXPECT_EQ(once(world, "pixel-printed", point, 64, options), Rgb(0, 0, 0));
 }
 
@@ -198,7 +198,7 @@ TEST_P(Variants, AreUnbiased) {
     const Rgb truth = kSky * static_cast<float>(world.irradianceUnderSlab(point));
     const auto estimator =
         findEstimator(variant.estimator).make(world.context(variant.sequence), variant.options);
-    const double level = test::significance() / static_cast<double>(3 * variants().size());
+    const double level = test::significance(3);
     for (const int samples : {1, 5, 64}) {
         const auto estimates = test::runEstimator(*estimator, point, samples, 1000);
         EXPECT_GT(test::agreementPValue(estimates, truth), level) << samples;

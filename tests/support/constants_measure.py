@@ -217,7 +217,7 @@ CASES = {
     "spacing": (spacing, (1,)),
     "many": (many, (1,)),
 }
-SPECIAL = {"kUnsureShareUniform": ["uniform"], "kOpenStill": ["moving"], "kMostBalls": ["moving"],
+SPECIAL = {"kUnsureShareUniform": ["uniform"], "kStillVisible": ["moving"], "kMostBalls": ["moving"],
            "kItemPixels": ["paper-image"],
            "kManyTriangles": ["many"], "kPatches": ["spacing"], "kMostItems": ["spacing"],
            "kLeastNoise": ["render"], "kLeastPreviewShare": ["preview"], "kOrderLevel": ["render"],

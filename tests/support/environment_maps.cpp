@@ -65,7 +65,7 @@ double Texels::solidAngle(std::size_t i) const {
     return static_cast<double>(environment_.texel(i).solidAngle);
 }
 
-double Texels::power(std::size_t i) const {
+double Texels::luminanceIntegral(std::size_t i) const {
     return static_cast<double>(environment_.luminance(environment_.texel(i).radiance)) *
            solidAngle(i);
 }

@@ -32,7 +32,7 @@ public:
         return ancestorCell(cellOf_[i], Environment::kLevel, level);
     }
     double solidAngle(std::size_t i) const;
-    double power(std::size_t i) const;
+    double luminanceIntegral(std::size_t i) const;
     /// Integral of the direction over a texel, exact.
     Vec3d moment(std::size_t i) const;
     std::size_t along(const Vec3f& direction) const { return rankOf_[place(direction)]; }

@@ -35,11 +35,10 @@ double tTestPValue(double difference, double squaredError, double degreesOfFreed
 
 }  // namespace
 
-double significance() {
+double significance(std::size_t comparisons) {
     constexpr double kSuiteLevel = 1e-4;
-    // Upper bound of the statistical tests in the whole suite; raise it when there are more.
-    constexpr double kTests = 64.0;
-    return -std::expm1(std::log1p(-kSuiteLevel) / kTests);
+    const double ofOneTest = -std::expm1(std::log1p(-kSuiteLevel) / kStatisticalTests);
+    return ofOneTest / static_cast<double>(comparisons);
 }
 
 double chiSquaredTail(double statistic, double degreesOfFreedom) {

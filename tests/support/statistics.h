@@ -1,12 +1,17 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 namespace shadowcache::test {
 
-/// Level of one statistical test, from the suite's budget of 1e-4 false alarms: a test passes while
-/// its p-value is above it, and its control must come out below.
-double significance();
+/// Statistical tests in the suite, at most; `statistical_tests` counts them.
+inline constexpr int kStatisticalTests = 96;
+
+/// Level of each of `comparisons` (> 0) in one test, from the suite's budget of 1e-4 false alarms:
+/// a test passes while its p-values are above it, and those of its control must come out below. One
+/// call for each group of comparisons: two calls are counted as two tests.
+double significance(std::size_t comparisons);
 
 /// Upper tail of the chi-squared distribution.
 double chiSquaredTail(double statistic, double degreesOfFreedom);
