@@ -78,6 +78,8 @@ const EstimatorEntry& validate(const RenderJob& job) {
     if (job.render.samples < entry.minSamples)
         throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
                     " expected at least " + std::to_string(entry.minSamples));
+    if (job.render.preview && name != "cache")
+        throw Error("--preview: expected --estimator cache, found " + name);
     if (job.progressive && job.sequence != Sequence::sobol && job.sequence != Sequence::random)
         throw Error(
             "--progressive: expected --sequence sobol or random, which have no fixed length");
