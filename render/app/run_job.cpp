@@ -242,6 +242,7 @@ private:
             std::printf(" (%.1f M of them reuse neighbours' samples)",
                         static_cast<double>(stats_.reusedRays) * 1e-6);
         std::printf(" in %.2f s", stats_.seconds);
+        if (job_.render.preview) std::printf(" (biased: filtered)");
         if (error_) std::printf(", relMSE %.3g", error_->mean);
         std::printf(" -> %s\n", job_.output.c_str());
         if (cache_) printMemoryUse(cache_->memoryUse());

@@ -15,16 +15,16 @@ struct Pixel {
     Rgb predicted{0, 0, 0};  ///< the colour predicted without rays, if RenderOptions::preview
     Rgb irradiance{0, 0, 0};
     Rgb albedo{0, 0, 0};
-    Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
-    Vec3f position{0, 0, 0};  ///< world space
-    float depth = 0;          ///< distance from the camera; 0: the sky
-    float variance = 0;       ///< of the irradiance's luminance, as the camera rays' spread tells;
-                              ///< of one camera ray, as its samples tell
-    float colorVariance = 0;  ///< of the colour's luminance: edges, albedo and sky included
-    float rays = 0;           ///< shadow rays traced
-    float reusedRays = 0;     ///< those of them that reuse what other pixels found
-    float residualVariance = 0;  ///< of the luminance of what rays add to the predicted irradiance,
-                                 ///< if RenderOptions::preview
+    Vec3f normal{0, 0, 0};     ///< world space, toward the viewer
+    Vec3f position{0, 0, 0};   ///< world space
+    float depth = 0;           ///< distance from the camera; 0: the sky
+    float variance = 0;        ///< of the irradiance's luminance, as the camera rays' spread tells;
+                               ///< of one camera ray, as its samples tell
+    float colorVariance = 0;   ///< of the colour's luminance: edges, albedo and sky included
+    float rays = 0;            ///< shadow rays traced
+    float reusedRays = 0;      ///< those of them that reuse what other pixels found
+    float sampleVariance = 0;  ///< of the luminance of the irradiance over the set, as the samples
+                               ///< alone tell it
     float cameraRays = 0;
     float coverage = 0;  ///< share of the camera rays that meet the set
     // What the cache says before any ray, if RenderOptions::insight.

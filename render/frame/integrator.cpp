@@ -23,7 +23,7 @@ Film render(const FrameRequest& wanted, RenderStats& stats) {
         progress.add(1);
     });
     requireFinite(film, frame.number, options.seed);
-    return finishFilm(wanted, std::move(film));
+    return finishFilm(wanted, std::move(film), stats);
 }
 
 std::vector<std::vector<Pixel>> renderSomeTiles(const FrameRequest& frame,

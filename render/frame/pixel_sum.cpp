@@ -37,10 +37,8 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     pixel.misses *= scale;
     pixel.cameraRays = static_cast<float>(sum.cameraRays);
     pixel.coverage = static_cast<float>(sum.hits) * scale;
-    if (sum.hits > 1)
-        pixel.residualVariance = static_cast<float>(sum.residual.varianceOfMean(1, sum.hits));
-    else
-        pixel.residualVariance = pixel.variance;
+    const auto hits = static_cast<float>(std::max(1, sum.hits));
+    pixel.sampleVariance = sum.sum.variance / (hits * hits);
     if (sum.cameraRays < 2) {
         const double reflectance = static_cast<double>(pixel.albedo.dot(luminanceWeights)) / kPi;
         pixel.colorVariance =

@@ -34,7 +34,6 @@ int spreadRunLength(int passRays);
 struct PixelSum {
     Pixel sum;                    ///< `variance` of each ray's own samples, `expectedNoise` squared
     RunSpread color, irradiance;  ///< of the luminance
-    RunSpread residual;           ///< of that of what was not predicted, by rays that meet the set
     int cameraRays = 0;
     int hits = 0;  ///< camera rays that meet the set
 };

@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/parallel.h"
 #include "render/frame/film_parts.h"
 #include "render/frame/residual_filter.h"
+#include "render/frame/tile_loop.h"
 
 namespace shadowcache {
 
 namespace {
+
+/// Pixels that one thread takes at a time.
+constexpr std::size_t kPixelsOfChunk = 4096;
 
 /// Width of a pixel at each unit of distance, or everywhere if the camera is orthographic.
 float pixelWidth(const Camera& camera, const RenderOptions& options, float depth) {
@@ -26,7 +31,7 @@ ResidualPixel residualOf(const FrameRequest& frame, const Pixel& pixel) {
     const float scale = 1 / pixel.coverage;
     const float length = pixel.normal.length();
     if (length > 0) result.normal = pixel.normal / length;
-    result.variance = pixel.residualVariance;
+    result.variance = pixel.sampleVariance;
     result.position = pixel.position * scale;
     result.width = pixelWidth(frame.camera, frame.options, pixel.depth * scale);
     return result;
@@ -59,22 +64,30 @@ FrameRequest withPreviewMargin(const FrameRequest& frame) {
     return wide;
 }
 
-Film finishFilm(const FrameRequest& frame, Film film) {
+Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats) {
     if (!frame.options.preview) return film;
+    const TimeKeeper time(stats);
     const Environment& environment = frame.estimator.context().environment;
     ResidualImage residuals{film.width, film.height, {}};
-    residuals.pixels.reserve(film.pixels.size());
-    for (const Pixel& pixel : film.pixels) residuals.pixels.push_back(residualOf(frame, pixel));
+    residuals.pixels.resize(film.pixels.size());
+    const auto forEachPixel = [&](const auto& visit) {
+        parallelFor(film.pixels.size(), kPixelsOfChunk, [&](const Chunk& chunk) {
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                visit(film.pixels[i], residuals.pixels[i]);
+        });
+    };
+    forEachPixel(
+        [&](const Pixel& pixel, ResidualPixel& residual) { residual = residualOf(frame, pixel); });
     filterResiduals(residuals, environment.luminanceWeights());
-    for (std::size_t i = 0; i < film.pixels.size(); ++i) {
-        Pixel& pixel = film.pixels[i];
-        const ResidualPixel& residual = residuals.pixels[i];
-        if (!(residual.width > 0)) continue;
+    forEachPixel([&](Pixel& pixel, const ResidualPixel& residual) {
+        if (!(residual.width > 0)) return;
         const Rgb reflectance = pixel.albedo * static_cast<float>(1 / kPi);
         pixel.color = pixel.predicted + reflectance * residual.residual;
         const float luminance = environment.luminance(reflectance);
         pixel.colorVariance = luminance * luminance * residual.variance;
-    }
+    });
+    const FilmRectangle region = frame.options.region();
+    if (region.width == film.width && region.height == film.height) return film;
     return cropped(film, frame.options);
 }
 

@@ -13,7 +13,8 @@ namespace shadowcache {
 FrameRequest withPreviewMargin(const FrameRequest& frame);
 
 /// What is delivered of a film of withPreviewMargin(frame): its region, of a preview with the
-/// colours filtered and `colorVariance` as the filter leaves it. All else stays as rendered.
-Film finishFilm(const FrameRequest& frame, Film film);
+/// colours filtered and `colorVariance` as the filter leaves it. All else stays as rendered. Adds
+/// the time to the statistics.
+Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats);
 
 }  // namespace shadowcache

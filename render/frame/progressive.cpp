@@ -80,8 +80,8 @@ ProgressiveFrame renderProgressive(const FrameRequest& wanted, RenderStats& stat
     try {
         while (result.cameraRays < options.cameraRays) {
             const int count = std::min(options.passRays, options.cameraRays - result.cameraRays);
-            result.film =
-                finishFilm(wanted, passes.run(result.cameraRays, count, observer.stop, stats));
+            result.film = finishFilm(
+                wanted, passes.run(result.cameraRays, count, observer.stop, stats), stats);
             result.cameraRays += count;
             if (result.cameraRays < options.cameraRays)
                 observer.onPass(result.film, result.cameraRays);

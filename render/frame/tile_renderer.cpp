@@ -171,7 +171,6 @@ void TileRenderer::addToPixel(const ShadingPoint& point, const Hit& hit, const E
     const Environment& environment = context_.environment;
     pixel.color.add(static_cast<double>(environment.luminance(color)), runLength_);
     pixel.irradiance.add(static_cast<double>(environment.luminance(e.irradiance)), runLength_);
-    pixel.residual.add(static_cast<double>(environment.luminance(e.irradiance - e.predicted)), 1);
     ++pixel.hits;
     if (options_.insight && estimator_.insights())
         addInsight(estimator_.insights()->insight(point, options_.samples, workspace), sum);
