@@ -18,6 +18,9 @@ namespace {
 /// Samples of a camera ray where --target-error chooses the camera rays.
 constexpr int kTargetErrorSamples = 4;
 
+/// Camera rays of a pixel of a preview, with one sample each.
+constexpr int kPreviewCameraRays = 4;
+
 /// "A,B,C" -> finite numbers, as many as `count`.
 std::vector<double> parseNumbers(const char* option, const std::string& text, std::size_t count,
                                  const char* wanted) {
@@ -75,6 +78,10 @@ RenderJob jobOf(const Arguments& arguments) {
     if (!arguments.crop.empty()) job.render.crop = parseCrop(arguments.crop);
     job.render.filter = static_cast<FilterKind>(placeOf(arguments.filter, filterNames()));
     if (job.targetError > 0 && !arguments.samplesGiven) job.render.samples = kTargetErrorSamples;
+    if (job.render.preview) {
+        if (!arguments.samplesGiven) job.render.samples = 1;
+        if (!arguments.cameraRaysGiven) job.render.cameraRays = kPreviewCameraRays;
+    }
     if (arguments.spp != 0) {
         requireRange("spp", arguments.spp, 1, kMostCameraRays);
         job.render.cameraRays = arguments.spp;

@@ -15,7 +15,7 @@ struct Arguments {
                 albedo = "0.5", memory, crop, filter = "blackman-harris";
     std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
     std::vector<std::string> dynamic;
-    bool samplesGiven = false;
+    bool samplesGiven = false, cameraRaysGiven = false;
     int spp = 0;        ///< shadow rays a pixel; 0: given by camera rays and samples
     bool list = false;  ///< print what the set has, do not render
 };

@@ -164,6 +164,14 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
                                 "Camera rays per pixel (antialiasing)")
                      ->excludes(spp);
     rays->capture_default_str()->group(group);
+    auto* preview =
+        app.add_flag("--preview", job.render.preview,
+                     "A few rays, and a filter: what they add to the prediction of the cache is "
+                     "smoothed, its shadows are not. Biased, less so with more rays; "
+                     "--camera-rays is 4 then and --samples 1, unless given. For a viewport: "
+                     "--preview --camera-rays 1")
+            ->needs(cache)
+            ->group(group);
     app.add_option(
            "--target-error", job.targetError,
            "Choose the camera rays of each part of a frame so that the frame's relMSE comes "
@@ -171,6 +179,7 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
            "then, unless given")
         ->excludes(spp)
         ->excludes(rays)
+        ->excludes(preview)
         ->group(group);
     app.add_option(
            "--budget", arguments.budget,
@@ -238,6 +247,7 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
         ->group(group);
     app.add_option("--stats", job.stats, "Write times, rays and memory as JSON")->group(group);
     app.add_option("--debug", arguments.debug, "Print the samples of pixel X,Y; write no picture")
+        ->excludes(app.get_option("--preview"))
         ->configurable(false)
         ->group(group);
     app.add_flag(
@@ -287,6 +297,7 @@ std::optional<int> parseArguments(int argc, char** argv, Arguments& arguments) {
     };
     if (const auto status = parseCommandLine(app, argc, argv, check)) return status;
     arguments.samplesGiven = app.get_option("--samples")->count() > 0;
+    arguments.cameraRaysGiven = app.get_option("--camera-rays")->count() > 0;
     arguments.job.settings = settingsOf(app);
     return std::nullopt;
 }

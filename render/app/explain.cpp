@@ -66,9 +66,9 @@ std::string cacheLines(const ShadowCache& cache, const Means& means, bool used) 
     return text;
 }
 
-std::string noiseLine(const Means& means, bool predicted, int samples) {
+std::string noiseLine(const Means& means, bool predicted, const RenderOptions& options) {
     if (means.set == 0) return "noise       none: the set is not in view\n";
-    if (samples == 0)
+    if (options.samples == 0)
         return "noise       none, but biased: with no rays it shows what the cache "
                "believes\n";
     const double light = std::max(means.irradiance, 1e-30);
@@ -77,6 +77,10 @@ std::string noiseLine(const Means& means, bool predicted, int samples) {
     if (predicted)
         text += line("; %.2g %% by the counts alone, without what good strata gain",
                      100 * std::sqrt(means.expectedVariance) / light);
+    if (options.preview)
+        text +=
+            "\nfilter      what rays add to the prediction is filtered, which leaves less noise: "
+            "biased, less so with more rays";
     return text + "\n";
 }
 
@@ -114,7 +118,7 @@ std::string explain(const FrameRequest& frame, const Forecast& forecast) {
         "of the set\n",
         options.samples, options.cameraRays, options.cameraRays > 1 ? "s" : "", means.rays);
     if (context.cache) text += cacheLines(*context.cache, means, small.insight);
-    text += noiseLine(means, small.insight, options.samples);
+    text += noiseLine(means, small.insight, options);
     text += line("time        %s a frame, %s for all, on %d threads; loading took %s\n",
                  duration(seconds).c_str(), duration(seconds * forecast.frames).c_str(),
                  threadCount(), duration(forecast.setupSeconds).c_str());

@@ -34,6 +34,11 @@ std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPla
 
 }  // namespace
 
+std::string biasOf(const RenderJob& job, const EstimatorEntry& entry) {
+    if (job.render.preview) return "preview: what rays add to the prediction is filtered";
+    return biasOf(entry, job.render.samples);
+}
+
 std::filesystem::path frameFile(const RenderJob& job, int frame) {
     return framePath(job.output, frame, job.frames.size() > 1);
 }
@@ -86,7 +91,7 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const 
     angle << light.rotation;
     metadata.emplace_back("shadowcache:env", light.environment);
     metadata.emplace_back("shadowcache:env-rotate", angle.str());
-    metadata.emplace_back("shadowcache:bias", biasOf(entry, job.render.samples));
+    metadata.emplace_back("shadowcache:bias", biasOf(job, entry));
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
     metadata.emplace_back("shadowcache:inputs", inputsMark(inputsOf(job, light)));
     if (cache) {
@@ -119,7 +124,7 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
     JsonFile out;
     out.set("version", std::string(kVersion));
     out.set("estimator", std::string(entry.name));
-    out.set("bias", biasOf(entry, job.render.samples));
+    out.set("bias", biasOf(job, entry));
     out.set("triangles", std::uint64_t{mesh.triangles.size()});
     out.set("seconds.load", timing.load);
     out.set("seconds.build", timing.build);

@@ -21,6 +21,9 @@ void validateOutputs(const RenderJob& job, const EstimatorEntry& entry);
 /// Refuses to write over what the run reads. @throws Error
 void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan);
 
+/// How a job's pictures are biased: "none", or the cause.
+std::string biasOf(const RenderJob& job, const EstimatorEntry& entry);
+
 /// Every file that a frame makes, the EXR first; with --png its pictures.
 std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame);
 

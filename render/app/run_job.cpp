@@ -71,6 +71,8 @@ const EstimatorEntry& validate(const RenderJob& job) {
     if (job.render.samples < entry.minSamples)
         throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
                     " expected at least " + std::to_string(entry.minSamples));
+    if (job.render.preview && name != "cache")
+        throw Error("--preview: expected --estimator cache, found " + name);
     if (job.progressive && job.sequence != Sequence::sobol && job.sequence != Sequence::random)
         throw Error(
             "--progressive: expected --sequence sobol or random, which have no fixed length");
@@ -233,6 +235,7 @@ private:
             std::printf(" (%.1f M of them reuse neighbours' samples)",
                         static_cast<double>(stats_.reusedRays) * 1e-6);
         std::printf(" in %.2f s", stats_.seconds);
+        if (job_.render.preview) std::printf(" (biased: filtered)");
         if (error_) std::printf(", relMSE %.3g", error_->mean);
         std::printf(" -> %s\n", job_.output.c_str());
         if (cache_) printMemoryUse(cache_->memoryUse());

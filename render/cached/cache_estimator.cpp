@@ -91,6 +91,9 @@ public:
             w.setupNanoseconds += watch.sinceLast();
             return;
         }
+        if (batch.predict)
+            for (std::size_t i = 0; i < batch.points.size(); ++i)
+                estimates[i].predicted = preview(batch.points[i], w);
         w.clusters.build(batch.points, context_.cache->header().spacing);
         NeighborReuse::Batch reuse = w.reuse.begin(batch, w.clusters);
         for (const PointCluster& cluster : w.clusters.clusters()) {

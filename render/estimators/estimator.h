@@ -43,6 +43,7 @@ struct PointBatch {
     std::uint32_t cameraRays = 1;  ///< most of a pixel
     std::uint32_t firstRay = 0;    ///< camera rays' numbers go from it to firstRay + cameraRays - 1
     std::uint32_t pixelSamples = 1;  ///< of a pixel, over all batches
+    bool predict = false;            ///< Estimate::predicted is wanted
 };
 
 /// A point's samples among those of its pixel, which share one sequence.
@@ -55,6 +56,7 @@ struct SampleSlice {
 /// Irradiance from the environment and what it took.
 struct Estimate {
     Rgb irradiance{0, 0, 0};
+    Rgb predicted{0, 0, 0};  ///< irradiance predicted without rays, if PointBatch::predict
     float variance = 0;  ///< of the irradiance's luminance, estimated from the samples themselves
     std::uint32_t rays = 0;    ///< traced for this point's own samples
     std::uint32_t reused = 0;  ///< traced to reuse what other points found

@@ -11,7 +11,8 @@ namespace shadowcache {
 
 /// What the renderer found at one pixel, averaged over its camera rays.
 struct Pixel {
-    Rgb color{0, 0, 0};  ///< outgoing radiance, or the sky's
+    Rgb color{0, 0, 0};      ///< outgoing radiance, or the sky's
+    Rgb predicted{0, 0, 0};  ///< the colour predicted without rays, if RenderOptions::preview
     Rgb irradiance{0, 0, 0};
     Rgb albedo{0, 0, 0};
     Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
@@ -19,10 +20,13 @@ struct Pixel {
     float depth = 0;          ///< distance from the camera; 0: the sky
     float variance = 0;  ///< of the irradiance's luminance, from the spread of the camera rays;
                          ///< of one camera ray, from its samples
-    float colorVariance = 0;  ///< of the colour's luminance: edges, albedo and sky included
-    float rays = 0;           ///< shadow rays traced
-    float reusedRays = 0;     ///< those of them that reuse what other pixels found
+    float colorVariance = 0;   ///< of the colour's luminance: edges, albedo and sky included
+    float rays = 0;            ///< shadow rays traced
+    float reusedRays = 0;      ///< those of them that reuse what other pixels found
+    float sampleVariance = 0;  ///< of the luminance of the irradiance over the set, from the
+                               ///< samples alone
     float cameraRays = 0;
+    float coverage = 0;  ///< share of the camera rays that meet the set
     // What the cache predicts before any ray, if RenderOptions::insight.
     float openness = 0;       ///< visible share of the sky, weighted by the cosine
     float expectedNoise = 0;  ///< standard deviation of the irradiance's luminance

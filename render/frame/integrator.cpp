@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "common/base/error.h"
 #include "common/base/progress.h"
 #include "render/frame/film_parts.h"
+#include "render/frame/preview.h"
 #include "render/frame/tile_loop.h"
 
 namespace shadowcache {
 
-Film render(const FrameRequest& frame, RenderStats& stats) {
+Film render(const FrameRequest& wanted, RenderStats& stats) {
+    const FrameRequest frame = withPreviewMargin(wanted);
     const RenderOptions& options = frame.options;
     Film film = makeFilm(options);
     const std::vector<std::size_t> tiles = Tiles(options).touching(options.region());
@@ -20,7 +23,7 @@ Film render(const FrameRequest& frame, RenderStats& stats) {
         progress.add(1);
     });
     requireFinite(film, frame.number, options.seed);
-    return film;
+    return finishFilm(wanted, std::move(film), stats);
 }
 
 std::vector<std::vector<Pixel>> renderSomeTiles(const FrameRequest& frame,

@@ -34,6 +34,8 @@ void validate(const RenderOptions& options) {
     if (std::int64_t{width} * height > kMaxPixels)
         throw Error(size + ": expected at most " + std::to_string(kMaxPixels) + " pixels");
     requireRange("samples", options.samples, 0, kMostSamples);
+    if (options.preview && options.samples == 0)
+        throw Error("--preview with --samples 0: expected at least 1, or --samples 0 alone");
     requireRange("camera-rays", options.cameraRays, 1, kMostCameraRays);
     if (std::int64_t{options.cameraRays} * options.samples > kMostPixelSamples)
         throw Error("--camera-rays " + std::to_string(options.cameraRays) + " with --samples " +

@@ -30,6 +30,7 @@ struct RenderOptions {
     double filterWidth = 0;             ///< in pixels; 0: 1 for the box, 1.5 for the others
     std::optional<FilmRectangle> crop;  ///< the part of the frame to render; none: all of it
     std::uint64_t seed = 1;
+    bool preview = false;  ///< filter what the estimate adds to the prediction: biased
     bool insight =
         false;  ///< keep what the cache predicts at each place, for the AOVs that show it
     Rgb albedo{0.5f, 0.5f, 0.5f};  ///< where the set has no vertex colours

@@ -23,6 +23,7 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     Pixel pixel = sum.sum;
     const float scale = 1.0f / static_cast<float>(std::max(1, sum.cameraRays));
     pixel.color *= scale;
+    pixel.predicted *= scale;
     pixel.irradiance *= scale;
     pixel.albedo *= scale;
     pixel.normal *= scale;
@@ -35,6 +36,9 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     pixel.regions *= scale;
     pixel.misses *= scale;
     pixel.cameraRays = static_cast<float>(sum.cameraRays);
+    pixel.coverage = static_cast<float>(sum.hits) * scale;
+    const auto hits = static_cast<float>(std::max(1, sum.hits));
+    pixel.sampleVariance = sum.sum.variance / (hits * hits);
     if (sum.cameraRays < 2) {
         const double reflectance = static_cast<double>(pixel.albedo.dot(luminanceWeights)) / kPi;
         pixel.colorVariance =

@@ -5,6 +5,7 @@
 
 #include "common/base/progress.h"
 #include "render/frame/film_parts.h"
+#include "render/frame/preview.h"
 #include "render/frame/tile_loop.h"
 
 namespace shadowcache {
@@ -70,15 +71,17 @@ private:
 
 }  // namespace
 
-ProgressiveFrame renderProgressive(const FrameRequest& frame, RenderStats& stats,
+ProgressiveFrame renderProgressive(const FrameRequest& wanted, RenderStats& stats,
                                    const ProgressiveObserver& observer) {
+    const FrameRequest frame = withPreviewMargin(wanted);
     const RenderOptions& options = frame.options;
     Passes passes(frame);
     ProgressiveFrame result;
     try {
         while (result.cameraRays < options.cameraRays) {
             const int count = std::min(options.passRays, options.cameraRays - result.cameraRays);
-            result.film = passes.run(result.cameraRays, count, observer.stop, stats);
+            result.film = finishFilm(
+                wanted, passes.run(result.cameraRays, count, observer.stop, stats), stats);
             result.cameraRays += count;
             if (result.cameraRays < options.cameraRays)
                 observer.onPass(result.film, result.cameraRays);

@@ -1,33 +1,12 @@
 #include "render/frame/tile_loop.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "common/base/parallel.h"
 #include "common/base/progress.h"
 
 namespace shadowcache {
-
-namespace {
-
-/// Adds the time of its life, however that ends.
-class TimeKeeper {
-public:
-    explicit TimeKeeper(RenderStats& stats) : stats_(stats) {}
-    ~TimeKeeper() {
-        stats_.seconds +=
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
-    TimeKeeper(const TimeKeeper&) = delete;
-    TimeKeeper& operator=(const TimeKeeper&) = delete;
-
-private:
-    RenderStats& stats_;
-    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-}  // namespace
 
 void RayCounts::add(const Pixel& pixel) {
     camera += static_cast<std::uint64_t>(pixel.cameraRays);

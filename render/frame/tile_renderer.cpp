@@ -108,7 +108,8 @@ PointBatch TileRenderer::batchOf(std::span<const ShadingPoint> points, std::size
             static_cast<std::uint32_t>(count),
             static_cast<std::uint32_t>(first),
             static_cast<std::uint32_t>(options_.cameraRays) *
-                static_cast<std::uint32_t>(options_.samples)};
+                static_cast<std::uint32_t>(options_.samples),
+            options_.preview};
 }
 
 void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int count,
@@ -150,6 +151,7 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
             const Rgb radiance = context_.environment.radiance(ray.view.direction);
             ray.skyLuminance = static_cast<double>(context_.environment.luminance(radiance));
             sums[ray.pixel].sum.color += radiance;
+            sums[ray.pixel].sum.predicted += radiance;
             continue;
         }
         const auto [x, y] = places[ray.pixel];
@@ -174,6 +176,7 @@ void TileRenderer::addToPixel(const ShadingPoint& point, const Hit& hit, const E
     const Rgb color = albedo * e.irradiance * static_cast<float>(1 / kPi);
     Pixel& sum = pixel.sum;
     sum.color += color;
+    sum.predicted += albedo * e.predicted * static_cast<float>(1 / kPi);
     sum.irradiance += e.irradiance;
     sum.albedo += albedo;
     sum.normal += point.normal;
@@ -185,6 +188,7 @@ void TileRenderer::addToPixel(const ShadingPoint& point, const Hit& hit, const E
     const Environment& environment = context_.environment;
     pixel.color.add(static_cast<double>(environment.luminance(color)), runLength_);
     pixel.irradiance.add(static_cast<double>(environment.luminance(e.irradiance)), runLength_);
+    ++pixel.hits;
     if (options_.insight && estimator_.insights())
         addInsight(estimator_.insights()->insight(point, options_.samples, workspace), sum);
 }

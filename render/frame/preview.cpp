@@ -1,0 +1,94 @@
+#include "render/frame/preview.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/parallel.h"
+#include "render/frame/film_parts.h"
+#include "render/frame/residual_filter.h"
+#include "render/frame/tile_loop.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Pixels that one thread takes at a time.
+constexpr std::size_t kPixelsOfChunk = 4096;
+
+/// Width of a pixel at each unit of distance, or everywhere if the camera is orthographic.
+float pixelWidth(const Camera& camera, const RenderOptions& options, float depth) {
+    if (camera.height > 0) return static_cast<float>(camera.height / options.height);
+    return depth * static_cast<float>(2 * std::tan(camera.fovY / 2) / options.height);
+}
+
+ResidualPixel residualOf(const FrameRequest& frame, const Pixel& pixel) {
+    ResidualPixel result;
+    if (!(pixel.coverage > 0)) return result;
+    for (int k = 0; k < 3; ++k)
+        if (pixel.albedo[k] > 0)
+            result.residual[k] =
+                static_cast<float>(kPi) * (pixel.color[k] - pixel.predicted[k]) / pixel.albedo[k];
+    const float scale = 1 / pixel.coverage;
+    const float length = pixel.normal.length();
+    if (length > 0) result.normal = pixel.normal / length;
+    result.variance = pixel.sampleVariance;
+    result.position = pixel.position * scale;
+    result.width = pixelWidth(frame.camera, frame.options, pixel.depth * scale);
+    return result;
+}
+
+Film cropped(const Film& film, const RenderOptions& options) {
+    Film part = makeFilm(options);
+    const FilmRectangle region = options.region();
+    for (int y = 0; y < region.height; ++y) {
+        const auto from = film.pixels.begin() +
+                          static_cast<std::ptrdiff_t>(y + region.y - film.y) * film.width +
+                          region.x - film.x;
+        std::copy_n(from, region.width,
+                    part.pixels.begin() + static_cast<std::ptrdiff_t>(y) * region.width);
+    }
+    return part;
+}
+
+}  // namespace
+
+FrameRequest withPreviewMargin(const FrameRequest& frame) {
+    FrameRequest wide = frame;
+    if (!frame.options.preview) return wide;
+    const FilmRectangle region = frame.options.region();
+    const int left = std::max(0, region.x - kResidualReach),
+              top = std::max(0, region.y - kResidualReach);
+    wide.options.crop = FilmRectangle{
+        left, top, std::min(frame.options.width, region.x + region.width + kResidualReach) - left,
+        std::min(frame.options.height, region.y + region.height + kResidualReach) - top};
+    return wide;
+}
+
+Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats) {
+    if (!frame.options.preview) return film;
+    const TimeKeeper time(stats);
+    const Environment& environment = frame.estimator.context().environment;
+    ResidualImage residuals{film.width, film.height, {}};
+    residuals.pixels.resize(film.pixels.size());
+    const auto forEachPixel = [&](const auto& visit) {
+        parallelFor(film.pixels.size(), kPixelsOfChunk, [&](const Chunk& chunk) {
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                visit(film.pixels[i], residuals.pixels[i]);
+        });
+    };
+    forEachPixel(
+        [&](const Pixel& pixel, ResidualPixel& residual) { residual = residualOf(frame, pixel); });
+    filterResiduals(residuals, environment.luminanceWeights());
+    forEachPixel([&](Pixel& pixel, const ResidualPixel& residual) {
+        if (!(residual.width > 0)) return;
+        const Rgb reflectance = pixel.albedo * static_cast<float>(1 / kPi);
+        pixel.color = pixel.predicted + reflectance * residual.residual;
+        const float luminance = environment.luminance(reflectance);
+        pixel.colorVariance = luminance * luminance * residual.variance;
+    });
+    const FilmRectangle region = frame.options.region();
+    if (region.width == film.width && region.height == film.height) return film;
+    return cropped(film, frame.options);
+}
+
+}  // namespace shadowcache
