@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "common/base/sequence.h"
 #include "common/mesh/placed_mesh.h"
+#include "common/random/sequence.h"
 
 namespace shadowcache {
 
