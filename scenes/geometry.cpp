@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 
 namespace shadowcache::scenes {
 

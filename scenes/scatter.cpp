@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "common/base/error.h"
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "scenes/ply_writer.h"
 #include "scenes/sets.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "bake/core/subpatches.h"
-#include "common/base/salts.h"
 #include "common/base/tuned.h"
+#include "common/random/salts.h"
 
 namespace shadowcache {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "bake/core/depth_layers.h"
-#include "common/base/salts.h"
 #include "common/base/tuned.h"
 #include "common/cache/cache_items.h"
 #include "common/mesh/placed_mesh.h"
+#include "common/random/salts.h"
 
 namespace shadowcache {
 

@@ -7,8 +7,8 @@
 
 #include "common/base/parallel.h"
 #include "common/base/progress.h"
-#include "common/base/salts.h"
 #include "common/base/tuned.h"
+#include "common/random/salts.h"
 #include "common/shot/view.h"
 
 namespace shadowcache {

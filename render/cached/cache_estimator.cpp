@@ -10,11 +10,11 @@
 #include <optional>
 
 #include "common/base/parallel.h"
-#include "common/base/salts.h"
-#include "common/base/sequence.h"
 #include "common/base/tuned.h"
 #include "common/predict/cache_preview.h"
 #include "common/predict/item_irradiance.h"
+#include "common/random/salts.h"
+#include "common/random/sequence.h"
 #include "render/cached/cache_insight.h"
 #include "render/cached/cache_pilot.h"
 #include "render/cached/cluster_lighting.h"

@@ -1,8 +1,8 @@
 #include "render/cached/cache_pilot.h"
 
-#include "common/base/salts.h"
-#include "common/base/sequence.h"
 #include "common/base/tuned.h"
+#include "common/random/salts.h"
+#include "common/random/sequence.h"
 
 namespace shadowcache {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/base/salts.h"
+#include "common/random/salts.h"
 
 namespace shadowcache {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "render/cached/sampling_plan.h"
 #include "render/estimators/estimator.h"
 

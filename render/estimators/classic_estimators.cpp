@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "render/estimators/basic_estimators.h"
 #include "render/estimators/full_precision.h"
 #include "render/estimators/hemisphere.h"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "common/base/parallel.h"
-#include "common/base/salts.h"
+#include "common/random/salts.h"
 #include "render/estimators/basic_estimators.h"
 #include "render/estimators/dome_cells.h"
 #include "render/estimators/full_precision.h"

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "common/base/sequence.h"
 #include "common/cache/shadow_cache.h"
 #include "common/light/environment.h"
+#include "common/random/sequence.h"
 #include "common/trace/scene.h"
 
 namespace shadowcache {

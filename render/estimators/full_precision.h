@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "common/base/salts.h"
+#include "common/random/salts.h"
 
 namespace shadowcache {
 

@@ -4,7 +4,7 @@
 
 #include "common/base/hash.h"
 #include "common/base/parallel.h"
-#include "common/base/salts.h"
+#include "common/random/salts.h"
 #include "render/frame/tile_renderer.h"
 
 namespace shadowcache {

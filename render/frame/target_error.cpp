@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "common/base/hash.h"
-#include "common/base/salts.h"
 #include "common/base/tuned.h"
+#include "common/random/salts.h"
 #include "render/frame/tiles.h"
 
 namespace shadowcache {

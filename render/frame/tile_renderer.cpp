@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "common/base/sequence.h"
 #include "common/mesh/placed_mesh.h"
+#include "common/random/sequence.h"
 
 namespace shadowcache {
 

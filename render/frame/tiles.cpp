@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "common/base/hash.h"
-#include "common/base/salts.h"
 #include "common/base/tuned.h"
+#include "common/random/salts.h"
 
 namespace shadowcache {
 

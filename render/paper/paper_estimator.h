@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/sequence.h"
 #include "common/predict/cached_visibility.h"
+#include "common/random/sequence.h"
 #include "render/paper/convolution.h"
 #include "render/paper/linear_triangle.h"
 #include "render/paper/paper_estimators.h"

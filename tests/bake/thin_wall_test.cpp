@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "render/estimators/estimator.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/statistics.h"

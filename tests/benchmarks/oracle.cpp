@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "bake/core/item_baker.h"
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "render/table/estimator_table.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/support/test_scenes.h"

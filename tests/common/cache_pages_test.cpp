@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/base/parallel.h"
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache {

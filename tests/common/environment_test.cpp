@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "tests/support/environment_maps.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "tests/support/plain_set.h"
 
 namespace shadowcache::test {

@@ -1,4 +1,4 @@
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 
 #include <gtest/gtest.h>
 

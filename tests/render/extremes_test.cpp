@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/sequence.h"
 #include "common/import/load_mesh.h"
+#include "common/random/sequence.h"
 #include "render/frame/integrator.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/statistics.h"

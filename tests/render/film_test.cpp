@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "render/frame/compare.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pixel_filter.h"

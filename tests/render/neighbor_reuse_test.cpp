@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 #include "render/estimators/estimator.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/statistics.h"

@@ -12,9 +12,9 @@
 
 #include "common/base/error.h"
 #include "common/base/json_file.h"
-#include "common/base/sequence.h"
 #include "common/image/image.h"
 #include "common/image/radiance.h"
+#include "common/random/sequence.h"
 #include "render/paper/convolution.h"
 
 namespace shadowcache {

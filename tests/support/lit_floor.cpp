@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 
 namespace shadowcache::test {
 
@@ -15,16 +15,6 @@ constexpr double kFloorHeight = 0.6, kFloorWidth = kFloorHeight * View::kWidth /
 
 std::array<int, 2> texelOf(const Vec3d& direction) {
     return texelAt(Light::kMapWidth, Light::kMapHeight, direction.normalized());
-}
-
-void fillCounts(BakeResult& baked, const std::function<std::array<int, 2>(std::size_t)>& counts) {
-    for (std::size_t i = 0; i < baked.items.n.size(); ++i) {
-        const auto [n, d] = counts(i);
-        baked.items.n[i] = static_cast<std::uint8_t>(n);
-        baked.items.d[i] = static_cast<std::uint8_t>(d);
-    }
-    baked.items.blocks.clear();
-    std::ranges::fill(baked.items.firstBlock, 0u);
 }
 
 /// The base cell of `direction` is called `n` of 200 by every item; the rest stays as baked.
@@ -48,6 +38,16 @@ void tellOneCell(BakeResult& baked, const Vec3d& direction, int n) {
 }
 
 }  // namespace
+
+void fillCounts(BakeResult& baked, const std::function<std::array<int, 2>(std::size_t)>& counts) {
+    for (std::size_t i = 0; i < baked.items.n.size(); ++i) {
+        const auto [n, d] = counts(i);
+        baked.items.n[i] = static_cast<std::uint8_t>(n);
+        baked.items.d[i] = static_cast<std::uint8_t>(d);
+    }
+    baked.items.blocks.clear();
+    std::ranges::fill(baked.items.firstBlock, 0u);
+}
 
 Light::Light()
     : seen(texelOf(kSeenLamp)), hidden(texelOf(kHiddenLamp)), map{kMapWidth, kMapHeight, {}} {
@@ -88,18 +88,32 @@ std::vector<CacheKind> cacheKinds() {
             {"LampCalledSeen", [](BakeResult& b) { tellOneCell(b, kHiddenLamp, 200); }}};
 }
 
-Rgb LitFloor::truth(int strip, int nodes) const {
+RenderOptions effort(int cameraRays, int samples) {
+    RenderOptions options;
+    options.width = View::kWidth;
+    options.height = View::kHeight;
+    options.cameraRays = cameraRays;
+    options.samples = samples;
+    return options;
+}
+
+double LitFloor::at(double filmX, double filmY) const {
     const double lamp =
         (static_cast<double>(kLampRadiance) - 1) *
         texelMoment(Light::kMapWidth, Light::kMapHeight, light.seen[0], light.seen[1]).y;
+    return kPi + lamp - hiddenByConvex(mesh, 2, mesh.triangles.size(), View::place(filmX, filmY));
+}
+
+Rgb LitFloor::pixelTruth(int x, int y) const {
+    return kSky * static_cast<float>(at((x + 0.5) / View::kWidth, (y + 0.5) / View::kHeight));
+}
+
+Rgb LitFloor::truth(int strip, int nodes) const {
     double sum = 0;
     const int columns = View::kWidth / kStrips * nodes, rows = View::kHeight * nodes;
     for (int i = 0; i < columns; ++i)
         for (int j = 0; j < rows; ++j)
-            sum += kPi + lamp -
-                   hiddenByConvex(
-                       mesh, 2, mesh.triangles.size(),
-                       View::place((strip + (i + 0.5) / columns) / kStrips, (j + 0.5) / rows));
+            sum += at((strip + (i + 0.5) / columns) / kStrips, (j + 0.5) / rows);
     return kSky * static_cast<float>(sum / (columns * rows));
 }
 

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "render/frame/camera.h"
+#include "common/shot/camera.h"
+#include "render/frame/options.h"
 #include "tests/support/test_scenes.h"
 
 namespace shadowcache::test {
@@ -31,6 +32,12 @@ struct View {
     static ShadingPoint place(double filmX, double filmY);
 };
 
+struct Effort {
+    int cameraRays, samples;
+};
+/// Options of a film of the view's size.
+RenderOptions effort(int cameraRays, int samples);
+
 /// A change of what the bake found.
 struct CacheKind {
     std::string name;
@@ -38,6 +45,10 @@ struct CacheKind {
 };
 /// Honest, AllDark, AllOpen, Random, LampCalledHidden, LampCalledSeen.
 std::vector<CacheKind> cacheKinds();
+
+/// Gives {n, d} to each base cell of each item, `counts(i)` to the i-th of all; finer counts are
+/// removed.
+void fillCounts(BakeResult& baked, const std::function<std::array<int, 2>(std::size_t)>& counts);
 
 /// The floor under a slab, the light and a cache of one kind.
 struct LitFloor {
@@ -55,8 +66,11 @@ struct LitFloor {
 
     /// Mean irradiance of a strip of the film, from `nodes` x `nodes` places in each pixel.
     Rgb truth(int strip, int nodes) const;
+    /// Irradiance at the middle of a pixel.
+    Rgb pixelTruth(int x, int y) const;
 
 private:
+    double at(double filmX, double filmY) const;  ///< in units of the sky
     BakeResult baked(const CacheKind& kind) const;
 };
 

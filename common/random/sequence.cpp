@@ -1,10 +1,10 @@
-#include "common/base/sequence.h"
+#include "common/random/sequence.h"
 
 #include <algorithm>
 #include <array>
 #include <cassert>
 
-#include "common/base/salts.h"
+#include "common/random/salts.h"
 
 namespace shadowcache {
 namespace {
