@@ -16,7 +16,7 @@ namespace shadowcache {
 namespace {
 
 /// Camera rays of the first round; each later one has twice as many as the one before.
-SHADOWCACHE_TUNED(int, kFirstRoundRays, 1 << 14);
+SHADOWCACHE_TUNED(int, kFirstRoundRays, 16384);
 /// A round of whose rays a smaller share finds something new is the last.
 SHADOWCACHE_TUNED(double, kLeastNewShare, 5e-4);
 /// Camera rays of the last round, at most, as a multiple of the picture's pixels.
