@@ -210,7 +210,10 @@ BakeResult bakeJob(const Job& job, const std::optional<ShotSource>& shot, Scene&
         old = readCacheToExtend(job.extend, headerOf(scene.mesh(), options));
         selection.present = VoxelSides(frame, old->items);
     }
-    if (shot) selection.lookups = shot->lookups(scene, frame);
+    if (shot) {
+        selection.lookups = shot->lookups(scene, frame);
+        selection.margin = job.shot.margin;
+    }
     times.selected = secondsNow();
     BakeResult result = bake(scene, options, selection);
     result.header.upAxis = job.mesh.zUp ? "z" : "y";

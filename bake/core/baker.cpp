@@ -1,11 +1,11 @@
 #include "bake/core/baker.h"
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 #include <string>
 
 #include "bake/core/item_baker.h"
+#include "bake/core/side_choice.h"
 #include "bake/core/subpatches.h"
 #include "bake/core/surface_voxels.h"
 #include "common/base/parallel.h"
@@ -29,12 +29,6 @@ struct Baked {
     std::uint64_t rays = 0;
 };
 
-/// What is baked of a voxel.
-struct Wanted {
-    std::bitset<kSides> sides;
-    std::vector<Vec3f> normals;  ///< of the patches on these sides
-};
-
 /// Pilot rays of what is baked and around it: by voxel, in the order of the voxel's patches.
 using Pilots = std::vector<std::vector<Pilot>>;
 
@@ -55,13 +49,12 @@ public:
         : scene_(scene),
           options_(options),
           selection_(selection),
-          everything_(!selection.lookups && selection.present.voxels() == 0),
           voxels_(scene.mesh(), spacing, options, selection),
           baker_(scene, options, spacing) {}
 
     Baked run() {
         const bool adaptive = options_.adaptive && DirectionTiers{options_.level}.refinements() > 0;
-        if (!everything_) chooseSides();
+        if (!selection_.everything()) choice_ = chooseSides(scene_, voxels_, selection_, options_.seed);
         const std::size_t count = voxels_.wanted().size();
         Progress progress("bake", std::max<std::size_t>(1, count * (adaptive ? 2 : 1)));
         if (!adaptive)
@@ -78,42 +71,14 @@ private:
         return makePatches(scene_, voxels_.frame(), voxels_.fragments(v), options_.seed);
     }
 
-    /// Calls `visit` with the patches of each side of a voxel.
-    template <class Visit>
-    static void visitSides(std::span<const Patch> patches, const Visit& visit) {
-        for (std::size_t first = 0; first < patches.size();) {
-            std::size_t last = first;
-            while (last < patches.size() && patches[last].code.side == patches[first].code.side)
-                ++last;
-            visit(patches.subspan(first, last - first));
-            first = last;
-        }
-    }
-
-    /// The pass before the others.
-    void chooseSides() {
-        choice_.resize(voxels_.size());
-        const std::vector<std::size_t>& numbers = voxels_.wanted();
-        parallelFor(numbers.size(), kChunkSize, [&](const Chunk& chunk) {
-            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                throwIfInterrupted();
-                const std::size_t v = numbers[i];
-                visitSides(patches(v), [&](std::span<const Patch> side) {
-                    if (!selection_.wants(voxels_.key(v), side, voxels_.frame().spacing())) return;
-                    choice_[v].sides.set(static_cast<std::size_t>(side.front().code.side));
-                    for (const Patch& patch : side) choice_[v].normals.push_back(patch.normal);
-                });
-            }
-        });
-    }
-
     bool isWanted(std::size_t v, const Patch& patch) const {
-        return everything_ || choice_[v].sides.test(static_cast<std::size_t>(patch.code.side));
+        return selection_.everything() ||
+               choice_[v].sides.test(static_cast<std::size_t>(patch.code.side));
     }
 
     /// Whether a wanted patch takes this one's pilot into account (mixedAround).
     bool needsPilot(std::size_t v, const Patch& patch) const {
-        if (everything_) return true;
+        if (selection_.everything()) return true;
         const auto isNear = [&](std::size_t other) {
             return std::ranges::any_of(choice_[other].normals, [&](const Vec3f& normal) {
                 return isAlike(patch.normal, normal);
@@ -232,9 +197,8 @@ private:
     const Scene& scene_;
     const BakeOptions& options_;
     const VoxelSelection& selection_;
-    const bool everything_;
     SurfaceVoxels voxels_;
-    std::vector<Wanted> choice_;  ///< by voxel, if not everything is baked
+    std::vector<ChosenSides> choice_;  ///< by voxel, if not everything is baked
     ItemBaker baker_;
 };
 

@@ -6,15 +6,19 @@ namespace shadowcache {
 
 namespace {
 
-/// The voxels that lookups go to, and those next to them.
-VoxelKeys keysAround(const VoxelLookups& lookups, const VoxelFrame& frame) {
+/// The voxels that lookups go to, and `margin` voxels around them.
+VoxelKeys keysAround(const LookupPlaces& lookups, const VoxelFrame& frame, int margin) {
     VoxelKeys keys;
-    for (const auto& [key, normals] : lookups.voxels()) {
-        const Vec3i center = frame.voxel(key);
-        for (int k = 0; k < 27; ++k) {
-            const Vec3i voxel = center + Vec3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-            if (frame.holds(voxel)) keys.add(frame.key(voxel));
-        }
+    std::uint64_t before = ~std::uint64_t{0};
+    for (const LookupPlaces::Place& place : lookups.places()) {
+        if (place.voxelKey == before) continue;
+        before = place.voxelKey;
+        const Vec3i low = frame.voxel(place.voxelKey);
+        Vec3i step;
+        for (step.x = -margin; step.x <= margin + 1; ++step.x)
+            for (step.y = -margin; step.y <= margin + 1; ++step.y)
+                for (step.z = -margin; step.z <= margin + 1; ++step.z)
+                    if (frame.holds(low + step)) keys.add(frame.key(low + step));
     }
     return keys;
 }
@@ -22,7 +26,7 @@ VoxelKeys keysAround(const VoxelLookups& lookups, const VoxelFrame& frame) {
 std::vector<Fragment> placeSelected(const TriangleMesh& mesh, const VoxelFrame& frame,
                                     const VoxelSelection& selection) {
     if (!selection.lookups) return placeFragments(mesh, frame);
-    const VoxelKeys only = keysAround(*selection.lookups, frame);
+    const VoxelKeys only = keysAround(*selection.lookups, frame, selection.margin + 1);
     return placeFragments(mesh, frame, &only);
 }
 
@@ -31,18 +35,20 @@ std::vector<Fragment> placeSelected(const TriangleMesh& mesh, const VoxelFrame& 
 SurfaceVoxels::SurfaceVoxels(const TriangleMesh& mesh, double spacing, const BakeOptions& options,
                              const VoxelSelection& selection)
     : frame_(mesh, spacing), fragments_(placeSelected(mesh, frame_, selection)) {
+    VoxelKeys selected;
+    if (selection.lookups) selected = keysAround(*selection.lookups, frame_, selection.margin);
     const std::span<const Fragment> all = fragments_;
-    std::vector<std::size_t> selected;
     for (std::size_t first = 0; first < all.size();) {
         std::size_t last = first;
         while (last < all.size() && all[last].voxelKey == all[first].voxelKey) ++last;
-        if (selection.mayWant(all[first].voxelKey)) selected.push_back(voxels_.size());
+        if (!selection.lookups || selected.contains(all[first].voxelKey))
+            candidates_.push_back(voxels_.size());
         voxels_.push_back(all.subspan(first, last - first));
         first = last;
     }
     const auto boundary = [&](int shard) {
-        return selected.begin() +
-               static_cast<std::ptrdiff_t>(selected.size() * static_cast<std::size_t>(shard) /
+        return candidates_.begin() +
+               static_cast<std::ptrdiff_t>(candidates_.size() * static_cast<std::size_t>(shard) /
                                            static_cast<std::size_t>(options.shards));
     };
     wanted_.assign(boundary(options.shard), boundary(options.shard + 1));

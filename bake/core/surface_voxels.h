@@ -23,7 +23,9 @@ public:
     const VoxelFrame& frame() const { return frame_; }
 
     std::size_t size() const { return voxels_.size(); }
-    /// Numbers of this shard's voxels that may hold items of the selection, in order.
+    /// Numbers of the voxels that may hold items of the selection, in order.
+    const std::vector<std::size_t>& candidates() const { return candidates_; }
+    /// Those of them that this shard bakes.
     const std::vector<std::size_t>& wanted() const { return wanted_; }
 
     std::uint64_t key(std::size_t v) const { return voxels_[v][0].voxelKey; }
@@ -36,22 +38,31 @@ public:
     /// Calls `visit` with the number of each of the 26 voxels around `v` that holds surface.
     template <class Visit>
     void visitNeighbours(std::size_t v, const Visit& visit) const {
-        const Vec3i center = voxel(v);
-        for (int k = 0; k < 27; ++k) {
-            if (k == 13) continue;
-            const std::size_t other = find(center + Vec3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-            if (other < size()) visit(other);
-        }
+        visitAround(v, 1, [&](std::size_t other) {
+            if (other != v) visit(other);
+        });
     }
 
-private:
+    /// Calls `visit` with the number of each voxel that holds surface and is at most `margin`
+    /// voxels from `v` along each axis, itself included.
+    template <class Visit>
+    void visitAround(std::size_t v, int margin, const Visit& visit) const {
+        const Vec3i center = voxel(v);
+        Vec3i step;
+        for (step.z = -margin; step.z <= margin; ++step.z)
+            for (step.y = -margin; step.y <= margin; ++step.y)
+                for (step.x = -margin; step.x <= margin; ++step.x)
+                    if (const std::size_t other = find(center + step); other < size()) visit(other);
+    }
+
     /// Number of a voxel; size() if it holds no surface.
     std::size_t find(const Vec3i& voxel) const;
 
+private:
     VoxelFrame frame_;
     std::vector<Fragment> fragments_;
     std::vector<std::span<const Fragment>> voxels_;
-    std::vector<std::size_t> wanted_;
+    std::vector<std::size_t> candidates_, wanted_;
 };
 
 }  // namespace shadowcache

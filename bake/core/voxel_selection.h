@@ -1,40 +1,41 @@
 #pragma once
 
-#include <bitset>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <unordered_map>
+#include <vector>
 
-#include "bake/core/patch.h"
 #include "bake/core/placement.h"
-#include "bake/core/voxel_keys.h"
 #include "common/cache/cache_items.h"
 
 namespace shadowcache {
 
-/// Level of the cells of the direction mesh by which normals are told apart.
-inline constexpr int kNormalLevel = 2;
-
-/// Normals by their cells; bit c stands for cell c of kNormalLevel.
-using NormalSet = std::bitset<cellCount(kNormalLevel)>;
-
-/// Lookups in a cache: the voxels they go to, and with which normals.
-class VoxelLookups {
+/// Places at which a cache is looked up, rounded: to an eighth of a voxel, and the normals to cells
+/// of the direction mesh.
+class LookupPlaces {
 public:
-    /// @param normal  cell of kNormalLevel
-    void add(std::uint64_t voxelKey, std::uint32_t normal) { voxels_[voxelKey].set(normal); }
-    void add(const VoxelLookups& more);
+    struct Place {
+        std::uint64_t voxelKey;  ///< the first, along each axis, of the eight voxels around it
+        std::uint32_t code;      ///< of its position between them, and of its normal
 
-    /// The same, each made `margin` voxels farther in every direction as well.
-    VoxelLookups dilated(const VoxelFrame& frame, int margin) const;
+        /// Its position from the middle of that voxel, in spacings, in [0, 1).
+        Vec3f position() const;
+        Vec3f normal() const;
 
-    /// Normals of the lookups that go to a voxel; null if there are none.
-    const NormalSet* find(std::uint64_t voxelKey) const;
-    const std::unordered_map<std::uint64_t, NormalSet>& voxels() const { return voxels_; }
+        auto operator<=>(const Place&) const = default;
+    };
+
+    /// @param position  from the middle of the voxel, in spacings, in [0, 1)
+    /// @param normal    unit
+    static Place makePlace(std::uint64_t voxelKey, const Vec3f& position, const Vec3f& normal);
+
+    void add(std::vector<Place> places);
+
+    /// In order, each once.
+    const std::vector<Place>& places() const { return places_; }
 
 private:
-    std::unordered_map<std::uint64_t, NormalSet> voxels_;  ///< by key
+    std::vector<Place> places_;
 };
 
 /// Sides of voxels: bit s stands for side s of PatchCode.
@@ -48,25 +49,20 @@ public:
         voxels_[voxelKey] |= static_cast<std::uint8_t>(1u << side);
     }
     bool contains(std::uint64_t voxelKey, int side) const;
-    /// Number of voxels, and of sides of all of them.
-    std::size_t voxels() const { return voxels_.size(); }
-    std::size_t sides() const;
+    bool empty() const { return voxels_.empty(); }
 
 private:
     std::unordered_map<std::uint64_t, std::uint8_t> voxels_;  ///< by key
 };
 
-/// Which items of a set a bake makes. Items are pure functions of the set, the options and their
-/// voxel, so those of any selection are those of the whole bake.
+/// Which items of a set a bake makes, as sides of voxels. Items are pure functions of the set, the
+/// options and their voxel, so those of any selection are those of the whole bake.
 struct VoxelSelection {
-    std::optional<VoxelLookups> lookups;  ///< only what these find; none: everything
-    VoxelSides present;                   ///< and not these, which another cache holds
+    std::optional<LookupPlaces> lookups;  ///< only what these find; none: everything
+    int margin = 0;                       ///< and what lies so many voxels around that
+    VoxelSides present;                   ///< but not these, which another cache holds
 
-    /// False if no item of the voxel is wanted.
-    bool mayWant(std::uint64_t voxelKey) const { return !lookups || lookups->find(voxelKey); }
-
-    /// Whether the items of the side that `patches`, its depth layers, are of are wanted.
-    bool wants(std::uint64_t voxelKey, std::span<const Patch> patches, double spacing) const;
+    bool everything() const { return !lookups && present.empty(); }
 };
 
 }  // namespace shadowcache

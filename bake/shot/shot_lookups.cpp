@@ -1,13 +1,17 @@
 #include "bake/shot/shot_lookups.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <cstdint>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "common/base/parallel.h"
 #include "common/base/progress.h"
 #include "common/base/tuned.h"
+#include "common/cache/lookup_weight.h"
 #include "common/random/salts.h"
 #include "common/shot/view.h"
 
@@ -27,6 +31,11 @@ constexpr double kFilmBorder = 2;
 
 constexpr std::size_t kRowsPerChunk = 4;
 
+/// Level of the cells of the direction mesh by which the rays of a frame tell normals apart.
+constexpr int kNormalLevel = 2;
+
+using NormalSet = std::bitset<cellCount(kNormalLevel)>;
+
 /// Cells of kNormalLevel whose lookups find most of what those of a cell do.
 const std::vector<NormalSet>& cellsNear() {
     static const std::vector<NormalSet> kNear = [] {
@@ -36,26 +45,11 @@ const std::vector<NormalSet>& cellsNear() {
         std::vector<NormalSet> near(center.size());
         for (std::size_t a = 0; a < center.size(); ++a)
             for (std::size_t b = 0; b < center.size(); ++b)
-                near[a].set(b, center[a].dot(center[b]) >= static_cast<double>(kMinAgreement));
+                near[a].set(b, agreementOf(Vec3f(center[a]), Vec3f(center[b])) > 0);
         return near;
     }();
     return kNear;
 }
-
-/// The eight voxels that a lookup at a place goes to.
-struct Lookup {
-    Vec3i low;
-    std::uint32_t normal;  ///< cell of kNormalLevel
-    bool operator==(const Lookup&) const = default;
-
-    /// Calls `visit` with the key of each voxel that the frame holds.
-    template <class Visit>
-    void visitVoxels(const VoxelFrame& frame, const Visit& visit) const {
-        for (int k = 0; k < 8; ++k)
-            if (const Vec3i voxel = low + Vec3i(k & 1, k >> 1 & 1, k >> 2); frame.holds(voxel))
-                visit(frame.key(voxel));
-    }
-};
 
 /// Looks at one frame.
 class FrameLookups {
@@ -67,28 +61,33 @@ public:
           frame_(frame),
           size_(size) {}
 
-    VoxelLookups find() const {
-        VoxelLookups found;
+    LookupPlaces find() {
         const double most = kMostRaysAPixel * size_[0] * size_[1];
         std::uint64_t seed = 0;
         for (double rays = kFirstRoundRays;; rays *= 2) {
             const bool last = rays >= most;
-            const double newShare = addRound(last ? most : rays, ++seed, found);
-            if (last || newShare < kLeastNewShare) return found;
+            const double newShare = addRound(last ? most : rays, ++seed);
+            if (last || newShare < kLeastNewShare) return std::move(places_);
         }
     }
 
 private:
-    /// What the rays of some rows of a round's grid look up.
+    /// A place, and its normal's cell of kNormalLevel.
+    struct Seen {
+        LookupPlaces::Place place;
+        std::uint32_t normal;
+    };
+
+    /// What the rays of some rows of a round's grid meet.
     struct Part {
-        std::vector<Lookup> lookups;
+        std::vector<Seen> seen;
         std::size_t newRays = 0;
     };
 
     /// Sends one ray through a random place of each cell of a grid over the film.
     ///
-    /// @return share of the rays that find something new
-    double addRound(double rays, std::uint64_t seed, VoxelLookups& found) const {
+    /// @return share of the rays that meet something new
+    double addRound(double rays, std::uint64_t seed) {
         const double aspect = static_cast<double>(size_[0]) / size_[1];
         const auto columns = static_cast<std::size_t>(std::ceil(std::sqrt(rays * aspect)));
         const auto rows = static_cast<std::size_t>(std::ceil(std::sqrt(rays / aspect)));
@@ -101,59 +100,60 @@ private:
                     const double u = toUnit(hashWords(seed, BakeSalt::filmColumn, number));
                     const double v = toUnit(hashWords(seed, BakeSalt::filmRow, number));
                     look((static_cast<double>(column) + u) / static_cast<double>(columns),
-                         (static_cast<double>(row) + v) / static_cast<double>(rows), found,
+                         (static_cast<double>(row) + v) / static_cast<double>(rows),
                          parts[chunk.index]);
                 }
         });
         std::size_t newRays = 0;
+        std::vector<LookupPlaces::Place> places;
         for (const Part& part : parts) {
             newRays += part.newRays;
-            for (const Lookup& lookup : part.lookups)
-                lookup.visitVoxels(frame_,
-                                   [&](std::uint64_t key) { found.add(key, lookup.normal); });
+            for (const Seen& seen : part.seen) {
+                known_[seen.place.voxelKey].set(seen.normal);
+                places.push_back(seen.place);
+            }
         }
+        places_.add(std::move(places));
         return static_cast<double>(newRays) / static_cast<double>(rows * columns);
     }
 
     /// @param x, y  in [0, 1] over the film and its border
-    void look(double x, double y, const VoxelLookups& known, Part& out) const {
+    void look(double x, double y, Part& out) const {
         const auto onFilm = [](double share, int pixels) {
             return (share * (pixels + 2 * kFilmBorder) - kFilmBorder) / pixels;
         };
         const View view = lookThrough(rays_, scene_, {onFilm(x, size_[0]), onFilm(y, size_[1])});
         if (!view.hit.found) return;
         const Vec3d p = worldPosition(scene_, view.hit) / frame_.spacing();
-        const Lookup lookup{{static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)),
-                             static_cast<int>(std::floor(p.z))},
-                            locateCell(kNormalLevel, Vec3d(view.normal()))};
-        if (isNew(lookup, known)) ++out.newRays;
-        if (out.lookups.empty() || out.lookups.back() != lookup) out.lookups.push_back(lookup);
-    }
-
-    /// Whether the items of one of its voxels would likely be missing.
-    bool isNew(const Lookup& lookup, const VoxelLookups& known) const {
-        bool isNew = false;
-        lookup.visitVoxels(frame_, [&](std::uint64_t key) {
-            const NormalSet* normals = known.find(key);
-            isNew = isNew || !normals || (*normals & cellsNear()[lookup.normal]).none();
-        });
-        return isNew;
+        const Vec3d low(std::floor(p.x), std::floor(p.y), std::floor(p.z));
+        const Vec3i voxel(low);
+        // What moves may be far from the set.
+        if (!frame_.holds(voxel)) return;
+        const Vec3f normal = view.normal();
+        const Seen seen{LookupPlaces::makePlace(frame_.key(voxel), Vec3f(p - low), normal),
+                        locateCell(kNormalLevel, Vec3d(normal))};
+        const auto known = known_.find(seen.place.voxelKey);
+        if (known == known_.end() || (known->second & cellsNear()[seen.normal]).none())
+            ++out.newRays;
+        if (out.seen.empty() || out.seen.back().place != seen.place) out.seen.push_back(seen);
     }
 
     const CameraRays rays_;
     const Scene& scene_;
     const VoxelFrame& frame_;
     const std::array<int, 2> size_;
+    LookupPlaces places_;
+    std::unordered_map<std::uint64_t, NormalSet> known_;  ///< by voxel: normals met
 };
 
 }  // namespace
 
-VoxelLookups lookupsOf(const Shot& shot, Scene& scene, const VoxelFrame& frame) {
-    VoxelLookups all;
+LookupPlaces lookupsOf(const Shot& shot, Scene& scene, const VoxelFrame& frame) {
+    LookupPlaces all;
     Progress progress("look", std::max<std::size_t>(1, shot.frames.size()));
     for (const int number : shot.frames) {
         scene.setMoving(shot.moving.pose(number));
-        all.add(FrameLookups(shot.camera.at(number), scene, frame, shot.size).find());
+        all.add(FrameLookups(shot.camera.at(number), scene, frame, shot.size).find().places());
         progress.add(1);
     }
     scene.setMoving(nullptr);

@@ -17,12 +17,12 @@ struct Shot {
     std::array<int, 2> size;  ///< of its pictures [pixels]
 };
 
-/// Lookups that the pictures of a shot make in a cache: of what its camera rays meet, the eight
-/// voxels around. A sample of the rays finds them, more until new ones find next to nothing new.
-/// Frames are looked at one by one, so the lookups of two shots together are those of both.
+/// Places at which the pictures of a shot look a cache up: what camera rays meet. A sample of the
+/// rays finds them, more of them until new ones meet next to nothing new. Frames are looked at one
+/// by one, so the places of two shots together are those of both.
 ///
 /// @param scene  has nothing that moves, before and after
 /// @throws Error if the camera has no such frame
-VoxelLookups lookupsOf(const Shot& shot, Scene& scene, const VoxelFrame& frame);
+LookupPlaces lookupsOf(const Shot& shot, Scene& scene, const VoxelFrame& frame);
 
 }  // namespace shadowcache

@@ -23,11 +23,10 @@ ShotSource::ShotSource(const ShotOptions& options, std::span<const std::filesyst
     for (const int frame : frames_) camera_.at(frame);
 }
 
-VoxelLookups ShotSource::lookups(Scene& scene, const VoxelFrame& frame) const {
+LookupPlaces ShotSource::lookups(Scene& scene, const VoxelFrame& frame) const {
     MovingSet moving(shots_, options_.dynamic, mesh_, scene.mesh().origin, options_.fps);
     for (const int number : frames_) moving.requireFrame(number);
-    return lookupsOf({camera_, moving, frames_, options_.size}, scene, frame)
-        .dilated(frame, options_.margin);
+    return lookupsOf({camera_, moving, frames_, options_.size}, scene, frame);
 }
 
 std::string ShotSource::text() const {

@@ -34,10 +34,10 @@ public:
     ShotSource(const ShotOptions& options, std::span<const std::filesystem::path> files,
                const MeshOptions& mesh);
 
-    /// Lookups that its pictures make in a cache, and the margin.
+    /// Places at which its pictures look a cache up.
     ///
     /// @throws Error if a frame is missing in a moving object's track
-    VoxelLookups lookups(Scene& scene, const VoxelFrame& frame) const;
+    LookupPlaces lookups(Scene& scene, const VoxelFrame& frame) const;
 
     /// In one line: "camera.json, frames 1-24, 960x540".
     std::string text() const;

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "common/base/tuned.h"
 #include "common/cache/cache_header.h"
 #include "common/cache/patch_code.h"
 #include "common/math/vec.h"
@@ -48,10 +47,6 @@ bool itemBefore(const CacheItems& a, std::size_t i, const CacheItems& b, std::si
 
 /// Side of a surface with unit normal `n`, 0 .. kSides - 1.
 int sideOf(const Vec3f& n);
-
-/// Least cosine between the normals of a place and of an item that counts there: up to 60 degrees,
-/// the closer the more.
-inline SHADOWCACHE_TUNED(float, kMinAgreement, 0.5f);
 
 /// Whether two items of different layers of one voxel, with these unit normals, lie behind each
 /// other.

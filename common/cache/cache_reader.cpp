@@ -175,7 +175,13 @@ CacheItems readCache(const fs::path& path, CacheHeader& header) {
     header = grids.header;
     const DirectionTiers tiers = header.tiers();
     CacheItems items;
-    for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf)
+    // OpenVDB's tree has larger nodes above the leaves, and visits them one by one.
+    std::vector<PointLeaf*> leaves;
+    for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf) leaves.push_back(&*leaf);
+    std::ranges::sort(leaves, [](const PointLeaf* a, const PointLeaf* b) {
+        return a->origin() < b->origin();
+    });
+    for (PointLeaf* leaf : leaves)
         appendLeaf(leaf->origin(),
                    viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), tiers, path),
                    tiers.baseCells(), items);

@@ -12,6 +12,7 @@
 #include "common/cache/cache_grids.h"
 #include "common/cache/cache_items.h"
 #include "common/cache/grid_leaves.h"
+#include "common/cache/lookup_weight.h"
 #include "common/cache/paged_leaves.h"
 
 namespace shadowcache {
@@ -113,8 +114,6 @@ float partWeight(const PatchCode& code, const Vec3f& fromMiddle) {
     return weight;
 }
 
-/// Least weight of an item, as a share of the weights of all items of a lookup.
-SHADOWCACHE_TUNED(float, kLeastItemShare, 0.03f);
 #ifndef SHADOWCACHE_TUNABLE
 static_assert(kLeastItemShare * ShadowCache::kMaxItems < 1, "one item at least must be left");
 #endif
@@ -221,9 +220,6 @@ ShadowCache::Reader::Reader(const ShadowCache& cache)
 ShadowCache::Reader::~Reader() = default;
 ShadowCache::Reader::Reader(Reader&&) noexcept = default;
 
-/// Inverse of the distance from the plane of an item, in spacings, at which it counts a third.
-SHADOWCACHE_TUNED(float, kPlaneFalloff, 5);
-
 /// Appends the items around a place. Parts of patches that do not reach it weigh `leastOfPart`, or
 /// are left out if that is 0.
 void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& normal,
@@ -248,20 +244,16 @@ void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& norm
         const Vec3f fromMiddle(f - Vec3d(step));
         const std::size_t before = found.count;
         for (std::uint32_t i = begin; i < end && !found.full(); ++i) {
-            const float agreement = view.normal[i].dot(normal) - kMinAgreement;
+            const float agreement = agreementOf(view.normal[i], normal);
             if (agreement <= 0) continue;
             const PatchCode code = PatchCode::of(view.patch[i]);
-            // The small addend keeps a lone item in a far corner from losing its weight altogether.
             const float near = code.subpatch == 0
-                                   ? static_cast<float>(trilinear) + 1e-6f
+                                   ? nearOf(trilinear)
                                    : std::max(partWeight(code, fromMiddle), leastOfPart);
             if (near == 0) continue;
             const auto firstBlock = static_cast<std::uint32_t>(view.firstBlock[i]);
             const Vec3f toItem = view.position[i] - fromMiddle;
-            // Another layer of surface a little above or below sees other things.
-            const float plane = kPlaneFalloff * toItem.dot(normal);
-            const float nearness = 1 / (1 + plane * plane * (1 + plane * plane));
-            const float weight = near * std::min(1.0f, agreement / (1 - kMinAgreement)) * nearness;
+            const float weight = itemWeight(near, agreement, toItem, normal);
             found.add({view.n.row(i), view.d.row(i), view.blockKeys + firstBlock,
                        view.blockN.row(firstBlock), view.blockD.row(firstBlock), view.blockN.step,
                        view.blockD.step, static_cast<std::uint32_t>(view.blockCount[i]),

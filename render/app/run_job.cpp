@@ -234,6 +234,10 @@ private:
         if (stats_.reusedRays > 0)
             std::printf(" (%.1f M of them reuse neighbours' samples)",
                         static_cast<double>(stats_.reusedRays) * 1e-6);
+        if (stats_.raysWithoutItems > 0)
+            std::printf(", %.3g %% of the camera rays found no item",
+                        100 * static_cast<double>(stats_.raysWithoutItems) /
+                            static_cast<double>(stats_.cameraRays));
         std::printf(" in %.2f s", stats_.seconds);
         if (job_.render.preview) std::printf(" (biased: filtered)");
         if (error_) std::printf(", relMSE %.3g", error_->mean);

@@ -204,10 +204,12 @@ private:
     /// items can be summed up once for all pixels.
     Rgb preview(const ShadingPoint& point, CacheWorkspace& w) const {
         if (!context_.scene.movingBalls().empty()) {
-            pool(point, 0, w);
+            w.pointsWithoutItems += pool(point, 0, w) == 0 ? 1 : 0;
             return w.preview.irradiance(w.pooled, point.normal);
         }
-        return w.itemIrradiance.mean(lookUp(point, w), point.normal);
+        const std::span<const ItemView> found = lookUp(point, w);
+        w.pointsWithoutItems += found.empty() ? 1 : 0;
+        return w.itemIrradiance.mean(found, point.normal);
     }
 
     /// The counts do not include what moves.
@@ -232,7 +234,8 @@ private:
     Prepared prepare(const PointBatch& batch, const PointCluster& cluster, CacheWorkspace& w,
                      NeighborReuse::Batch& reuse, std::span<Estimate> estimates) const {
         const ShadingPoint& centre = batch.points[cluster.centre];
-        pool(centre, cluster.radius, w);
+        if (pool(centre, cluster.radius, w) == 0)
+            w.pointsWithoutItems += cluster.end - cluster.begin;
         const Regions& regions =
             w.regionBuilder.build(w.pooled, centre.normal, cluster.tilt, calibration_);
         const double share = shareOf(regions, batch.samples);

@@ -111,6 +111,7 @@ struct Workspace {
     LightSamples samples;
     std::uint64_t setupNanoseconds = 0;
     std::uint64_t traceNanoseconds = 0;
+    std::uint64_t pointsWithoutItems = 0;  ///< lit without what a cache knows
 
     /// Numbers `first` to `first + count - 1` of dimension `dimension` in a sequence of `total`;
     /// valid until the next call with that dimension.

@@ -18,6 +18,8 @@ struct RenderStats {
     double traceSeconds = 0;  ///< of it in tracing shadow rays and adding them up, likewise
     std::uint64_t cameraRays = 0;
     std::uint64_t shadowRays = 0;
+    /// Of them met the set where the cache that is used holds no item.
+    std::uint64_t raysWithoutItems = 0;
     std::uint64_t reusedRays = 0;  ///< those of shadowRays that reuse what other pixels found
     int samples = 0;               ///< of a camera ray, in the last frame
     double cameraRaysAPixel = 0;   ///< in the last frame, on the mean

@@ -39,11 +39,12 @@ void Workspaces::giveBack(std::unique_ptr<Workspace> workspace) {
     free_.push_back(std::move(workspace));
 }
 
-void Workspaces::addTimes(RenderStats& stats) {
+void Workspaces::addCounts(RenderStats& stats) {
     std::uint64_t setup = 0, trace = 0;
     for (const auto& workspace : free_) {
         setup += std::exchange(workspace->setupNanoseconds, 0);
         trace += std::exchange(workspace->traceNanoseconds, 0);
+        stats.raysWithoutItems += std::exchange(workspace->pointsWithoutItems, 0);
     }
     stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
     stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();
@@ -66,7 +67,7 @@ void forEachTile(const FrameRequest& frame, std::span<const std::size_t> tiles,
         }
         workspaces.giveBack(std::move(workspace));
     });
-    workspaces.addTimes(stats);
+    workspaces.addCounts(stats);
 }
 
 void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, RenderStats& stats,

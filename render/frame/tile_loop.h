@@ -35,8 +35,8 @@ public:
     std::unique_ptr<Workspace> take();
     void giveBack(std::unique_ptr<Workspace> workspace);
 
-    /// Adds the time of all that were given back since the last call.
-    void addTimes(RenderStats& stats);
+    /// Adds times and counts of all that were given back since the last call.
+    void addCounts(RenderStats& stats);
 
 private:
     const Estimator& estimator_;

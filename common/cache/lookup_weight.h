@@ -1,0 +1,45 @@
+#pragma once
+
+#include <algorithm>
+
+#include "common/base/tuned.h"
+#include "common/math/vec.h"
+
+namespace shadowcache {
+
+/// Least cosine between the normals of a place and of an item that counts there: up to 60 degrees,
+/// the closer the more.
+inline SHADOWCACHE_TUNED(float, kMinAgreement, 0.5f);
+
+/// Inverse of the distance from the plane of an item, in spacings, at which it counts a third.
+inline SHADOWCACHE_TUNED(float, kPlaneFalloff, 5);
+
+/// Least weight of an item, as a share of the weights of all items of a lookup.
+inline SHADOWCACHE_TUNED(float, kLeastItemShare, 0.03f);
+
+/// Cosine between the normals of a place and of an item, above the least that counts; 0 or below:
+/// the item does not count.
+inline float agreementOf(const Vec3f& itemNormal, const Vec3f& normal) {
+    return itemNormal.dot(normal) - kMinAgreement;
+}
+
+/// Weight of a whole layer by its voxel's trilinear weight. The small addend keeps a lone item in a
+/// far corner from losing its weight altogether.
+inline float nearOf(double trilinear) {
+    return static_cast<float>(trilinear) + 1e-6f;
+}
+
+/// Weight of an item in a lookup.
+///
+/// @param near       by its place in the voxel's neighbourhood
+/// @param agreement  agreementOf(), above 0
+/// @param toItem     from the place to the item's mean point, in spacings
+/// @param normal     unit, of the place
+inline float itemWeight(float near, float agreement, const Vec3f& toItem, const Vec3f& normal) {
+    // Another layer of surface a little above or below sees other things.
+    const float plane = kPlaneFalloff * toItem.dot(normal);
+    const float nearness = 1 / (1 + plane * plane * (1 + plane * plane));
+    return near * std::min(1.0f, agreement / (1 - kMinAgreement)) * nearness;
+}
+
+}  // namespace shadowcache
