@@ -8,7 +8,7 @@
 
 namespace shadowcache {
 
-// 20 GB of film.
+// 33 GB of film.
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
 // Their numbers have 32 bits.

@@ -21,13 +21,20 @@ float pixelWidth(const Camera& camera, const RenderOptions& options, float depth
     return depth * static_cast<float>(2 * std::tan(camera.fovY / 2) / options.height);
 }
 
+/// What rays add to the predicted irradiance.
+Rgb addedIrradiance(const Pixel& pixel) {
+    Rgb added(0, 0, 0);
+    for (int k = 0; k < 3; ++k)
+        if (pixel.albedo[k] > 0)
+            added[k] =
+                static_cast<float>(kPi) * (pixel.color[k] - pixel.predicted[k]) / pixel.albedo[k];
+    return added;
+}
+
 ResidualPixel residualOf(const FrameRequest& frame, const Pixel& pixel) {
     ResidualPixel result;
     if (!(pixel.coverage > 0)) return result;
-    for (int k = 0; k < 3; ++k)
-        if (pixel.albedo[k] > 0)
-            result.residual[k] =
-                static_cast<float>(kPi) * (pixel.color[k] - pixel.predicted[k]) / pixel.albedo[k];
+    result.residual = addedIrradiance(pixel);
     const float scale = 1 / pixel.coverage;
     const float length = pixel.normal.length();
     if (length > 0) result.normal = pixel.normal / length;
@@ -81,6 +88,8 @@ Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats) {
     filterResiduals(residuals, environment.luminanceWeights());
     forEachPixel([&](Pixel& pixel, const ResidualPixel& residual) {
         if (!(residual.width > 0)) return;
+        pixel.irradiance += pixel.coverage * (residual.residual - addedIrradiance(pixel));
+        pixel.variance = residual.variance;
         const Rgb reflectance = pixel.albedo * static_cast<float>(1 / kPi);
         pixel.color = pixel.predicted + reflectance * residual.residual;
         const float luminance = environment.luminance(reflectance);

@@ -12,9 +12,8 @@ namespace shadowcache {
 /// The frame with all pixels that its region depends on; itself unless it is a preview.
 FrameRequest withPreviewMargin(const FrameRequest& frame);
 
-/// What is delivered of a film of withPreviewMargin(frame): its region, of a preview with the
-/// colours filtered and `colorVariance` as the filter leaves it. All else stays as rendered. Adds
-/// the time to the statistics.
+/// What is delivered of a film of withPreviewMargin(frame): its region; of a preview with colour,
+/// irradiance and their variances filtered. Adds the time to the statistics.
 Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats);
 
 }  // namespace shadowcache

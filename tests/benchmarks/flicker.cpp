@@ -18,11 +18,12 @@ struct Row {
     const char* name;
     const char* estimator;
     bool adaptive;
+    int samples = 0;  ///< 0: those of the settings
+    bool preview = false;
 };
-constexpr Row kRows[] = {{"mis", "mis", false},
-                         {"paper", "paper", false},
-                         {"cache", "cache", false},
-                         {"cache-adaptive", "cache", true}};
+constexpr Row kRows[] = {{"mis", "mis", false},           {"paper", "paper", false},
+                         {"cache", "cache", false},       {"cache-adaptive", "cache", true},
+                         {"4 samples", "cache", true, 4}, {"preview of 4", "cache", true, 4, true}};
 
 double meanOf(const std::vector<double>& values) {
     return std::reduce(values.begin(), values.end()) / static_cast<double>(values.size());
@@ -52,13 +53,15 @@ void measure(const Set& set, const std::string& mapName, const Environment& envi
     const std::vector<double> brightness = test::brightness(reference, places);
 
     double ofMis = 0;
-    const auto measureOne = [&](const char* name, const char* estimator,
-                                const std::vector<int>& frames, bool adaptive) {
+    const auto measureOne = [&](const Row& row, const std::vector<int>& frames) {
         RenderStats stats;
+        RenderOptions asked = options;
+        if (row.samples > 0) asked.samples = row.samples;
+        asked.preview = row.preview;
         EstimatorOptions estimatorOptions;
-        estimatorOptions.cache.adaptive = adaptive;
-        const test::ShotLight shot =
-            test::renderShot(context, estimator, cameras, frames, options, stats, estimatorOptions);
+        estimatorOptions.cache.adaptive = row.adaptive;
+        const test::ShotLight shot = test::renderShot(context, row.estimator, cameras, frames,
+                                                      asked, stats, estimatorOptions);
         const test::ShotLight errors = test::errorsOf(shot, reference);
         const double variance = test::temporalVariance(shot, places, brightness);
         const double noise = test::temporalVariance(errors, places, brightness);
@@ -68,9 +71,9 @@ void measure(const Set& set, const std::string& mapName, const Environment& envi
                             (kFrames * static_cast<double>(options.width) * options.height);
         if (ofMis == 0) ofMis = noise;
         std::printf("%-9s %-13s %-15s %8.1f %10.4g %10.4g %8.1f %9.3f %9.3f\n", set.name.c_str(),
-                    mapName.c_str(), name, rays, variance, noise, ofMis / noise, place, pixel);
+                    mapName.c_str(), row.name, rays, variance, noise, ofMis / noise, place, pixel);
         std::fflush(stdout);
-        const std::string key = set.name + "." + mapName + "." + name;
+        const std::string key = set.name + "." + mapName + "." + row.name;
         json.set(key + ".rays_per_pixel", rays);
         json.set(key + ".variance", variance);
         json.set(key + ".noise", noise);
@@ -78,11 +81,11 @@ void measure(const Set& set, const std::string& mapName, const Environment& envi
         json.set(key + ".correlation_at_pixel", pixel);
     };
     for (const Row& row : kRows) {
-        measureOne(row.name, row.estimator, numbers, row.adaptive);
+        measureOne(row, numbers);
     }
     // Control: numbers that are the same in every frame stick to the screen.
     const std::vector<int> stuck(kFrames, numbers.front());
-    measureOne("stuck numbers", "cache", stuck, true);
+    measureOne({"stuck numbers", "cache", true}, stuck);
     const double move = test::temporalVariance(reference, places, brightness);
     std::printf("%-9s %-13s %-15s %8s %10.4g          (%zu places)\n", set.name.c_str(),
                 mapName.c_str(), "reference", "", move, places.count());

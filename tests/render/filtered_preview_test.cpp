@@ -86,15 +86,15 @@ TEST_F(FilteredPreview, IsNearerToTheTruthThanPredictionAndEstimate) {
 }
 
 TEST_F(FilteredPreview, IsConsistent) {
-    const Film reference = withoutFilter(4096);
+    const Film reference = withoutFilter(1024);
     std::vector<double> errors;
-    for (const int samples : {1, 4, 16, 64, 256}) {
+    for (const int samples : {1, 4, 16, 64}) {
         options_.samples = samples;
         errors.push_back(error(render(), reference));
     }
     for (std::size_t i = 1; i < errors.size(); ++i) EXPECT_LT(errors[i], 0.6 * errors[i - 1]) << i;
     // Control: the prediction alone stays where it is.
-    EXPECT_GT(error(withoutFilter(0), reference), 20 * errors.back());
+    EXPECT_GT(error(withoutFilter(0), reference), 10 * errors.back());
 }
 
 TEST_F(FilteredPreview, LeavesTheSkyAlone) {
