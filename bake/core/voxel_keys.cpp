@@ -1,6 +1,6 @@
 #include "bake/core/voxel_keys.h"
 
-#include "bake/core/placement.h"
+#include "bake/core/voxel_frame.h"
 
 namespace shadowcache {
 
