@@ -57,8 +57,7 @@ public:
     void cut(std::uint32_t triangle, std::vector<Fragment>& out) const {
         const Polygon polygon = wholeTriangle(mesh_, triangle);
         const Range range = voxelsOf(polygon);
-        if (!only_ || only_->mayTouch(frame_, range.first, range.last))
-            addSlabs(polygon, range, 0, triangle, out);
+        if (mayTouch(range)) addSlabs(polygon, range, 0, triangle, out);
     }
 
 private:
@@ -66,6 +65,12 @@ private:
     struct Range {
         Vec3i first, last;
     };
+
+    /// Whether a voxel of the range may be one of those to place fragments in.
+    bool mayTouch(const Range& range) const {
+        return !only_ || only_->mayTouch(range.first, range.last,
+                                         [&](const Vec3i& voxel) { return frame_.key(voxel); });
+    }
 
     Range voxelsOf(const Polygon& polygon) const {
         Imath::Box3d box;
@@ -82,7 +87,7 @@ private:
         for (int v = range.first[axis]; v <= range.last[axis]; ++v) {
             Range part = range;
             part.first[axis] = part.last[axis] = v;
-            if (only_ && !only_->mayTouch(frame_, part.first, part.last)) continue;
+            if (!mayTouch(part)) continue;
             Polygon slab = polygon;
             const double middle = frame_.center(part.first)[axis], half = frame_.spacing() / 2;
             if (v < range.last[axis]) clipAxis(slab, axis, middle + half, 1);
