@@ -157,12 +157,11 @@ double differentLookups(const BakeResult& a, const BakeResult& b, int frame) {
     std::array<ItemView, ShadowCache::kMaxItems> itemsA, itemsB;
     constexpr int kWidth = 160, kHeight = 90;
     const Scene& scene = *courtyard().scene;
-    const Camera camera = cameraOf(frame);
+    const CameraRays rays(cameraOf(frame), static_cast<double>(kWidth) / kHeight);
     double all = 0, different = 0;
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
-            const View view = lookThrough(camera, scene, (x + 0.5) / kWidth, (y + 0.5) / kHeight,
-                                          static_cast<double>(kWidth) / kHeight);
+            const View view = lookThrough(rays, scene, {(x + 0.5) / kWidth, (y + 0.5) / kHeight});
             if (!view.hit.found) continue;
             const Vec3d place = worldPosition(scene, view.hit);
             const auto countA = readerA.lookUp(place, view.normal(), itemsA);
