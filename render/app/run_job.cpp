@@ -31,6 +31,10 @@ namespace shadowcache {
 
 namespace {
 
+/// Share of the camera rays without cache items that is not worth a word: the bake of a shot leaves
+/// no more.
+constexpr double kFewWithoutItems = 1e-3;
+
 /// The cache, if it is of this set.
 std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh& mesh) {
     if (job.cache.empty()) return nullptr;
@@ -234,10 +238,10 @@ private:
         if (stats_.reusedRays > 0)
             std::printf(" (%.1f M of them reuse neighbours' samples)",
                         static_cast<double>(stats_.reusedRays) * 1e-6);
-        if (stats_.raysWithoutItems > 0)
-            std::printf(", %.3g %% of the camera rays found no item",
-                        100 * static_cast<double>(stats_.raysWithoutItems) /
-                            static_cast<double>(stats_.cameraRays));
+        const double without = static_cast<double>(stats_.raysWithoutItems) /
+                               static_cast<double>(std::max<std::uint64_t>(stats_.cameraRays, 1));
+        if (without > kFewWithoutItems)
+            std::printf(", %.2g %% of the camera rays found no item", 100 * without);
         std::printf(" in %.2f s", stats_.seconds);
         if (job_.render.preview) std::printf(" (biased: filtered)");
         if (error_) std::printf(", relMSE %.3g", error_->mean);
