@@ -63,7 +63,7 @@ TEST_F(Info, TellsOfAPlace) {
     EXPECT_LT(under["visible"], on["visible"].get<double>() - 0.1);
     EXPECT_LT(under["visible_cosine"], under["visible"]) << "the table is overhead";
     EXPECT_GT(on["open_direction"][1], 0.99);
-    EXPECT_NE(runWell("info", "set.vdb --at 0,9,0,0,1,0").out.find("knows nothing"),
+    EXPECT_NE(runWell("info", "set.vdb --at 0,9,0,0,1,0").out.find("no items here"),
               std::string::npos);
 }
 
