@@ -54,7 +54,8 @@ public:
 
     Baked run() {
         const bool adaptive = options_.adaptive && DirectionTiers{options_.level}.refinements() > 0;
-        if (!selection_.everything()) choice_ = chooseSides(scene_, voxels_, selection_, options_.seed);
+        if (!selection_.everything())
+            choice_ = chooseSides(scene_, voxels_, selection_, options_.seed);
         const std::size_t count = voxels_.wanted().size();
         Progress progress("bake", std::max<std::size_t>(1, count * (adaptive ? 2 : 1)));
         if (!adaptive)

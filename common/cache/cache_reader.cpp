@@ -178,9 +178,8 @@ CacheItems readCache(const fs::path& path, CacheHeader& header) {
     // OpenVDB's tree has larger nodes above the leaves, and visits them one by one.
     std::vector<PointLeaf*> leaves;
     for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf) leaves.push_back(&*leaf);
-    std::ranges::sort(leaves, [](const PointLeaf* a, const PointLeaf* b) {
-        return a->origin() < b->origin();
-    });
+    std::ranges::sort(
+        leaves, [](const PointLeaf* a, const PointLeaf* b) { return a->origin() < b->origin(); });
     for (PointLeaf* leaf : leaves)
         appendLeaf(leaf->origin(),
                    viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), tiers, path),
