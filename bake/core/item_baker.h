@@ -50,7 +50,9 @@ private:
                                                RayCounter& rays) const;
     ItemCounts countsOf(std::vector<Count> base, const Refined& first,
                         const std::vector<ItemCounts::Block>& second, const RayCounter& rays) const;
-    FineCounts noFineCounts() const { return FineCounts(tiers_.baseCells() * kBlockCells); }
+    FineCounts noFineCounts() const {
+        return FineCounts(std::size_t{tiers_.baseCells()} * kBlockCells);
+    }
 
     const Scene& scene_;
     const BakeOptions& options_;
