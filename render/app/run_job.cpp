@@ -31,8 +31,8 @@ namespace shadowcache {
 
 namespace {
 
-/// Share of the camera rays without cache items that is not worth a word: the bake of a shot leaves
-/// no more.
+/// Share of the camera rays without cache items up to which the last line does not mention them:
+/// the bake of a shot leaves no more.
 constexpr double kFewWithoutItems = 1e-3;
 
 /// The cache, if it is of this set.

@@ -131,6 +131,21 @@ TriangleMesh courtMesh() {
     return mesh;
 }
 
+/// Places in a rectangle of the floor, under what stands over it, seen from above as a film would.
+std::vector<ShadingPoint> placesOnFloor(const Scene& scene, double x0, double z0, double width,
+                                        double depth) {
+    std::vector<ShadingPoint> places;
+    for (std::uint64_t i = 0; i < 2000; ++i) {
+        const double x = width * toUnit(hashWords(i, 1)), z = depth * toUnit(hashWords(i, 2));
+        const Vec3f from(static_cast<float>(x0 + x), 0.3f, static_cast<float>(z0 + z));
+        ShadingPoint& place = places.emplace_back(test::pointAlong(scene, from, {0, -1, 0}));
+        place.seed = hashWords(i, 3);
+        place.filmX = static_cast<int>(100 * x);
+        place.filmY = static_cast<int>(100 * z);
+    }
+    return places;
+}
+
 class DomeLight : public testing::Test {
 protected:
     const TriangleMesh mesh_ = courtMesh();
@@ -139,19 +154,8 @@ protected:
     const Environment environment_ = test::environmentOf(map_);
     const EstimatorContext context_{scene_, environment_, nullptr, {}};
 
-    /// Places on the floor under the roof, seen from above as a film would.
     std::vector<ShadingPoint> placesBelowRoof() const {
-        std::vector<ShadingPoint> places;
-        for (std::uint64_t i = 0; i < 2000; ++i) {
-            const double x = toUnit(hashWords(i, 1)), z = toUnit(hashWords(i, 2));
-            const Vec3f from(static_cast<float>(-1.9 + 1.0 * x), 0.3f,
-                             static_cast<float>(-1.7 + 3.5 * z));
-            ShadingPoint& place = places.emplace_back(test::pointAlong(scene_, from, {0, -1, 0}));
-            place.seed = hashWords(i, 3);
-            place.filmX = static_cast<int>(100 * x);
-            place.filmY = static_cast<int>(350 * z);
-        }
-        return places;
+        return placesOnFloor(scene_, -1.9, -1.7, 1.0, 3.5);
     }
 };
 
@@ -173,19 +177,8 @@ TriangleMesh roomMesh() {
     return mesh;
 }
 
-/// Places on the floor of the room, seen from above as a film would without the roof.
 std::vector<ShadingPoint> placesInRoom(const Scene& room) {
-    std::vector<ShadingPoint> places;
-    for (std::uint64_t i = 0; i < 2000; ++i) {
-        const double x = toUnit(hashWords(i, 1)), z = toUnit(hashWords(i, 2));
-        const Vec3f from(static_cast<float>(-1.9 + 3.8 * x), 0.3f,
-                         static_cast<float>(-1.9 + 3.5 * z));
-        ShadingPoint& place = places.emplace_back(test::pointAlong(room, from, {0, -1, 0}));
-        place.seed = hashWords(i, 3);
-        place.filmX = static_cast<int>(380 * x);
-        place.filmY = static_cast<int>(350 * z);
-    }
-    return places;
+    return placesOnFloor(room, -1.9, -1.9, 3.8, 3.5);
 }
 
 // Control: what was learned from rays that start below the floor, and meet nothing but its other
