@@ -72,7 +72,7 @@ void keepNearestLayers(FoundItems& items, std::size_t begin) {
 }
 
 /// A depth layer that lies this much nearer to the place, in spacings, is another one.
-SHADOWCACHE_TUNED(float, kSameSheet, 0.05f);
+SHADOWCACHE_TUNED(float, kSameLayer, 0.05f);
 
 /// Subpatches stand for the larger ones of their depth layer as far as they reach: at
 /// the rim of what was cut their weights fall to zero, and the larger ones' rise.
@@ -91,7 +91,7 @@ void preferParts(FoundItems& items) {
             float reach = 0;
             for (std::size_t j = 0; j < items.count; ++j)
                 if (cutsAt[j] == cuts &&
-                    items.about[j].distance <= items.about[i].distance + kSameSheet)
+                    items.about[j].distance <= items.about[i].distance + kSameLayer)
                     reach += items.view[j].weight;
             left[i] *= 1 - std::min(reach, 1.0f);
         }

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kSpacing = 1;
 
-/// Horizontal sheets over all of the voxel around the origin.
-TriangleMesh sheets(const std::vector<float>& heights) {
+/// Horizontal surfaces over all of the voxel around the origin.
+TriangleMesh surfacesAt(const std::vector<float>& heights) {
     TriangleMesh mesh;
     for (const float y : heights) test::addFloor(mesh, y, -0.5f, 0.5f, -0.5f, 0.5f);
     return mesh;
@@ -33,20 +33,20 @@ std::vector<std::vector<Piece>> layersOf(const TriangleMesh& mesh) {
     return splitDepthLayers(mesh, frame.box({0, 0, 0}), pieces);
 }
 
-TEST(DepthLayers, OfParallelSheetsAreAsManyAsTheSheets) {
-    EXPECT_EQ(layersOf(sheets({0.1f})).size(), 1u);
-    const auto layers = layersOf(sheets({0.3f, -0.2f, 0.1f}));
+TEST(DepthLayers, OfParallelSurfacesAreAsMany) {
+    EXPECT_EQ(layersOf(surfacesAt({0.1f})).size(), 1u);
+    const auto layers = layersOf(surfacesAt({0.3f, -0.2f, 0.1f}));
     ASSERT_EQ(layers.size(), 3u);
     // Two triangles each, from below.
-    const std::uint32_t sheet[] = {1, 2, 0};
+    const std::uint32_t surface[] = {1, 2, 0};
     for (std::size_t k = 0; k < 3; ++k) {
         ASSERT_EQ(layers[k].size(), 2u);
-        for (const Piece& piece : layers[k]) EXPECT_EQ(piece.triangle / 2, sheet[k]);
+        for (const Piece& piece : layers[k]) EXPECT_EQ(piece.triangle / 2, surface[k]);
     }
 }
 
-TEST(DepthLayers, OfMoreSheetsThanLayersKeepTheWidestGapsApart) {
-    const auto layers = layersOf(sheets({-0.4f, -0.39f, -0.2f, 0, 0.01f, 0.3f}));
+TEST(DepthLayers, OfMoreSurfacesThanLayersKeepTheWidestGapsApart) {
+    const auto layers = layersOf(surfacesAt({-0.4f, -0.39f, -0.2f, 0, 0.01f, 0.3f}));
     ASSERT_EQ(layers.size(), static_cast<std::size_t>(kMaxDepthLayers));
     EXPECT_EQ(layers[0].size(), 4u);
     EXPECT_EQ(layers[1].size(), 2u);
@@ -54,20 +54,20 @@ TEST(DepthLayers, OfMoreSheetsThanLayersKeepTheWidestGapsApart) {
     EXPECT_EQ(layers[3].size(), 2u);
 }
 
-TEST(DepthLayers, SheetsNextToTouchingAreOne) {
-    EXPECT_EQ(layersOf(sheets({0, 1e-3f})).size(), 1u);
-    EXPECT_EQ(layersOf(sheets({0, 1e-2f})).size(), 2u);  // control
+TEST(DepthLayers, AlmostTouchingSurfacesAreOne) {
+    EXPECT_EQ(layersOf(surfacesAt({0, 1e-3f})).size(), 1u);
+    EXPECT_EQ(layersOf(surfacesAt({0, 1e-2f})).size(), 2u);  // control
 }
 
 TEST(DepthLayers, SmallPartsAreNone) {
     for (const float side : {0.1f, 0.3f}) {
-        TriangleMesh mesh = sheets({0});
+        TriangleMesh mesh = surfacesAt({0});
         test::addFloor(mesh, 0.2f, 0, side, -0.5f, 0.5f);
         EXPECT_EQ(layersOf(mesh).size(), side > 0.2f ? 2u : 1u);
     }
 }
 
-// A step is two sheets, unless something leads from the one to the other.
+// A step is two layers, unless something leads from the one to the other.
 TEST(DepthLayers, ConnectedSurfaceIsOne) {
     TriangleMesh step;
     test::addFloor(step, 0, -0.5f, -0.1f, -0.5f, 0.5f);
@@ -79,7 +79,7 @@ TEST(DepthLayers, ConnectedSurfaceIsOne) {
 }
 
 TEST(DepthLayers, BecomeItemsThatKnowTheirOwnSky) {
-    TriangleMesh mesh = sheets({-0.2f, 0.2f});
+    TriangleMesh mesh = surfacesAt({-0.2f, 0.2f});
     const Scene scene(mesh);
     BakeOptions options;
     options.spacing = kSpacing;

@@ -209,9 +209,10 @@ TEST(Subpatches, MergeWithWholePatches) {
     EXPECT_GT(openAt(cache.cache(), 0.4, 0.1), 0.4f);
 }
 
-// A cut sheet says no more of another one right above it, in the next voxel, than a whole one
-// would: 0.62 of the word is the upper one's own, and would be 0.4 if parts went before it.
-TEST(Lookup, KeepsToItsSheet) {
+// A subdivided surface counts no more for another one right above it, in the next voxel, than a
+// whole one would: 0.62 of the word is the upper one's own, and would be 0.4 if parts went before
+// it.
+TEST(Lookup, KeepsToItsLayer) {
     const auto openAbove = [](bool floorBelow) {
         TriangleMesh mesh = halfHidden(0.2f);
         if (!floorBelow) mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 2);

@@ -56,7 +56,7 @@ private:
     std::unique_ptr<Estimator> estimator_;
 };
 
-TEST(ThinWall, OfOneSheetLeaksNeitherLightNorDark) {
+TEST(ThinWall, OfOneSurfaceLeaksNeitherLightNorDark) {
     TriangleMesh mesh;
     test::addBox(mesh, {-1, -1, -1}, {1, 1, 1});
     const ThinWall wall(std::move(mesh));
@@ -71,7 +71,7 @@ TEST(ThinWall, OfOneSheetLeaksNeitherLightNorDark) {
     }
 }
 
-// The cavity between the skins faces outward, too, in the same voxels: it has items of its own.
+// The cavity between the walls faces outward, too, in the same voxels: it has items of its own.
 TEST(ThinWall, OfTwoSkinsLeaksNoLight) {
     TriangleMesh mesh;
     test::addBox(mesh, {-1, -1, -1}, {1, 1, 1});

@@ -261,7 +261,7 @@ TEST(HostileInput, UnwritableOutput) {
 }
 
 /// Writes with at most `limit` bytes a file, which fails as a full disk does; ends the process with
-/// 0 if that was told and nothing was left behind.
+/// 0 if both failures were reported and nothing was left behind.
 [[noreturn]] void writeOnFullDisk(const std::filesystem::path& folder, std::size_t limit) {
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit size{limit, limit};
@@ -269,21 +269,21 @@ TEST(HostileInput, UnwritableOutput) {
     std::mt19937 random(3);
     std::vector<float> noise(128 * 128);
     for (float& value : noise) value = static_cast<float>(random());
-    int told = 0;
+    int reported = 0;
     try {
         writeExr(folder / "a.exr", 128, 128, {{"Y", noise}}, {}, PixelType::full);
     } catch (const Error& e) {
-        told += std::string(e.what()).find("cannot be written: ") != std::string::npos;
+        reported += std::string(e.what()).find("cannot be written: ") != std::string::npos;
     }
     Image image{128, 128, std::vector<Rgb>(noise.size())};
     for (std::size_t i = 0; i < noise.size(); ++i) image.pixels[i] = Rgb(noise[i] * 0x1p-32f);
     try {
         writePng(folder / "a.png", image, 0.0f);
     } catch (const Error& e) {
-        told += std::string(e.what()).find("cannot be written: ") != std::string::npos;
+        reported += std::string(e.what()).find("cannot be written: ") != std::string::npos;
     }
     // Without the checks at exit: the one for leaks hangs where only one of the threads was forked.
-    std::_Exit(told == 2 && std::filesystem::is_empty(folder) ? 0 : 1);
+    std::_Exit(reported == 2 && std::filesystem::is_empty(folder) ? 0 : 1);
 }
 
 TEST(HostileInputDeathTest, FullDisk) {

@@ -1,4 +1,4 @@
-// The preview: the irradiance that the counts foretell, item by item.
+// The preview: the irradiance predicted from the counts, item by item.
 
 #include <gtest/gtest.h>
 
@@ -111,7 +111,7 @@ TEST_P(Preview, OfOneItemIsThatOfThePoolOfIt) {
 // and not at another: hence the margin.
 TEST_P(Preview, GradientIsThatOfTheIrradiance) {
     constexpr float kStep = 0.3f;
-    std::vector<Rgb> foretold, measured, none;
+    std::vector<Rgb> predicted, measured, none;
     for (const Place& place : places())
         for (const ItemView& item : place.items) {
             Vec3d s, t;
@@ -120,16 +120,16 @@ TEST_P(Preview, GradientIsThatOfTheIrradiance) {
             for (const Vec3d& tangent : {s, t}) {
                 const Vec3f a = (item.normal + Vec3f(tangent) * kStep).normalized();
                 const Vec3f b = (item.normal - Vec3f(tangent) * kStep).normalized();
-                foretold.push_back(near.at(a - item.normal) - near.at(b - item.normal));
+                predicted.push_back(near.at(a - item.normal) - near.at(b - item.normal));
                 measured.push_back(pooled(item, a) - pooled(item, b));
                 none.emplace_back(0.0f, 0.0f, 0.0f);
             }
         }
-    EXPECT_LT(relativeDifference(foretold, measured), 0.15);
+    EXPECT_LT(relativeDifference(predicted, measured), 0.15);
     EXPECT_GT(relativeDifference(none, measured), 0.9) << "control: no gradient";
-    EXPECT_NEAR(slopeOf(foretold, measured), 1, 0.03);
-    for (Rgb& steeper : foretold) steeper *= 1.05f;
-    EXPECT_GT(slopeOf(foretold, measured), 1.03) << "control: a gradient 5 % off";
+    EXPECT_NEAR(slopeOf(predicted, measured), 1, 0.03);
+    for (Rgb& steeper : predicted) steeper *= 1.05f;
+    EXPECT_GT(slopeOf(predicted, measured), 1.03) << "control: a gradient 5 % off";
 }
 
 TEST_P(Preview, ByItemsIsNearlyThatOfTheirPool) {

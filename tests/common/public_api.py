@@ -98,24 +98,24 @@ def faults(headers, page):
 def main():
     planted = """#pragma once
     namespace shadowcache {
-    /// Told.
-    struct Told {
-        int value = 0;  ///< told
+    /// Documented.
+    struct Documented {
+        int value = 0;  ///< documented
         int silent;
-        /// Told.
+        /// Documented.
         int twice(int x) const { return 2 * x; }
     };
-    /// Told.
+    /// Documented.
     class Hidden {
     public:
-        /// Told.
+        /// Documented.
         float absent(int x) const;
     private:
         int secret_ = 0;
     };
     }
     """
-    page = "common/a.h: `Told`, `value`, `silent`, `twice`, `Hidden`"
+    page = "common/a.h: `Documented`, `value`, `silent`, `twice`, `Hidden`"
     wanted = ["common/a.h: silent has no docstring", "common/a.h: absent is not in the page"]
     if list(faults([("common/a.h", planted)], page)) != wanted:
         sys.exit(f"the check is wrong: {list(faults([('common/a.h', planted)], page))}")

@@ -34,25 +34,25 @@ TEST(Calibration, StaysBetweenZeroAndOne) {
         }
         tested.update();
         for (float a = 0; a <= 1; a += 1.0f / 4096) {
-            const Calibration::Calibrated verdict = tested.apply(a);
-            EXPECT_GT(verdict.posterior, 0.0f) << a;
-            EXPECT_LT(verdict.posterior, 1.0f) << a;
+            const Calibration::Calibrated calibrated = tested.apply(a);
+            EXPECT_GT(calibrated.posterior, 0.0f) << a;
+            EXPECT_LT(calibrated.posterior, 1.0f) << a;
         }
     }
 }
 
 TEST(Calibration, FindsCountsThatAreWrongAndLeavesRightOnesAlone) {
-    Calibration lying, honest;
+    Calibration wrong, correct;
     for (int i = 0; i < 4000; ++i) {
-        lying.add(0.999f, i % 2 == 0);
-        honest.add(0.999f, i % 1000 != 0);
+        wrong.add(0.999f, i % 2 == 0);
+        correct.add(0.999f, i % 1000 != 0);
     }
-    lying.update();
-    honest.update();
-    EXPECT_NEAR(lying.apply(0.999f).posterior, 0.5f, 0.01f);
-    EXPECT_NEAR(0.999f + lying.apply(0.999f).correction, 0.5f, 0.01f);
-    EXPECT_NEAR(honest.apply(0.999f).posterior, 0.999f, 1e-4f);
-    EXPECT_EQ(honest.apply(0.999f).correction, 0.0f);
+    wrong.update();
+    correct.update();
+    EXPECT_NEAR(wrong.apply(0.999f).posterior, 0.5f, 0.01f);
+    EXPECT_NEAR(0.999f + wrong.apply(0.999f).correction, 0.5f, 0.01f);
+    EXPECT_NEAR(correct.apply(0.999f).posterior, 0.999f, 1e-4f);
+    EXPECT_EQ(correct.apply(0.999f).correction, 0.0f);
 }
 
 // The quadratic is a projection: its error has no part of degree 0, 1 or 2, and the moments hold.

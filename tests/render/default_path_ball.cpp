@@ -97,7 +97,7 @@ TEST_P(DefaultPathOnABall, MeetsTheClosedForm) {
 
 class DefaultPathTerminator : public testing::TestWithParam<bool> {};
 
-INSTANTIATE_TEST_SUITE_P(Honest, DefaultPathTerminator, testing::Bool(), [](const auto& test) {
+INSTANTIATE_TEST_SUITE_P(Correct, DefaultPathTerminator, testing::Bool(), [](const auto& test) {
     return std::string(test.param ? "Calibrated" : "Uncalibrated");
 });
 

@@ -194,22 +194,21 @@ TEST_P(DefaultPath, TracesTheRaysAskedFor) {
     }
 }
 
-// The error that a film tells of itself, `variance`, against that of repeated films. Told from the
-// spread of camera rays, it knows nothing of how they share the strata of a cluster: about twice
-// too much.
-TEST(DefaultPathFilm, TellsItsVariance) {
+// The channel `variance` against the variance of repeated films. It comes from the spread of camera
+// rays, which does not include how they share the strata of a cluster: up to twice too high.
+TEST(DefaultPathFilm, EstimatesItsVariance) {
     const LitFloor floor(cacheKinds().front());
     const auto estimator = findEstimator("cache").make(floor.context());
     const std::vector<Film> all = films(*estimator, effort(16, 4), 60);
-    double told = 0;
+    double estimated = 0;
     for (const Film& film : all)
-        for (const Pixel& pixel : film.pixels) told += static_cast<double>(pixel.variance);
-    told /= kWidth * kHeight * static_cast<double>(all.size());
+        for (const Pixel& pixel : film.pixels) estimated += static_cast<double>(pixel.variance);
+    estimated /= kWidth * kHeight * static_cast<double>(all.size());
     const double measured = pixelVariance(all);
-    EXPECT_GT(told, measured);
-    EXPECT_LT(told, 2.6 * measured);
-    EXPECT_GT(2 * told, 2.6 * measured) << "control";
-    EXPECT_LT(told / 3, measured) << "control";
+    EXPECT_GT(estimated, measured);
+    EXPECT_LT(estimated, 2.6 * measured);
+    EXPECT_GT(2 * estimated, 2.6 * measured) << "control";
+    EXPECT_LT(estimated / 3, measured) << "control";
 }
 
 // Without samples the film is what the cache predicts. Control: what an empty cache predicts.

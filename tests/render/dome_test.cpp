@@ -210,7 +210,7 @@ TEST_F(DomeLight, IsUnbiasedWhateverItHasLearned) {
     };
     const Lie lies[] = {
         {"NothingLearned", Vec3f(0, 0, 0), 0},   {"Truth", Vec3f(0, 0, 0), 1},
-        {"AllOccluded", Vec3f(0, -0.01f, 0), 1}, {"AllOpen", Vec3f(0, 50, 0), 1},
+        {"AllOccluded", Vec3f(0, -0.01f, 0), 1}, {"AllVisible", Vec3f(0, 50, 0), 1},
         {"AnotherPlace", Vec3f(1.9f, 0, 0), 1},  {"BelowTheFloor", Vec3f(0, -1, 0), -1}};
     const Vec3f places[] = {{1.3f, 0.3f, 0.7f}, {0.1f, 0.3f, -1}, {-1.1f, 0.5f, 0.2f}};
     const double level = test::significance(2 * std::size(lies) * std::size(places));

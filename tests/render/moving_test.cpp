@@ -103,7 +103,8 @@ TEST_F(Moving, ChangesNoMean) {
     }
 }
 
-/// The noise of doubt: a sure cache would make a shadow's rare samples wild.
+/// The noise where moving objects make the counts uncertain: trusted counts would give the rare
+/// samples in a shadow great weights.
 TEST_F(Moving, CostsNoMoreThanTheMapAlone) {
     const Image map = test::oneTexelMap(64, 32, 16, 4, Rgb(500));
     const Environment environment = test::environmentOf(map);

@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Caches, Mispredictions,
                                          std::pair(120, 200), std::pair(190, 200)),
                          [](const auto& test) {
                              return test.param.second == 0
-                                        ? std::string("Honest")
+                                        ? std::string("Correct")
                                         : "Says" + std::to_string(test.param.first) + "Of" +
                                               std::to_string(test.param.second);
                          });
@@ -99,19 +99,19 @@ TEST_P(Mispredictions, ChangeNoMean) {
     const auto mis =
         run(*findEstimator("mis").make({scene, environment, nullptr, {}}), points, 64, 1500, false);
     const double level = test::significance(kPoints);
-    int told = 0;
+    int rejected = 0;
     for (std::size_t p = 0; p < kPoints; ++p) {
         std::vector<double> truth = mis[p].color[1];
         EXPECT_GT(test::sameMeanPValue(together[p].color[1], truth), level)
             << "point " << p << ": mean " << together[p].mean(1) << ", mis " << mis[p].mean(1);
         for (double& t : truth) t *= 1.1;
-        told += test::sameMeanPValue(together[p].color[1], truth) < level;
+        rejected += test::sameMeanPValue(together[p].color[1], truth) < level;
     }
-    EXPECT_GT(told, static_cast<int>(kPoints) / 2);
+    EXPECT_GT(rejected, static_cast<int>(kPoints) / 2);
 }
 
 // Control: alone, the same points with the same numbers are noisier.
-TEST(NeighborReuse, LessenTheNoise) {
+TEST(NeighborReuse, LessensTheNoise) {
     const TriangleMesh mesh = slitMesh();
     const Scene scene(mesh);
     const Environment environment = test::environmentOf(test::noiseMap(16, 8, 3));
@@ -128,7 +128,7 @@ TEST(NeighborReuse, LessenTheNoise) {
     EXPECT_LT(shared, own / 4);
 }
 
-/// The bake of `mesh` but for the base cell around `direction`, all of which is called hidden.
+/// The bake of `mesh` but for the base cell around `direction`, all of which counts as occluded.
 BakeResult bakeHiding(const TriangleMesh& mesh, const Vec3d& direction) {
     BakeResult result = bakeOf(mesh, 0, 0);
     const DirectionTiers tiers = result.header.tiers();
@@ -169,7 +169,7 @@ double noiseWith(int samples) {
     return sum;
 }
 
-// More samples leave fewer mispredictions heavy enough to be reused. Were they judged by the
+// More samples leave fewer mispredictions heavy enough to be reused. Were they chosen by the
 // samples there are, sixteen times as many would lessen the noise by a factor of only 20; it is 60.
 TEST(NeighborReuse, MoreSamplesMeanLessNoise) {
     const double at64 = noiseWith(64);

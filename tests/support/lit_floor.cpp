@@ -18,20 +18,20 @@ std::array<int, 2> texelOf(const Vec3d& direction) {
 }
 
 /// The base cell of `direction` is called `n` of 200 by every item; the rest stays as baked.
-void tellOneCell(BakeResult& baked, const Vec3d& direction, int n) {
+void setOneCell(BakeResult& baked, const Vec3d& direction, int n) {
     const DirectionTiers tiers = baked.header.tiers();
     const std::uint32_t cell = locateCell(tiers.baseLevel(), direction.normalized());
-    const CacheItems honest = baked.items;
+    const CacheItems correct = baked.items;
     baked.items.blocks.clear();
     baked.items.firstBlock = {0};
-    for (std::size_t i = 0; i < honest.size(); ++i) {
+    for (std::size_t i = 0; i < correct.size(); ++i) {
         baked.items.n[i * tiers.baseCells() + cell] = static_cast<std::uint8_t>(n);
         baked.items.d[i * tiers.baseCells() + cell] = 200;
-        for (std::uint32_t b = honest.firstBlock[i]; b < honest.firstBlock[i + 1]; ++b) {
-            const std::uint32_t key = honest.blocks[b].key;
+        for (std::uint32_t b = correct.firstBlock[i]; b < correct.firstBlock[i + 1]; ++b) {
+            const std::uint32_t key = correct.blocks[b].key;
             const bool first = key < tiers.blockKey(1, 0);
             const std::uint32_t parent = first ? key : (key - tiers.blockKey(1, 0)) / kBlockCells;
-            if (parent != cell) baked.items.blocks.push_back(honest.blocks[b]);
+            if (parent != cell) baked.items.blocks.push_back(correct.blocks[b]);
         }
         baked.items.firstBlock.push_back(static_cast<std::uint32_t>(baked.items.blocks.size()));
     }
@@ -66,12 +66,12 @@ ShadingPoint View::place(double filmX, double filmY) {
 }
 
 std::vector<CacheKind> cacheKinds() {
-    return {{"Honest", [](BakeResult&) {}},
+    return {{"Correct", [](BakeResult&) {}},
             {"AllDark",
              [](BakeResult& b) { fillCounts(b, [](std::size_t) {
                                      return std::array{0, 255};
                                  }); }},
-            {"AllOpen",
+            {"AllVisible",
              [](BakeResult& b) {
                  fillCounts(b, [](std::size_t) { return std::array{255, 255}; });
              }},
@@ -84,8 +84,8 @@ std::vector<CacheKind> cacheKinds() {
                          static_cast<int>((h >> 20) % static_cast<std::uint64_t>(d + 1)), d};
                  });
              }},
-            {"LampCalledHidden", [](BakeResult& b) { tellOneCell(b, kSeenLamp, 0); }},
-            {"LampCalledSeen", [](BakeResult& b) { tellOneCell(b, kHiddenLamp, 200); }}};
+            {"LampOccluded", [](BakeResult& b) { setOneCell(b, kSeenLamp, 0); }},
+            {"LampVisible", [](BakeResult& b) { setOneCell(b, kHiddenLamp, 200); }}};
 }
 
 RenderOptions effort(int cameraRays, int samples) {

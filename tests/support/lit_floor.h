@@ -43,7 +43,7 @@ struct CacheKind {
     std::string name;
     std::function<void(BakeResult&)> change;
 };
-/// Honest, AllDark, AllOpen, Random, LampCalledHidden, LampCalledSeen.
+/// Correct, AllDark, AllVisible, Random, LampOccluded, LampVisible.
 std::vector<CacheKind> cacheKinds();
 
 /// Gives {n, d} to each base cell of each item, `counts(i)` to the i-th of all; finer counts are

@@ -29,7 +29,7 @@ TriangleMesh courtMesh() {
     return mesh;
 }
 
-/// Another set over the same voxels: what is open there is shut here.
+/// Another set over the same voxels: what is visible there is occluded here.
 TriangleMesh otherMesh() {
     TriangleMesh mesh;
     test::addFloor(mesh, 0, -2, 2, -2, 2);
@@ -48,14 +48,14 @@ struct Counts {
     std::uint8_t n, d;
 };
 
-/// The items of `honest` with every count of every tier told by `tell(random number)`.
-CacheItems lie(CacheItems items, const DirectionTiers& tiers,
-               const std::function<Counts(std::uint64_t)>& tell) {
+/// The items with every count of every tier replaced by `counts(random number)`.
+CacheItems withCounts(CacheItems items, const DirectionTiers& tiers,
+                      const std::function<Counts(std::uint64_t)>& counts) {
     std::uint64_t state = 0;
     const auto fill = [&](std::uint8_t& n, std::uint8_t& d) {
-        const Counts counts = tell(hashWords(17, ++state));
-        n = counts.n;
-        d = counts.d;
+        const Counts made = counts(hashWords(17, ++state));
+        n = made.n;
+        d = made.d;
     };
     for (std::size_t i = 0; i < items.n.size(); ++i) fill(items.n[i], items.d[i]);
     items.blocks.clear();
@@ -74,18 +74,18 @@ CacheItems lie(CacheItems items, const DirectionTiers& tiers,
     return items;
 }
 
-struct Lie {
+struct WrongCache {
     std::string name;
-    std::function<Counts(std::uint64_t)> tell;  ///< null: another set's cache
+    std::function<Counts(std::uint64_t)> counts;  ///< null: another set's cache
 };
 
-std::vector<Lie> lies() {
+std::vector<WrongCache> wrongCaches() {
     const auto byte = [](std::uint64_t h) { return static_cast<std::uint8_t>(h % 256); };
     return {{"AllDark",
              [](std::uint64_t) {
                  return Counts{0, 255};
              }},
-            {"AllOpen",
+            {"AllVisible",
              [](std::uint64_t) {
                  return Counts{255, 255};
              }},
@@ -94,7 +94,7 @@ std::vector<Lie> lies() {
                  const std::uint8_t d = byte(h);
                  return Counts{static_cast<std::uint8_t>((h >> 20) % (d + 1u)), d};
              }},
-            {"RandomAndSure",
+            {"RandomAndCertain",
              [](std::uint64_t h) {
                  return Counts{static_cast<std::uint8_t>(h & 1 ? 255 : 0), 255};
              }},
@@ -105,28 +105,28 @@ std::vector<Lie> lies() {
             {"AnotherSets", nullptr}};
 }
 
-/// Lets the estimator find out about the cache, with numbers that no estimate uses.
-void surveyAround(Estimator& estimator, const ShadingPoint& point) {
+/// Lets the estimator calibrate the cache, with numbers that no estimate uses.
+void runPilot(Estimator& estimator, const ShadingPoint& point) {
     std::vector<ShadingPoint> points(200, point);
     for (std::size_t i = 0; i < points.size(); ++i) points[i].seed = hashWords(i, 1000);
     if (FramePilot* pilot = estimator.pilot()) pilot->run(points, 64);
 }
 
-class Lies : public testing::TestWithParam<std::size_t> {};
+class WrongCaches : public testing::TestWithParam<std::size_t> {};
 
-INSTANTIATE_TEST_SUITE_P(Caches, Lies, testing::Range<std::size_t>(0, lies().size()),
-                         [](const auto& test) { return lies()[test.param].name; });
+INSTANTIATE_TEST_SUITE_P(All, WrongCaches, testing::Range<std::size_t>(0, wrongCaches().size()),
+                         [](const auto& test) { return wrongCaches()[test.param].name; });
 
 // With its control: the same estimates must not agree with 10 % more.
-TEST_P(Lies, ChangeNoMean) {
+TEST_P(WrongCaches, ChangeNoMean) {
     const TriangleMesh mesh = courtMesh();
     const Scene scene(mesh);
     const Image map = test::noiseMap(16, 8, 3);
     const Environment environment = test::environmentOf(map);
-    const Lie chosen = lies()[GetParam()];
-    BakeResult told = bakeOf(chosen.tell ? mesh : otherMesh());
-    if (chosen.tell) told.items = lie(told.items, told.header.tiers(), chosen.tell);
-    const test::TestCache cache(told);
+    const WrongCache chosen = wrongCaches()[GetParam()];
+    BakeResult wrong = bakeOf(chosen.counts ? mesh : otherMesh());
+    if (chosen.counts) wrong.items = withCounts(wrong.items, wrong.header.tiers(), chosen.counts);
+    const test::TestCache cache(wrong);
     EstimatorOptions options;
     options.paper.triangles = 1500;
     const EstimatorContext context{scene, environment, &cache.cache(), {}};
@@ -134,13 +134,13 @@ TEST_P(Lies, ChangeNoMean) {
     const double level = test::significance(2 * 2 * std::size(places));
     for (const std::string name : {"paper", "cache"}) {
         // `paper` takes seconds to set up; two caches will do.
-        if (name == "paper" && chosen.name != "RandomAndSure" && chosen.name != "AnotherSets")
+        if (name == "paper" && chosen.name != "RandomAndCertain" && chosen.name != "AnotherSets")
             continue;
         const auto estimator = findEstimator(name).make(context, options);
         for (const Vec3f& place : places) {
             const ShadingPoint point = test::pointAlong(scene, place, {0, -1, 0});
             const Rgb truth = test::tracedIrradiance(scene, point, map, 160);
-            surveyAround(*estimator, point);
+            runPilot(*estimator, point);
             for (const auto& [samples, count] : {std::pair(4, 12000), std::pair(64, 600)}) {
                 const auto estimates = test::runEstimator(*estimator, point, samples, count);
                 const double error = std::sqrt(estimates.sampleVariance(1) / count);
@@ -163,8 +163,8 @@ double meanVariance(const Estimator& estimator, std::span<const ShadingPoint> po
     return sum / static_cast<double>(points.size());
 }
 
-// A survey finds out how little the counts are worth. Control: without it the worst lie costs more.
-TEST(LyingCache, CostsAtMostTwiceTheNoiseOfMis) {
+// The pilot calibrates wrong counts. Control: without it the worst cache costs more.
+TEST(CalibratedWrongCache, CostsAtMostTwiceTheNoiseOfMis) {
     const TriangleMesh mesh = courtMesh();
     const Scene scene(mesh);
     const Environment environment = test::environmentOf(test::noiseMap(64, 32, 3));
@@ -177,23 +177,24 @@ TEST(LyingCache, CostsAtMostTwiceTheNoiseOfMis) {
     }
     const EstimatorContext plain{scene, environment, nullptr, {}};
     const double mis = meanVariance(*findEstimator("mis").make(plain), points);
-    double worst = 0, worstUnsurveyed = 0;
-    for (const Lie& chosen : lies()) {
-        BakeResult told = bakeOf(chosen.tell ? mesh : otherMesh());
-        if (chosen.tell) told.items = lie(told.items, told.header.tiers(), chosen.tell);
-        const test::TestCache cache(told);
+    double worst = 0, worstWithoutPilot = 0;
+    for (const WrongCache& chosen : wrongCaches()) {
+        BakeResult wrong = bakeOf(chosen.counts ? mesh : otherMesh());
+        if (chosen.counts)
+            wrong.items = withCounts(wrong.items, wrong.header.tiers(), chosen.counts);
+        const test::TestCache cache(wrong);
         const auto estimator =
             findEstimator("cache").make({scene, environment, &cache.cache(), {}});
-        worstUnsurveyed = std::max(worstUnsurveyed, meanVariance(*estimator, points));
+        worstWithoutPilot = std::max(worstWithoutPilot, meanVariance(*estimator, points));
         EXPECT_GT(estimator->pilot()->run(points, 64), 0u);
         const double variance = meanVariance(*estimator, points);
         EXPECT_LT(std::sqrt(variance / mis), 2) << chosen.name;
         worst = std::max(worst, variance);
     }
-    EXPECT_GT(std::sqrt(worstUnsurveyed / worst), 1.5);
+    EXPECT_GT(std::sqrt(worstWithoutPilot / worst), 1.5);
 }
 
-TEST(HonestCache, LeavesNoNoiseInTheDark) {
+TEST(CorrectCache, LeavesNoNoiseInTheDark) {
     TriangleMesh mesh;
     test::addBox(mesh, {-1, -1, -1}, {1, 1, 1});
     const Scene scene(mesh);
@@ -214,7 +215,7 @@ TEST(HonestCache, LeavesNoNoiseInTheDark) {
     }
 }
 
-TEST(HonestCache, LeavesNoNoiseInFullLight) {
+TEST(CorrectCache, LeavesNoNoiseInFullLight) {
     TriangleMesh mesh;
     test::addFloor(mesh, 0, -2, 2, -2, 2);
     const Scene scene(mesh);
@@ -246,7 +247,7 @@ TEST(NegativeEstimates, AreKept) {
     const Environment environment =
         test::environmentOf(test::oneTexelMap(16, 8, 6, 2, Rgb(30, 20, 10)));
     BakeResult baked = bakeOf(mesh);
-    baked.items = lie(baked.items, baked.header.tiers(), [](std::uint64_t) {
+    baked.items = withCounts(baked.items, baked.header.tiers(), [](std::uint64_t) {
         return Counts{254, 255};
     });
     const test::TestCache cache(baked);
