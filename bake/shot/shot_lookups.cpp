@@ -129,7 +129,7 @@ private:
         const Vec3i voxel(low);
         // What moves may be far from the set.
         if (!frame_.holds(voxel)) return;
-        const Vec3f normal = view.normal();
+        const Vec3f normal = view.geometricNormal();
         const Seen seen{LookupPlaces::makePlace(frame_.key(voxel), Vec3f(p - low), normal),
                         locateCell(kNormalLevel, Vec3d(normal))};
         const auto known = known_.find(seen.place.voxelKey);

@@ -76,6 +76,7 @@ private:
             out_.vertices.push_back(
                 place.point(Vec3d(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2])));
         std::vector<float> opacities;
+        addNormals(mesh, p, first, place);
         addColors(mesh, p, first, opacities);
         addTexcoords(mesh, p, first, opacities);
         addFaces(mesh, p, first, count, place.mirrors());
@@ -83,6 +84,21 @@ private:
         facesDone_ = out_.faceSizes.size();
         out_.parts.push_back({faces, p.material, group});
         if (p.material >= 0) used_[static_cast<std::size_t>(p.material)] = true;
+    }
+
+    void addNormals(int mesh, const GltfPrimitive& p, std::size_t first, const Affine& place) {
+        std::size_t components = 0;
+        const std::vector<double> values = attribute(mesh, p, "NORMAL", components);
+        const std::size_t vertices = out_.vertices.size();
+        if (values.empty()) {
+            if (!out_.normals.empty()) out_.normals.resize(vertices, Vec3d(0.0));
+            return;
+        }
+        if (components != 3 || values.size() != 3 * (vertices - first))
+            fail(mesh, "NORMAL does not match the positions, expected one normal for each");
+        out_.normals.resize(first, Vec3d(0.0));
+        for (std::size_t i = 0; i < values.size(); i += 3)
+            out_.normals.push_back(place.normal({values[i], values[i + 1], values[i + 2]}));
     }
 
     void addColors(int mesh, const GltfPrimitive& p, std::size_t first,

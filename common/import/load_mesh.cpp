@@ -13,6 +13,7 @@
 #include "common/import/mesh_soup.h"
 #include "common/mesh/mesh_statistics.h"
 #include "common/mesh/placed_mesh.h"
+#include "common/mesh/smooth_normals.h"
 
 namespace shadowcache {
 
@@ -58,9 +59,11 @@ void dropDegenerate(const Vec3d& origin, MeshSoup& soup) {
     for (std::size_t i = 0; i < keep.size(); ++i) {
         if (!keep[i]) continue;
         if (!soup.partOf.empty()) soup.partOf[kept] = soup.partOf[i];
+        if (!soup.cornerNormals.empty()) soup.cornerNormals[kept] = soup.cornerNormals[i];
         soup.triangles[kept++] = soup.triangles[i];
     }
     if (!soup.partOf.empty()) soup.partOf.resize(kept);
+    if (!soup.cornerNormals.empty()) soup.cornerNormals.resize(kept);
     soup.report.degenerate += soup.triangles.size() - kept;
     soup.triangles.resize(kept);
 }
@@ -82,10 +85,14 @@ void makeParts(const Vec3d& origin, MeshSoup& soup, TriangleMesh& mesh) {
         next[key] = first;
         first += triangles;
     }
-    std::vector<Corners> sorted(soup.triangles.size());
-    for (std::size_t i = 0; i < sorted.size(); ++i)
-        sorted[next[soup.parts[soup.partOf[i]]]++] = soup.triangles[i];
+    std::vector<Corners> sorted(soup.triangles.size()), normals(soup.cornerNormals.size());
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+        const std::uint32_t place = next[soup.parts[soup.partOf[i]]]++;
+        sorted[place] = soup.triangles[i];
+        if (!normals.empty()) normals[place] = soup.cornerNormals[i];
+    }
     soup.triangles = std::move(sorted);
+    soup.cornerNormals = std::move(normals);
 
     std::uint64_t placed = groups[0].triangleCount;
     for (std::size_t i = 0; i < soup.instances.size(); ++i) {
@@ -100,6 +107,24 @@ void makeParts(const Vec3d& origin, MeshSoup& soup, TriangleMesh& mesh) {
         if (placed > std::numeric_limits<std::uint32_t>::max())
             throw Error("more than 4294967295 triangles with all instances, expected fewer");
         mesh.instances.push_back(instance);
+    }
+}
+
+/// The shading normals that corners use, in their order.
+void compactNormals(MeshSoup& soup, TriangleMesh& mesh) {
+    std::vector<int> number(soup.normals.size(), -1);
+    mesh.cornerNormals.reserve(soup.cornerNormals.size());
+    for (const Corners& corners : soup.cornerNormals) {
+        Vec3i& kept = mesh.cornerNormals.emplace_back(-1, -1, -1);
+        for (int k = 0; k < 3; ++k) {
+            const std::uint32_t normal = corners[static_cast<std::size_t>(k)];
+            if (normal == kNoVertex) continue;
+            if (number[normal] < 0) {
+                number[normal] = static_cast<int>(mesh.normals.size());
+                mesh.normals.push_back(soup.normals[normal]);
+            }
+            kept[k] = number[normal];
+        }
     }
 }
 
@@ -130,6 +155,7 @@ TriangleMesh compact(const Vec3d& origin, MeshSoup& soup) {
     for (const Corners& t : soup.triangles) {
         mesh.triangles.emplace_back(number[t[0]], number[t[1]], number[t[2]]);
     }
+    compactNormals(soup, mesh);
     mesh.report.placed = placedCount(mesh);
     return mesh;
 }
@@ -144,6 +170,7 @@ TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& option
     TriangleMesh mesh = compact(origin, soup);
     soup = {};
     countDefects(mesh);
+    if (options.smoothDegrees > 0) smoothNormals(mesh, options.smoothDegrees);
     return mesh;
 }
 

@@ -11,6 +11,10 @@ struct MeshOptions {
     bool zUp = false;               ///< the files' up axis is +Z: rotated so that +Y is up
     double scale = 1.0;             ///< files' unit in metres, > 0
     std::optional<Vec3d> origin{};  ///< of the mesh; else its middle
+    bool shadingNormals = false;    ///< reads the files' shading normals
+    /// Crease angle in degrees, 0 to 180: triangles without shading normals get some, averaged over
+    /// neighbours whose normals differ by at most this. 0: none.
+    double smoothDegrees = 0;
 };
 
 /// From the files' axes and unit to the world's.

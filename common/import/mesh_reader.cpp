@@ -99,6 +99,15 @@ public:
         setColor(v, {c[0], c[1], c[2]});
     }
 
+    void set_normal(VertexHandle v, const OpenMesh::Vec3f& n) override {
+        set_normal(v, OpenMesh::Vec3d(n));
+    }
+    void set_normal(VertexHandle v, const OpenMesh::Vec3d& n) override {
+        if (!known(v)) return;
+        mesh.normals.resize(mesh.vertices.size(), Vec3d(0.0));
+        mesh.normals[index(v)] = Vec3d(n[0], n[1], n[2]);
+    }
+
     OpenMesh::BaseKernel* kernel() override { return &kernel_; }
     std::size_t n_vertices() const override { return mesh.vertices.size(); }
     std::size_t n_faces() const override { return mesh.faceSizes.size() + faceHalfedges_.size(); }
@@ -111,8 +120,6 @@ public:
                             const std::vector<OpenMesh::Vec3f>&) override {}
     void set_face_texindex(FaceHandle, int) override {}
     void set_halfedge(VertexHandle, HalfedgeHandle) override {}
-    void set_normal(VertexHandle, const OpenMesh::Vec3f&) override {}
-    void set_normal(VertexHandle, const OpenMesh::Vec3d&) override {}
     void set_texcoord(VertexHandle, const OpenMesh::Vec2f&) override {}
     void set_texcoord(VertexHandle, const OpenMesh::Vec3f&) override {}
     void set_texcoord(HalfedgeHandle, const OpenMesh::Vec2f&) override {}
@@ -180,7 +187,8 @@ RawMesh readOm(const std::filesystem::path& path) {
 
     std::istringstream stream(std::move(bytes), std::ios::binary);
     SoupImporter importer;
-    OpenMesh::IO::Options options = OpenMesh::IO::Options::VertexColor;
+    OpenMesh::IO::Options options(OpenMesh::IO::Options::VertexColor |
+                                  OpenMesh::IO::Options::VertexNormal);
     omerr().disable();  // its messages name no file; ours below do
     const bool read = OpenMesh::IO::OMReader().read(stream, importer, options);
     omerr().enable();

@@ -31,6 +31,10 @@ struct RawMesh {
     std::vector<std::uint32_t> faceSizes;     ///< corners of each face; may be below 3
     std::vector<Rgb> colors;                  ///< linear, one for each vertex, or empty
     std::vector<Vec3f> texcoords;             ///< s, t and opacity, one for each vertex, or empty
+    std::vector<Vec3d> normals;               ///< shading normals, of any length, or empty
+    /// Index into normals of each of faceVertices, kNoVertex for none; empty: normals has one for
+    /// each vertex.
+    std::vector<std::uint32_t> faceNormals;
     std::vector<RawPart> parts;  ///< in order of the faces, all of them; empty: no materials
     std::vector<RawInstance> instances;
     /// Vertices from here on belong to groups other than 0. No group's faces use another's.

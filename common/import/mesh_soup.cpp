@@ -29,7 +29,8 @@ public:
         used_.assign(soup.vertices.size() - firstVertex, false);
     }
 
-    void add(std::span<const std::uint32_t> corners) {
+    /// @param normals  numbers of the corners' normals, or empty
+    void add(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> normals) {
         MeshReport& report = soup_.report;
         ++report.facesRead;
         for (const std::uint32_t corner : corners) {
@@ -50,7 +51,7 @@ public:
             report.badVertexFaces += triangles;
             return;
         }
-        cut(corners);
+        cut(corners, normals);
     }
 
     std::size_t unreferenced() const {
@@ -58,7 +59,7 @@ public:
     }
 
 private:
-    void cut(std::span<const std::uint32_t> corners) {
+    void cut(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> normals) {
         points_.clear();
         pieces_.clear();
         for (const auto corner : corners) points_.push_back(soup_.vertices[firstVertex_ + corner]);
@@ -71,6 +72,8 @@ private:
         for (const Corners& p : pieces_) {
             soup_.triangles.push_back(
                 {first + corners[p[0]], first + corners[p[1]], first + corners[p[2]]});
+            if (!normals.empty())
+                soup_.cornerNormals.push_back({normals[p[0]], normals[p[1]], normals[p[2]]});
         }
     }
 
@@ -114,6 +117,36 @@ void appendVertices(const std::filesystem::path& path, const RawMesh& raw,
     appendAttribute(firstVertex, vertices, raw.texcoords, Vec3f(0, 0, 1), soup.texcoords);
 }
 
+/// Appends a file's shading normals, and makes them unit vectors.
+///
+/// @return  number in the soup of each of raw.faceVertices' normals, kNoVertex for none; empty if
+/// the file has no normals
+std::vector<std::uint32_t> appendNormals(const RawMesh& raw, const MeshOptions& options,
+                                         MeshSoup& soup) {
+    if (!options.shadingNormals || raw.normals.empty()) return {};
+    const Affine world = worldOf(options);
+    std::vector<std::uint32_t> number(raw.normals.size(), kNoVertex);
+    for (std::size_t i = 0; i < raw.normals.size(); ++i) {
+        const bool local = raw.faceNormals.empty() && i >= raw.firstLocalVertex;
+        const Vec3d& n = raw.normals[i];
+        const double length = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
+        if (!(length > 0 && std::isfinite(n.x + n.y + n.z))) {
+            ++soup.report.badNormals;
+            continue;
+        }
+        number[i] = static_cast<std::uint32_t>(soup.normals.size());
+        const Vec3d unit = n / length;  // neither overflows nor vanishes when it is squared
+        soup.normals.emplace_back((local ? unit : world.normal(unit)).normalized());
+    }
+    std::vector<std::uint32_t> corners;
+    corners.reserve(raw.faceVertices.size());
+    for (const std::uint32_t i : raw.faceNormals.empty() ? raw.faceVertices : raw.faceNormals) {
+        corners.push_back(i < number.size() ? number[i] : kNoVertex);
+        soup.report.badNormals += i >= number.size() && i != kNoVertex ? 1 : 0;
+    }
+    return corners;
+}
+
 /// Materials, textures and instances of a file, renumbered behind those of the files before.
 void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     const Affine world = worldOf(options);
@@ -146,6 +179,9 @@ void append(const std::filesystem::path& path, RawMesh raw, const MeshOptions& o
     const auto firstMaterial = static_cast<int>(soup.materials.size());
     const int firstGroup = soup.groups;
     appendVertices(path, raw, options, soup);
+    const std::vector<std::uint32_t> normals = appendNormals(raw, options, soup);
+    constexpr Corners kNoNormals{kNoVertex, kNoVertex, kNoVertex};
+    if (!normals.empty()) soup.cornerNormals.resize(soup.triangles.size(), kNoNormals);
     appendLooks(raw, options, soup);
 
     FaceCutter cutter(path, soup, firstVertex);
@@ -154,7 +190,9 @@ void append(const std::filesystem::path& path, RawMesh raw, const MeshOptions& o
     const auto addFaces = [&](std::size_t count) {
         for (const std::size_t end = face + count; face < end; ++face) {
             const std::uint32_t size = raw.faceSizes[face];
-            cutter.add(std::span(raw.faceVertices).subspan(at, size));
+            cutter.add(std::span(raw.faceVertices).subspan(at, size),
+                       normals.empty() ? std::span<const std::uint32_t>()
+                                       : std::span(normals).subspan(at, size));
             at += size;
         }
     };
@@ -167,6 +205,7 @@ void append(const std::filesystem::path& path, RawMesh raw, const MeshOptions& o
     }
     addFaces(raw.faceSizes.size() - face);
     if (!soup.partOf.empty()) soup.partOf.resize(soup.triangles.size(), 0);
+    if (!soup.cornerNormals.empty()) soup.cornerNormals.resize(soup.triangles.size(), kNoNormals);
     soup.report.unreferenced += cutter.unreferenced();
 }
 

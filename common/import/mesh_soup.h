@@ -24,6 +24,8 @@ struct MeshSoup {
     std::vector<Corners> triangles;
     std::vector<Rgb> colors;
     std::vector<Vec3f> texcoords;
+    std::vector<Vec3f> normals;           ///< unit; those of the groups in their own space
+    std::vector<Corners> cornerNormals;   ///< by triangle, kNoVertex: none; empty if normals is
     std::vector<PartKey> parts{{0, -1}};  ///< group, material
     std::vector<std::uint32_t> partOf;    ///< by triangle; empty: all are of part 0
     std::vector<RawInstance> instances;

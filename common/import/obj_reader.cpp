@@ -28,17 +28,33 @@ void readVertex(TextScanner& text, RawMesh& mesh) {
     }
 }
 
-/// A corner is v, v/vt, v//vn or v/vt/vn; negative numbers count back from the last vertex so far.
-std::uint32_t cornerVertex(const TextScanner& text, std::string_view word, std::size_t vertices) {
-    const long long number = text.integer(word.substr(0, word.find('/')));
-    const long long index = number < 0 ? static_cast<long long>(vertices) + number : number - 1;
+void readNormal(TextScanner& text, RawMesh& mesh) {
+    const double x = text.number(text.wordOnLine());
+    const double y = text.number(text.wordOnLine());
+    mesh.normals.emplace_back(x, y, text.number(text.wordOnLine()));
+}
+
+/// Numbers start at 1; negative ones count back from the last of the `known` so far.
+std::uint32_t indexOf(const TextScanner& text, std::string_view word, std::size_t known) {
+    const long long number = text.integer(word);
+    const long long index = number < 0 ? static_cast<long long>(known) + number : number - 1;
     return index < 0 || index >= kNoVertex ? kNoVertex : static_cast<std::uint32_t>(index);
+}
+
+/// A corner is v, v/vt, v//vn or v/vt/vn.
+void readCorner(const TextScanner& text, std::string_view word, RawMesh& mesh) {
+    const std::size_t first = word.find('/');
+    mesh.faceVertices.push_back(indexOf(text, word.substr(0, first), mesh.vertices.size()));
+    const std::size_t second = first == word.npos ? word.npos : word.find('/', first + 1);
+    const std::string_view normal = second == word.npos ? "" : word.substr(second + 1);
+    mesh.faceNormals.push_back(normal.empty() ? kNoVertex
+                                              : indexOf(text, normal, mesh.normals.size()));
 }
 
 std::uint32_t readFace(TextScanner& text, RawMesh& mesh) {
     std::uint32_t size = 0;
     for (std::string_view word = text.wordOnLine(); !word.empty(); word = text.wordOnLine()) {
-        mesh.faceVertices.push_back(cornerVertex(text, word, mesh.vertices.size()));
+        readCorner(text, word, mesh);
         ++size;
     }
     mesh.faceSizes.push_back(size);
@@ -58,6 +74,8 @@ RawMesh readObj(const std::filesystem::path& path) {
         const std::string_view keyword = text.wordOnLine();
         if (keyword == "v") {
             readVertex(text, mesh);
+        } else if (keyword == "vn") {
+            readNormal(text, mesh);
         } else if (keyword == "f") {
             const std::uint32_t size = readFace(text, mesh);
             if (size < 3 && text.atEnd()) {
@@ -71,6 +89,7 @@ RawMesh readObj(const std::filesystem::path& path) {
     if (mesh.faceSizes.empty())
         throwFileError(path, "has no face, expected at least one (truncated?)");
     if (!mesh.colors.empty()) mesh.colors.resize(mesh.vertices.size(), kUncolored);
+    if (mesh.normals.empty()) mesh.faceNormals.clear();
     return mesh;
 }
 

@@ -50,10 +50,12 @@ void readVertex(TextScanner& text, const OffLayout& layout, std::string_view fir
     const double y = text.number(text.wordOnLine());
     const double z = text.number(text.wordOnLine());
     mesh.vertices.emplace_back(x, y, z);
-    if (!layout.color) return;
     if (layout.normal) {
-        for (int i = 0; i < 3; ++i) text.number(text.wordOnLine());
+        const double nx = text.number(text.wordOnLine());
+        const double ny = text.number(text.wordOnLine());
+        mesh.normals.emplace_back(nx, ny, text.number(text.wordOnLine()));
     }
+    if (!layout.color) return;
     const std::array<std::string_view, 3> words{text.wordOnLine(), text.wordOnLine(),
                                                 text.wordOnLine()};
     mesh.colors.push_back(parseColor(text, words));

@@ -104,14 +104,16 @@ float linearColor(double value, PlyType type) {
 template <class Numbers>
 void readVertices(const std::filesystem::path& path, Numbers& numbers, const PlyElement& element,
                   RawMesh& mesh) {
-    constexpr std::size_t kChannels = 6;
-    const std::array<int, kChannels> places{element.find("x"),          element.find("y"),
-                                            element.find("z"),          element.find("red", "r"),
-                                            element.find("green", "g"), element.find("blue", "b")};
+    constexpr std::size_t kChannels = 9;
+    const std::array<int, kChannels> places{
+        element.find("x"),        element.find("y"),          element.find("z"),
+        element.find("red", "r"), element.find("green", "g"), element.find("blue", "b"),
+        element.find("nx"),       element.find("ny"),         element.find("nz")};
     if (places[0] < 0 || places[1] < 0 || places[2] < 0) {
         throwFileError(path, "vertices lack one of the properties x, y, z");
     }
     const bool colored = places[3] >= 0 && places[4] >= 0 && places[5] >= 0;
+    const bool smooth = places[6] >= 0 && places[7] >= 0 && places[8] >= 0;
     std::vector<std::size_t> channelOf(element.properties.size(), kChannels);
     for (std::size_t i = 0; i < kChannels; ++i) {
         if (places[i] >= 0) channelOf[static_cast<std::size_t>(places[i])] = i;
@@ -119,6 +121,7 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
 
     mesh.vertices.reserve(element.count);
     if (colored) mesh.colors.reserve(element.count);
+    if (smooth) mesh.normals.reserve(element.count);
     std::array<double, kChannels + 1> row{};
     for (std::size_t i = 0; i < element.count; ++i) {
         for (std::size_t k = 0; k < element.properties.size(); ++k) {
@@ -127,6 +130,7 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
             for (std::size_t j = 0; j < size; ++j) row[channelOf[k]] = numbers.next(property.type);
         }
         mesh.vertices.emplace_back(row[0], row[1], row[2]);
+        if (smooth) mesh.normals.emplace_back(row[6], row[7], row[8]);
         if (!colored) continue;
         const auto channel = [&](std::size_t c) {
             const auto place = static_cast<std::size_t>(places[c]);

@@ -15,6 +15,12 @@ struct Affine {
 
     Vec3d vector(const Vec3d& v) const { return axis[0] * v.x + axis[1] * v.y + axis[2] * v.z; }
     Vec3d point(const Vec3d& p) const { return vector(p) + position; }
+    /// Image of a surface's normal; not of unit length, and 0 if the map flattens the surface.
+    Vec3d normal(const Vec3d& n) const {
+        const Vec3d image = axis[1].cross(axis[2]) * n.x + axis[2].cross(axis[0]) * n.y +
+                            axis[0].cross(axis[1]) * n.z;
+        return mirrors() ? -image : image;
+    }
     double determinant() const { return axis[0].dot(axis[1].cross(axis[2])); }
     /// Whether it turns left into right; the order of a triangle's corners then tells its wrong
     /// side.

@@ -15,6 +15,7 @@ std::string describe(const MeshReport& report) {
     add(report.nonManifoldEdges, "non-manifold edges");
     add(report.mixedWinding, "edges of mixed winding");
     add(report.unreferenced, "vertices without a face");
+    add(report.badNormals, "shading normals that are zero, not finite or out of range");
     add(report.blended, "blending materials taken as opaque");
     add(report.instances,
         "instances, with which " + std::to_string(report.placed) + " triangles are in the world");

@@ -24,6 +24,7 @@ struct MeshReport {
     std::size_t triangles = 0;         ///< triangles kept
     std::size_t instances = 0;         ///< copies of triangles that are kept once
     std::size_t placed = 0;            ///< triangles in the world, each copy counted
+    std::size_t badNormals = 0;        ///< shading normals that are zero, not finite or out of range
     std::size_t blended = 0;  ///< materials that blend with what is behind, taken as opaque
 };
 
@@ -53,7 +54,11 @@ struct TriangleMesh {
     std::vector<Vec3i> triangles;  ///< three indices into positions each
     std::vector<Rgb> colors;       ///< linear albedo per vertex, or empty
     std::vector<Vec3f> texcoords;  ///< s, t and opacity of each vertex, or empty
-    std::vector<MeshPart> parts;   ///< in order of their triangles; empty: one without material
+    std::vector<Vec3f> normals;    ///< unit shading normals, or empty
+    /// Three indices into normals for each triangle, -1 where a corner has none; empty if normals
+    /// is.
+    std::vector<Vec3i> cornerNormals;
+    std::vector<MeshPart> parts;  ///< in order of their triangles; empty: one without material
     std::size_t firstSharedPart = 0;
     std::vector<MeshInstance> instances;
     std::vector<Material> materials;

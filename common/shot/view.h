@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/mesh/shading_normal.h"
 #include "common/shot/camera.h"
 #include "common/trace/scene.h"
 
@@ -10,8 +11,15 @@ struct View {
     Vec3f direction{0};
     Hit hit;
 
-    /// Unit normal of the place that was hit, on the viewer's side.
-    Vec3f normal() const { return hit.normal.dot(direction) > 0 ? -hit.normal : hit.normal; }
+    /// Unit geometric normal of the place that was hit, on the viewer's side.
+    Vec3f geometricNormal() const {
+        return hit.normal.dot(direction) > 0 ? -hit.normal : hit.normal;
+    }
+    /// Unit shading normal there, on the same side of the surface.
+    Vec3f shadingNormal() const {
+        return shadowcache::shadingNormal(hit.scene->mesh(), hit.triangle, hit.u, hit.v,
+                                          geometricNormal());
+    }
 };
 
 /// Where the ray through a place of the film starts, relative to the set's origin.

@@ -159,6 +159,22 @@ void Scene::intersect(const RayPacket& rays, int count, Hit* hits) const noexcep
     }
 }
 
+bool Scene::isFree(const Vec3f& origin, const Vec3f& way) const noexcept {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRay query{};
+    query.org_x = origin.x;
+    query.org_y = origin.y;
+    query.org_z = origin.z;
+    query.dir_x = way.x;
+    query.dir_y = way.y;
+    query.dir_z = way.z;
+    query.tfar = 1.0f;
+    query.mask = ~0u;
+    rtcOccluded1(embree_->root(), &context, &query);
+    return query.tfar >= 0.0f && (!moving_ || moving_->isFree(origin, way));
+}
+
 std::uint32_t Scene::visibility(const RayPacket& rays, int count) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);

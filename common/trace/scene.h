@@ -82,6 +82,9 @@ public:
     /// @param hits  as many
     void intersect(const RayPacket& rays, int count, Hit* hits) const noexcept;
 
+    /// Whether nothing lies between a place and the one that is `way` from it.
+    bool isFree(const Vec3f& origin, const Vec3f& way) const noexcept;
+
     /// Bit i: ray i (< count <= 8) reaches the sky.
     std::uint32_t visibility(const RayPacket& rays, int count) const noexcept;
 

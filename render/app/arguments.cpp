@@ -69,6 +69,13 @@ RenderJob jobOf(const Arguments& arguments) {
         job.camera.eye = parseVector("--eye", arguments.eye, "X,Y,Z");
         job.camera.lookAt = parseVector("--look-at", arguments.target, "X,Y,Z");
     }
+    job.mesh.shadingNormals = arguments.normals == "shading";
+    if (!(job.mesh.smoothDegrees >= 0 && job.mesh.smoothDegrees <= 180))
+        throw Error("--smooth " + std::to_string(job.mesh.smoothDegrees) +
+                    ": expected an angle from 0 to 180 degrees");
+    if (!job.mesh.shadingNormals && job.mesh.smoothDegrees > 0)
+        throw Error(
+            "--smooth makes shading normals, --normals geometric has none: expected one of them");
     if (!arguments.memory.empty()) job.memory = parseSize("--memory", arguments.memory);
     for (const std::string& text : arguments.dynamic) job.dynamic.push_back(parseDynamic(text));
     if (!arguments.frames.empty()) job.frames = parseFrames(arguments.frames);

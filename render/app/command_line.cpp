@@ -33,6 +33,18 @@ void defineScene(CLI::App& app, Arguments& arguments) {
     app.add_flag("--list", arguments.list,
                  "Print cameras, animations and sizes of a glTF set, and exit")
         ->group(group);
+    app.add_option("--normals", arguments.normals,
+                   "shading: the files' normals, where they have some; geometric: each "
+                   "triangle's own")
+        ->check(CLI::IsMember({"shading", "geometric"}))
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--smooth", job.mesh.smoothDegrees,
+                   "Smooth triangles without shading normals where neighbours differ by at most "
+                   "DEGREES, 0 to 180; 0: none")
+        ->type_name("DEGREES")
+        ->capture_default_str()
+        ->group(group);
     app.add_option("--albedo", arguments.albedo,
                    "Albedo of surfaces without vertex colours: one value, or R,G,B, 0 to 1")
         ->capture_default_str()

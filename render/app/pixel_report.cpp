@@ -23,7 +23,7 @@ void printItems(const EstimatorContext& context, const ShadingPoint& point) {
     if (!context.cache) return;
     ShadowCache::Reader reader(*context.cache);
     std::array<ItemView, ShadowCache::kMaxItems> items;
-    const int count = reader.lookUp(point.position, point.normal, items);
+    const int count = reader.lookUp(point.position, point.geometricNormal, items);
     std::printf("  cache items: %d, weights:", count);
     for (int i = 0; i < count; ++i)
         std::printf(" %.4f", static_cast<double>(items[static_cast<std::size_t>(i)].weight));

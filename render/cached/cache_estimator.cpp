@@ -179,7 +179,7 @@ private:
     }
 
     std::span<const ItemView> lookUp(const ShadingPoint& point, CacheWorkspace& w) const {
-        const int found = w.reader.lookUp(point.position, point.normal, w.items);
+        const int found = w.reader.lookUp(point.position, point.geometricNormal, w.items);
         return std::span(w.items).first(static_cast<std::size_t>(found));
     }
 
@@ -220,7 +220,7 @@ private:
         if (distance > ball.radius)
             pooled.addOccluderCone(towards / distance, std::asin(ball.radius / distance));
         else
-            pooled.addOccluderCone(point.normal, static_cast<float>(kPi));
+            pooled.addOccluderCone(point.geometricNormal, static_cast<float>(kPi));
     }
 
     /// All that is decided of a cluster before any ray; valid until the next one is prepared.

@@ -24,11 +24,12 @@ struct EstimatorContext {
 
 /// A place to light.
 struct ShadingPoint {
-    Vec3f rayOrigin;     ///< off the surface, relative to the mesh's origin
-    Vec3d position;      ///< world space
-    Vec3f normal;        ///< unit, on the viewer's side
-    std::uint64_t seed;  ///< of the pixel: all of its camera rays draw from one sequence
-    int filmX = 0;       ///< pixel of the camera ray that found it
+    Vec3f rayOrigin;        ///< off the surface, relative to the mesh's origin
+    Vec3d position;         ///< world space
+    Vec3f normal;           ///< unit shading normal, on the viewer's side
+    Vec3f geometricNormal;  ///< unit, on that side of the surface: for lookups
+    std::uint64_t seed;     ///< of the pixel: all of its camera rays draw from one sequence
+    int filmX = 0;          ///< pixel of the camera ray that found it
     int filmY = 0;
     std::uint32_t cameraRay = 0;  ///< number of that ray in its pixel
     std::uint32_t pixel = 0;      ///< number of the pixel in its batch

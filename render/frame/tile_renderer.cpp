@@ -4,6 +4,7 @@
 #include <array>
 
 #include "common/mesh/placed_mesh.h"
+#include "common/mesh/shading_normal.h"
 #include "common/random/sequence.h"
 
 namespace shadowcache {
@@ -41,13 +42,22 @@ View TileRenderer::look(const FilmPosition& at) const {
     return lookThrough(camera_, context_.scene, at);
 }
 
+Vec3f TileRenderer::shadowOrigin(const View& view) const {
+    const Hit& hit = view.hit;
+    const Vec3f side = view.geometricNormal();
+    const Vec3f onSurface = hit.scene->rayOrigin(hit.position, hit.triangle, side);
+    const Vec3f offset = smoothOffset(hit.scene->mesh(), hit.triangle, hit.u, hit.v, side);
+    // On flat parts it is less than what keeps rays off the surface.
+    if (offset.length2() <= (onSurface - hit.position).length2()) return onSurface;
+    return context_.scene.isFree(onSurface, offset) ? onSurface + offset : onSurface;
+}
+
 ShadingPoint TileRenderer::shadingPoint(const View& view, std::uint64_t seed, int filmX,
                                         int filmY) const {
-    const Hit& hit = view.hit;
-    const Vec3f normal = view.normal();
-    return {hit.scene->rayOrigin(hit.position, hit.triangle, normal),
-            worldPosition(context_.scene, hit),
-            normal,
+    return {shadowOrigin(view),
+            worldPosition(context_.scene, view.hit),
+            view.shadingNormal(),
+            view.geometricNormal(),
             seed,
             filmX,
             filmY};

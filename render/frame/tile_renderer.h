@@ -60,6 +60,8 @@ private:
                   Workspace& workspace, std::span<PixelSum> sums) const;
     void sendCameraRays(std::span<const FilmPlace> places, int first, int count,
                         TileScratch& scratch, std::span<PixelSum> sums) const;
+    /// Where the shadow rays of a place start.
+    Vec3f shadowOrigin(const View& view) const;
     PointBatch batchOf(std::span<const ShadingPoint> points, std::size_t pixels, int first,
                        int count) const;
     void addToPixel(const ShadingPoint& point, const Hit& hit, const Estimate& estimate,

@@ -56,7 +56,7 @@ std::unique_ptr<Workspace> Paper::makeWorkspace() const {
 
 void Paper::lookUp(const ShadingPoint& point, PaperWorkspace& w) const {
     if (!w.reader) return;
-    const int found = w.reader->lookUp(point.position, point.normal, w.items);
+    const int found = w.reader->lookUp(point.position, point.geometricNormal, w.items);
     w.pooled->pool(std::span(w.items).first(static_cast<std::size_t>(found)));
 }
 

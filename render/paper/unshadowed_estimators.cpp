@@ -77,7 +77,7 @@ private:
     Rgb prepare(const ShadingPoint& point, const SampleSlice&,
                 Workspace& workspace) const override {
         auto& w = static_cast<OcclusionWorkspace&>(workspace);
-        const int found = w.reader.lookUp(point.position, point.normal, w.items);
+        const int found = w.reader.lookUp(point.position, point.geometricNormal, w.items);
         w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));
         const Vec3d n(point.normal);
         double visible = 0, all = 0;

@@ -164,8 +164,8 @@ double differentLookups(const BakeResult& a, const BakeResult& b, int frame) {
             const View view = lookThrough(rays, scene, {(x + 0.5) / kWidth, (y + 0.5) / kHeight});
             if (!view.hit.found) continue;
             const Vec3d place = worldPosition(scene, view.hit);
-            const auto countA = readerA.lookUp(place, view.normal(), itemsA);
-            const auto countB = readerB.lookUp(place, view.normal(), itemsB);
+            const auto countA = readerA.lookUp(place, view.geometricNormal(), itemsA);
+            const auto countB = readerB.lookUp(place, view.geometricNormal(), itemsB);
             const auto same = [](const ItemView& p, const ItemView& q) {
                 return p.weight == q.weight && p.normal == q.normal &&
                        std::equal(p.n, p.n + 20, q.n) && std::equal(p.d, p.d + 20, q.d);

@@ -44,6 +44,14 @@ Case bare(const std::string& name, const Image& map, const Vec3d& normal,
     return {name, mesh, map, Vec3f(normal), Vec3f(-normal), 0.3, std::move(truth)};
 }
 
+/// The same with another shading normal.
+Case shaded(Case flat, const Vec3d& normal) {
+    flat.name += "Shaded";
+    flat.mesh.normals.assign(1, Vec3f(normal));
+    flat.mesh.cornerNormals.assign(flat.mesh.triangles.size(), Vec3i(0, 0, 0));
+    return flat;
+}
+
 Case overFloor(const std::string& name, const std::function<void(TriangleMesh&)>& addOccluder) {
     TriangleMesh mesh;
     test::addFloor(mesh, 0, -2, 2, -2, 2);
@@ -68,6 +76,15 @@ std::vector<Case> cases() {
                            return Rgb(
                                static_cast<float>(kPi + 2 * kPi / 3 * slope.dot(Vec3d(p.normal))));
                        }));
+    // 40 degrees off: the shading cosine over the geometric hemisphere.
+    const Vec3d off = (tilted * 0.766044443 - slope.cross(tilted).normalized() * 0.642787610);
+    all.push_back(shaded(
+        bare("ConstantMap", test::constantMap(kSky), tilted,
+             [](const Scene&, const ShadingPoint& p) {
+                 return kSky * static_cast<float>(
+                                   kPi / 2 * (1 + Vec3d(p.normal).dot(Vec3d(p.geometricNormal))));
+             }),
+        off));
     all.push_back(overFloor("HalfPlane", [](TriangleMesh& mesh) {
         test::addFloor(mesh, 1, 0.5f, 6, -5, 5);
         // Facing down, so that it counts as seen.
@@ -154,7 +171,7 @@ TEST(PolygonIrradiance, MatchesInfiniteShapes) {
     EXPECT_NEAR(ceiling(kNear, kEnd), kPi / 2 * (sine(kEnd) - sine(kNear)), 1e-5);
     TriangleMesh mesh;
     test::addSphere(mesh, {0, 3, 0}, 1, 200);
-    const ShadingPoint point{{0, 0, 0}, origin, {0, 1, 0}, 0};
+    const ShadingPoint point{{0, 0, 0}, origin, {0, 1, 0}, {0, 1, 0}, 0};
     // An inscribed body hides less, by the order of an angle of its facets squared.
     EXPECT_NEAR(test::hiddenByConvex(mesh, 0, mesh.triangles.size(), point), kPi / 9, 1e-4);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/random/sequence.h"
+#include "common/shot/view.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/statistics.h"
 
@@ -83,9 +84,10 @@ TriangleMesh slabMesh() {
 ShadingPoint pointAlong(const Scene& scene, const Vec3f& from, const Vec3f& direction) {
     const Hit hit = scene.intersect(from, direction);
     if (!hit.found) throw Error("test: the ray meets nothing");
-    const Vec3f normal = hit.normal.dot(direction) > 0 ? -hit.normal : hit.normal;
-    return {scene.rayOrigin(hit.position, hit.triangle, normal),
-            scene.mesh().origin + Vec3d(hit.position), normal, 0};
+    const View view{direction, hit};
+    const Vec3f side = view.geometricNormal();
+    return {scene.rayOrigin(hit.position, hit.triangle, side),
+            scene.mesh().origin + Vec3d(hit.position), view.shadingNormal(), side, 0};
 }
 
 Image constantMap(const Rgb& radiance) {
