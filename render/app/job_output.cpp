@@ -84,8 +84,11 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const 
                        const LightPlan::Light& light, int frame) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
-        if (name != "env" && name != "env-rotate")
+        if (name != "env" && name != "env-rotate" && name != "camera-rays" && name != "samples")
             metadata.emplace_back("shadowcache:" + name, value);
+    // --spp, --preview and --target-error choose these.
+    metadata.emplace_back("shadowcache:camera-rays", std::to_string(job.render.cameraRays));
+    metadata.emplace_back("shadowcache:samples", std::to_string(job.render.samples));
     std::ostringstream angle;
     angle.precision(17);
     angle << light.rotation;

@@ -7,6 +7,7 @@
 #include "render/frame/film_parts.h"
 #include "render/frame/residual_filter.h"
 #include "render/frame/tile_loop.h"
+#include "render/frame/time_keeper.h"
 
 namespace shadowcache {
 

@@ -5,6 +5,7 @@
 
 #include "common/base/parallel.h"
 #include "common/base/progress.h"
+#include "render/frame/time_keeper.h"
 
 namespace shadowcache {
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -10,22 +9,6 @@
 #include "render/frame/tile_renderer.h"
 
 namespace shadowcache {
-
-/// Adds the time of its life, however that ends.
-class TimeKeeper {
-public:
-    explicit TimeKeeper(RenderStats& stats) : stats_(stats) {}
-    ~TimeKeeper() {
-        stats_.seconds +=
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
-    TimeKeeper(const TimeKeeper&) = delete;
-    TimeKeeper& operator=(const TimeKeeper&) = delete;
-
-private:
-    RenderStats& stats_;
-    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// Workspaces that go from one chunk of a frame to the next: what one has met is kept.
 class Workspaces {

@@ -44,6 +44,8 @@ TEST_F(PreviewCli, ChoosesItsRaysAndSaysThatItIsBiased) {
     // Control: the estimate of the same rays has noise and no bias.
     const ExrFile estimate = picture("--spp 4");
     EXPECT_EQ(estimate.metadata.at("shadowcache:bias"), "none");
+    EXPECT_EQ(preview.metadata.at("shadowcache:camera-rays"), "4");
+    EXPECT_EQ(preview.metadata.at("shadowcache:samples"), "1");
     EXPECT_FALSE(same(preview, estimate));
 }
 
