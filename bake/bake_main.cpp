@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <optional>
 #include <regex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bake/core/cache_part.h"
@@ -13,6 +15,7 @@
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/json_file.h"
+#include "common/base/leftovers.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/process.h"
@@ -21,9 +24,15 @@
 #include "common/cli/command_line.h"
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_options.h"
+#include "common/import/set_files.h"
 
 namespace shadowcache {
 namespace {
+
+/// Options that items do not depend on, or that identityOf() states by content.
+constexpr std::string_view kNotOfTheItems[] = {"SET",     "output",  "stats",      "threads",
+                                               "resume",  "extend",  "checkpoint", "camera",
+                                               "dynamic", "progress"};
 
 struct Job {
     std::vector<std::filesystem::path> files;
@@ -34,6 +43,9 @@ struct Job {
     BakeOptions bake;
     ShotOptions shot;  ///< without a camera: the bake is of the whole set
     int threads = 0;
+    bool resume = false;
+    double checkpointSeconds = 30;
+    std::vector<std::pair<std::string, std::string>> settings;  ///< as settingsOf() has them
 };
 
 /// The shot's options as the command line has them.
@@ -123,6 +135,14 @@ void defineOutput(CLI::App& app, Job& job) {
         ->required()
         ->group(group);
     app.add_option("--stats", job.stats, "Write times, rays and sizes as JSON")->group(group);
+    app.add_flag("--resume", job.resume,
+                 "Continue where an interrupted bake of the same set and options stopped, from the "
+                 "folder OUTPUT.checkpoint")
+        ->group(group);
+    app.add_option("--checkpoint", job.checkpointSeconds,
+                   "Seconds between two checkpoints, 0.01 to 60")
+        ->capture_default_str()
+        ->group(group);
     addThreadsOption(app, job.threads, group);
 }
 
@@ -170,6 +190,7 @@ void validate(const Job& job) {
     validate(job.bake);
     validate(job.shot);
     requireRange("threads", job.threads, 0, kMaxThreads);
+    requireRange("checkpoint", job.checkpointSeconds, 0.01, 60.0);
     requireExtension(job.output, ".vdb");
     requireWritable(job.output);
     if (!job.stats.empty()) requireWritable(job.stats);
@@ -198,9 +219,59 @@ std::optional<CachePart> partOf(const std::optional<ShotSource>& shot, const Cac
     return CachePart{countSides(items), ofSet.sides, shot->text()};
 }
 
+/// All that the items of the job's cache depend on.
+BakeIdentity identityOf(const Job& job) {
+    BakeIdentity identity{{"version", kVersion}, {"set", contentHashOf(job.files)}};
+    // Where things are read from and written to is no part of it; what is read is.
+    for (const auto& [name, value] : job.settings)
+        if (std::ranges::find(kNotOfTheItems, name) == std::end(kNotOfTheItems))
+            identity.emplace_back(name, value);
+    const std::filesystem::path camera = job.shot.camera.name;
+    identity.emplace_back("camera", camera.filename().string());
+    std::vector<std::filesystem::path> moving{camera};
+    for (const DynamicFile& file : job.shot.dynamic) {
+        moving.push_back(file.mesh);
+        moving.push_back(file.track);
+    }
+    identity.emplace_back("shot's files", contentHashOf(moving));
+    identity.emplace_back("extended cache", contentHashOf(std::vector{job.extend}));
+    return identity;
+}
+
+/// The checkpoint that the job continues, or starts.
+Checkpoint openCheckpoint(const Job& job) {
+    reportLeftovers(job.output);
+    return {job.output, identityOf(job), job.checkpointSeconds};
+}
+
+/// Finds what earlier runs left in a checkpoint.
+void beginCheckpoint(const Job& job, Checkpoint& checkpoint) {
+    const char* folder = checkpoint.folder().c_str();
+    if (job.resume) {
+        if (const std::size_t regions = checkpoint.resume())
+            std::printf("%s: %zu regions are finished\n", folder, regions);
+    } else if (checkpoint.discardOthers() > 0) {
+        std::printf("%s: removed what an interrupted bake had left (--resume would continue it)\n",
+                    folder);
+    }
+}
+
+/// bake(), which leaves its checkpoint behind if it is interrupted.
+BakeResult bakeOrKeep(const Scene& scene, const BakeOptions& options,
+                      const VoxelSelection& selection, Checkpoint& checkpoint) {
+    try {
+        return bake(scene, options, selection, &checkpoint);
+    } catch (const Interrupted&) {
+        if (checkpoint.flush() && checkpoint.regions() > 0)
+            std::printf("%s: %zu regions are kept; the same command with --resume continues\n",
+                        checkpoint.folder().c_str(), checkpoint.regions());
+        throw;
+    }
+}
+
 /// Bakes what the job asks for and the cache that it extends does not hold.
 BakeResult bakeJob(const Job& job, const std::optional<ShotSource>& shot, Scene& scene,
-                   Times& times) {
+                   Checkpoint& checkpoint, Times& times) {
     std::optional<SurfaceCount> count;
     const BakeOptions options = optionsOf(job, scene.mesh(), count);
     const VoxelFrame frame(scene.mesh(), options.spacing);
@@ -215,7 +286,7 @@ BakeResult bakeJob(const Job& job, const std::optional<ShotSource>& shot, Scene&
         selection.margin = job.shot.margin;
     }
     times.selected = secondsNow();
-    BakeResult result = bake(scene, options, selection);
+    BakeResult result = bakeOrKeep(scene, options, selection, checkpoint);
     result.header.upAxis = job.mesh.zUp ? "z" : "y";
     result.header.unit = job.mesh.scale;
     const std::size_t baked = result.items.size();
@@ -236,6 +307,8 @@ void run(const Job& job) {
     installInterruptHandler();
     Times times{};
     times.start = secondsNow();
+    Checkpoint checkpoint = openCheckpoint(job);
+    beginCheckpoint(job, checkpoint);
     std::optional<ShotSource> shot;
     if (!job.shot.camera.name.empty()) shot.emplace(job.shot, job.files, job.mesh);
     const TriangleMesh mesh = loadMesh(job.files, job.mesh);
@@ -244,9 +317,10 @@ void run(const Job& job) {
     times.loaded = secondsNow();
     Scene scene(mesh);
     times.built = secondsNow();
-    const BakeResult result = bakeJob(job, shot, scene, times);
+    const BakeResult result = bakeJob(job, shot, scene, checkpoint, times);
     times.baked = secondsNow();
     const std::uintmax_t bytes = writeCache(job.output, result.header, result.items);
+    checkpoint.remove();
     times.written = secondsNow();
 
     std::printf(
@@ -288,6 +362,7 @@ int main(int argc, char** argv) try {
     job.shot.size = parsePair("--size", shot.size, "WxH, as in 960x540");
     for (const std::string& text : shot.dynamic) job.shot.dynamic.push_back(parseDynamic(text));
     job.mesh.zUp = up == "z";
+    job.settings = settingsOf(app);
     run(job);
     return 0;
 } catch (const std::exception& e) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/core/merge_plan.h"
 #include "bake/inspect/grid_export.h"
 #include "bake/inspect/info_text.h"
 #include "bake/inspect/report.h"
@@ -20,7 +21,7 @@ namespace {
 
 struct Arguments {
     std::filesystem::path cache, output, report;
-    bool json = false;
+    bool json = false, verify = false;
     std::string place;
     std::vector<std::string> grids;
     double environmentRotation = 0;
@@ -30,6 +31,9 @@ struct Arguments {
 void define(CLI::App& app, Arguments& a) {
     app.add_option("CACHE", a.cache, "Cache, written by shadowcache-bake")->required();
     app.add_flag("--json", a.json, "Print as JSON");
+    app.add_flag("--verify", a.verify,
+                 "Read all of the file and compare it with its checksums; exit status 1 if it is "
+                 "not whole");
     app.add_option("--report", a.report,
                    "Write an HTML page with settings, slices and histograms (.html)");
     auto* place =
@@ -60,6 +64,7 @@ void define(CLI::App& app, Arguments& a) {
         "Examples:\n"
         "  shadowcache-info room.vdb\n"
         "  shadowcache-info room.vdb --json > room.json\n"
+        "  shadowcache-info room.vdb --verify\n"
         "  shadowcache-info room.vdb --report room.html\n"
         "  shadowcache-info room.vdb --at 1,0,2,0,1,0 -o sky.png\n"
         "  shadowcache-info room.vdb --export-grid openness mean-direction -o grids.vdb\n"
@@ -108,6 +113,14 @@ void printPlace(const Arguments& a) {
     if (!a.output.empty()) writePng(a.output, view.picture(kWidth), 0);
 }
 
+void printCheck(const Arguments& a) {
+    const CacheCheck check = verifyCache(a.cache);
+    const std::string missing = missingText(check.header);
+    print(a.cache.string() + ": whole: " + std::to_string(check.bytes) + " bytes, " +
+          std::to_string(check.checksums) + " checksums, " + std::to_string(check.items) +
+          " items" + (missing.empty() ? "" : ", of a bake without " + missing) + "\n");
+}
+
 void writeReport(const Arguments& a, const CacheFacts& facts) {
     const std::string page = reportPage(a.cache.filename().string(), facts);
     AtomicFile file(a.report);
@@ -121,7 +134,9 @@ void run(const Arguments& a) {
     for (const std::string& spec : a.grids) requests.push_back(parseGridRequest(spec));
     validate(a);
     setThreadCount(a.threads);
+    if (a.verify) printCheck(a);
     if (!a.place.empty()) return printPlace(a);
+    if (requests.empty() && a.report.empty() && a.verify) return;
     const CacheFacts facts = readFacts(a.cache);
     if (requests.empty() && a.report.empty())
         return print(a.json ? factsAsJson(facts) : factsAsText(facts));

@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "bake/core/merge.h"
+#include "bake/core/merge_plan.h"
 #include "common/base/atomic_file.h"
+#include "common/base/leftovers.h"
 #include "common/base/option_checks.h"
 #include "common/base/progress.h"
 #include "common/cli/command_line.h"
@@ -16,12 +18,15 @@ int main(int argc, char** argv) try {
     std::filesystem::path output;
     beginCommandLine(app);
     app.add_option("CACHE", inputs,
-                   "Caches of one set: bakes with other seeds, or the shards of one bake")
+                   "Caches of one set: the shards of one bake, bakes for several shots, or with "
+                   "other seeds")
         ->required()
         ->take_all();
     app.add_option("-o,--output", output, "Cache to write (OpenVDB, .vdb)")->required();
     app.footer(
-        "All caches must have the same set, spacing, direction level and kind of refinement.\n\n"
+        "All caches must have the same set, spacing, direction level and kind of refinement.\n"
+        "The same shard twice is refused; shards that are missing are named. The caches are read\n"
+        "one after the other: memory is needed for the sum, not for all of them.\n\n"
         "Examples:\n"
         "  shadowcache-merge part*.vdb -o set.vdb\n"
         "  shadowcache-merge seed1.vdb seed2.vdb -o better.vdb");
@@ -29,12 +34,20 @@ int main(int argc, char** argv) try {
     requireExtension(output, ".vdb");
     requireWritable(output);
     installInterruptHandler();
+    reportLeftovers(output);
     CacheHeader header;
     const CacheItems items = mergeCaches(inputs, header);
     throwIfInterrupted();
     const auto bytes = writeCache(output, header, items);
-    std::printf("%zu items, %.1f MB -> %s\n", items.size(), static_cast<double>(bytes) * 1e-6,
-                output.c_str());
+    std::printf("%zu caches, %zu items, %.1f MB -> %s\n", inputs.size(), items.size(),
+                static_cast<double>(bytes) * 1e-6, output.c_str());
+    const std::string missing = missingText(header);
+    if (!missing.empty())
+        std::printf("not whole: without %s\n", missing.c_str());
+    else if (header.part)
+        std::printf("whole for its shots: %s\n", header.part->shots.c_str());
+    else
+        std::printf("whole: no shard is missing\n");
     return 0;
 } catch (const std::exception& e) {
     std::fprintf(stderr, "shadowcache-merge: %s\n", e.what());

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bake/core/item_baker.h"
+#include "bake/core/region_bytes.h"
 #include "bake/core/side_choice.h"
 #include "bake/core/subpatches.h"
 #include "bake/core/surface_voxels.h"
@@ -23,12 +24,6 @@ std::size_t chunksOf(std::size_t count) {
     return (count + kChunkSize - 1) / kChunkSize;
 }
 
-/// Items, and the rays that they cost.
-struct Baked {
-    CacheItems items;
-    std::uint64_t rays = 0;
-};
-
 /// Pilot rays of what is baked and around it: by voxel, in the order of the voxel's patches.
 using Pilots = std::vector<std::vector<Pilot>>;
 
@@ -45,10 +40,11 @@ std::uint64_t raysOf(const Pilots& pilots) {
 class Bake {
 public:
     Bake(const Scene& scene, const BakeOptions& options, double spacing,
-         const VoxelSelection& selection)
+         const VoxelSelection& selection, Checkpoint* checkpoint)
         : scene_(scene),
           options_(options),
           selection_(selection),
+          checkpoint_(checkpoint),
           voxels_(scene.mesh(), spacing, options, selection),
           baker_(scene, options, spacing) {}
 
@@ -90,21 +86,43 @@ private:
         return needed;
     }
 
+    /// A region of a pass, as the checkpoint has it or as `make` makes it.
+    template <class Region, class Make>
+    Region region(Checkpoint::Pass pass, std::size_t number, Region (*read)(std::string_view),
+                  const Make& make) const {
+        if (checkpoint_)
+            if (const auto bytes = checkpoint_->take(pass, number)) return read(*bytes);
+        Region made;
+        make(made);
+        if (checkpoint_) checkpoint_->add(pass, number, toBytes(made));
+        return made;
+    }
+
     /// First pass.
     Pilots tracePilots(Progress& progress) const {
         const std::vector<std::size_t> needed = voxels_.withNeighbours();
         const std::size_t count = voxels_.wanted().size();
         Pilots pilots(voxels_.size());
         parallelFor(needed.size(), kChunkSize, [&](const Chunk& chunk) {
-            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                throwIfInterrupted();
-                for (const Patch& patch : patches(needed[i]))
-                    pilots[needed[i]].push_back(needsPilot(needed[i], patch)
-                                                    ? baker_.tracePilot(patch)
-                                                    : Pilot{patch.normal, patch.meanPosition});
-            }
+            Pilots made = region<Pilots>(Checkpoint::Pass::pilots, chunk.index, pilotsFromBytes,
+                                         [&](Pilots& out) {
+                                             for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                                                 out.push_back(tracePilots(needed[i]));
+                                         });
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                pilots[needed[i]] = std::move(made[i - chunk.begin]);
             progress.add((chunk.end - chunk.begin) * count / needed.size());
         });
+        return pilots;
+    }
+
+    /// Pilots of a voxel, in the order of its patches.
+    std::vector<Pilot> tracePilots(std::size_t v) const {
+        throwIfInterrupted();
+        std::vector<Pilot> pilots;
+        for (const Patch& patch : patches(v))
+            pilots.push_back(needsPilot(v, patch) ? baker_.tracePilot(patch)
+                                                  : Pilot{patch.normal, patch.meanPosition});
         return pilots;
     }
 
@@ -115,10 +133,13 @@ private:
         const std::size_t count = numbers.size();
         std::vector<Baked> parts(chunksOf(count));
         parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
-            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                throwIfInterrupted();
-                bakeVoxel(numbers[i], parts[chunk.index]);
-            }
+            parts[chunk.index] = region<Baked>(
+                Checkpoint::Pass::items, chunk.index, bakedFromBytes, [&](Baked& out) {
+                    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                        throwIfInterrupted();
+                        bakeVoxel(numbers[i], out);
+                    }
+                });
             progress.add(chunk.end - chunk.begin);
         });
         Baked all;
@@ -198,6 +219,7 @@ private:
     const Scene& scene_;
     const BakeOptions& options_;
     const VoxelSelection& selection_;
+    Checkpoint* checkpoint_;
     SurfaceVoxels voxels_;
     std::vector<ChosenSides> choice_;  ///< by voxel, if not everything is baked
     ItemBaker baker_;
@@ -210,18 +232,21 @@ CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options) {
     header.level = options.level;
     header.adaptive = options.adaptive;
     header.spacing = options.spacing > 0 ? options.spacing : chooseSpacing(mesh);
-    header.rays = options.rays;
-    header.seeds = std::to_string(options.seed);
+    header.bakes = {{.seed = options.seed,
+                     .rays = options.rays,
+                     .shards = options.shards,
+                     .held = {{options.shard, options.shard}}}};
     header.version = kVersion;
     header.fingerprint = fingerprint(mesh);
     return header;
 }
 
-BakeResult bake(const Scene& scene, const BakeOptions& options, const VoxelSelection& selection) {
+BakeResult bake(const Scene& scene, const BakeOptions& options, const VoxelSelection& selection,
+                Checkpoint* checkpoint) {
     validate(options);
     BakeResult result;
     result.header = headerOf(scene.mesh(), options);
-    Baked baked = Bake(scene, options, result.header.spacing, selection).run();
+    Baked baked = Bake(scene, options, result.header.spacing, selection, checkpoint).run();
     result.items = std::move(baked.items);
     result.rays = baked.rays;
     return result;

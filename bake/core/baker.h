@@ -1,5 +1,6 @@
 #pragma once
 
+#include "bake/core/checkpoint.h"
 #include "bake/core/options.h"
 #include "bake/core/voxel_selection.h"
 #include "common/cache/cache_items.h"
@@ -22,8 +23,10 @@ CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options);
 ///
 /// @param selection  bakes only its items, which have the same bits as in the whole bake. Its
 /// voxels are those of a VoxelFrame over the set with the spacing of `options`
+/// @param checkpoint  of this bake: regions that it has are not baked again, and those that are
+/// finished are added to it; may be null
 /// @throws Error on impossible options
 BakeResult bake(const Scene& scene, const BakeOptions& options,
-                const VoxelSelection& selection = {});
+                const VoxelSelection& selection = {}, Checkpoint* checkpoint = nullptr);
 
 }  // namespace shadowcache

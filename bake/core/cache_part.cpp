@@ -30,9 +30,12 @@ std::uint64_t countSides(const CacheItems& items) {
     return count;
 }
 
-std::optional<CachePart> joinParts(const CachePart& a, const CachePart& b,
-                                   const CacheItems& items) {
-    const CachePart part{countSides(items), a.sidesOfSet, joinTexts(a.shots, b.shots)};
+CachePart joinParts(const CachePart& a, const CachePart& b) {
+    return {0, a.sidesOfSet, joinTexts(a.shots, b.shots)};
+}
+
+std::optional<CachePart> countPart(CachePart part, const CacheItems& items) {
+    part.sides = countSides(items);
     if (part.sides == part.sidesOfSet) return std::nullopt;
     return part;
 }

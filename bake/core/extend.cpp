@@ -2,6 +2,7 @@
 
 #include "bake/core/cache_match.h"
 #include "bake/core/cache_part.h"
+#include "bake/core/merge_plan.h"
 
 namespace shadowcache {
 
@@ -17,18 +18,23 @@ CacheToExtend readCacheToExtend(const std::filesystem::path& path, const CacheHe
     require("spacing", found.spacing, wanted.spacing);
     require("direction level", found.level, wanted.level);
     require("adaptive refinement", found.adaptive, wanted.adaptive);
-    require("rays", found.rays, wanted.rays);
-    require("seed", found.seeds, wanted.seeds);
+    require("rays", found.rays(), wanted.rays());
+    require("seed", found.seeds(), wanted.seeds());
     require("program version", found.version, wanted.version);
+    if (const std::string missing = missingText(found); !missing.empty())
+        throwFileError(path, "without " + missing + ", expected all: merge the shards first");
     return cache;
 }
 
 void addCache(const CacheToExtend& old, BakeResult& result) {
-    result.items = mergeItems(old.items, result.items, result.header.tiers());
-    if (!old.header.part)
+    result.items = mergeItems(old.items, result.items, result.header.tiers(), Overlap::keep);
+    if (!old.header.part) {
         result.header.part.reset();
-    else if (result.header.part)
-        result.header.part = joinParts(*old.header.part, *result.header.part, result.items);
+        result.header.bakes = old.header.bakes;
+    } else if (result.header.part) {
+        result.header.part =
+            countPart(joinParts(*old.header.part, *result.header.part), result.items);
+    }
 }
 
 }  // namespace shadowcache

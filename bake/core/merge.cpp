@@ -1,47 +1,61 @@
 #include "bake/core/merge.h"
 
-#include <algorithm>
-#include <sstream>
+#include <utility>
+#include <vector>
 
-#include "bake/core/cache_match.h"
 #include "bake/core/cache_part.h"
+#include "bake/core/merge_plan.h"
+#include "common/base/progress.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Seeds of both, each once.
-std::string joinSeeds(const std::string& a, const std::string& b) {
-    std::istringstream more(b);
-    std::string joined = "," + a + ",", seed;
-    while (std::getline(more, seed, ','))
-        if (joined.find("," + seed + ",") == std::string::npos) joined += seed + ",";
-    return joined.substr(1, joined.size() - 2);
+/// The sum of neighbouring inputs.
+struct Run {
+    CacheHeader header;
+    CacheItems items;
+    std::filesystem::path first;
+
+    std::size_t bytes() const { return items.n.size() + items.blocks.size() * sizeof(CountBlock); }
+};
+
+void addRun(Run& sum, Run more) {
+    const auto [header, overlap] =
+        joinHeaders(sum.header, sum.first.string(), more.header, more.first);
+    sum.items = mergeItems(sum.items, more.items, header.tiers(), overlap);
+    sum.header = header;
 }
 
 }  // namespace
 
 CacheItems mergeCaches(std::span<const std::filesystem::path> paths, CacheHeader& header) {
-    CacheItems sum = readCache(paths[0], header);
-    for (const auto& path : paths.subspan(1)) {
-        CacheHeader other;
-        const CacheItems items = readCache(path, other);
-        const auto require = [&](const char* what, const auto& found, const auto& wanted) {
-            requireSame(path, what, found, wanted, "as in the first cache");
-        };
-        require("fingerprint of the set", other.fingerprint, header.fingerprint);
-        require("spacing", other.spacing, header.spacing);
-        require("direction level", other.level, header.level);
-        require("adaptive refinement", other.adaptive, header.adaptive);
-        header.seeds = joinSeeds(header.seeds, other.seeds);
-        header.rays = std::max(header.rays, other.rays);
-        sum = mergeItems(sum, items, header.tiers());
-        if (header.part && other.part)
-            header.part = joinParts(*header.part, *other.part, sum);
-        else
-            header.part.reset();
+    planMerge(paths);
+    Progress progress("merge", paths.size());
+    // Sums wait until as much has come behind them: then each item is moved a few times only, and
+    // what waits is smaller by half each. Inputs that share their items are added at once.
+    std::vector<Run> runs;
+    for (const auto& path : paths) {
+        throwIfInterrupted();
+        Run& read = runs.emplace_back();
+        read.first = path;
+        read.items = readCache(path, read.header);
+        while (runs.size() > 1 && 2 * runs.back().bytes() >= runs[runs.size() - 2].bytes()) {
+            Run last = std::move(runs.back());
+            runs.pop_back();
+            addRun(runs.back(), std::move(last));
+        }
+        progress.add(1);
     }
-    return sum;
+    while (runs.size() > 1) {
+        Run last = std::move(runs.back());
+        runs.pop_back();
+        addRun(runs.back(), std::move(last));
+    }
+    header = std::move(runs.front().header);
+    CacheItems items = std::move(runs.front().items);
+    if (header.part) header.part = countPart(*header.part, items);
+    return items;
 }
 
 }  // namespace shadowcache

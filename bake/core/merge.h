@@ -7,9 +7,11 @@
 
 namespace shadowcache {
 
-/// Sum of the caches, which must be of one set, spacing, direction level and kind of refinement.
+/// Sum of the caches, which must be of one set, spacing, direction level and kind of refinement,
+/// and hold other shards, shots or seeds. Reads one after the other: what is in memory is the sum,
+/// at most as much again while two sums are added, and one input.
 ///
-/// @throws Error naming the file that differs, what it holds and what the first one holds
+/// @throws Error naming the file that differs, what it holds and what another holds
 CacheItems mergeCaches(std::span<const std::filesystem::path> paths, CacheHeader& header);
 
 }  // namespace shadowcache

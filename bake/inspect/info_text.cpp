@@ -56,6 +56,26 @@ std::vector<std::string> tenths() {
 
 }  // namespace
 
+namespace {
+
+/// What the cache holds of its set, if not all.
+std::string partText(const CacheHeader& header) {
+    std::string text;
+    for (const BakeRecord& bake : header.bakes)
+        if (!bake.whole())
+            text += "shards         " + shardsText(bake.held) + " of " +
+                    std::to_string(bake.shards) + " of seed " + std::to_string(bake.seed) +
+                    "; missing " + shardsText(missingShards(bake)) + "\n";
+    if (header.part)
+        text += print("part           %llu of %llu sides of voxels, for ",
+                      static_cast<unsigned long long>(header.part->sides),
+                      static_cast<unsigned long long>(header.part->sidesOfSet)) +
+                header.part->shots + "\n";
+    return text;
+}
+
+}  // namespace
+
 CacheFacts readFacts(const std::filesystem::path& path) {
     CacheFacts facts;
     facts.items = readCache(path, facts.header);
@@ -86,8 +106,14 @@ std::string factsAsJson(const CacheFacts& facts) {
     out.set("spacing", header.spacing);
     out.set("level", static_cast<std::uint64_t>(header.level));
     out.set("refinement", std::string(header.adaptive ? "adaptive" : "uniform"));
-    out.set("rays", static_cast<std::uint64_t>(header.rays));
-    out.set("seeds", header.seeds);
+    out.set("rays", static_cast<std::uint64_t>(header.rays()));
+    out.set("seeds", header.seeds());
+    out.set("bakes", bakesText(header.bakes));
+    if (header.part) {
+        out.set("part.sides", header.part->sides);
+        out.set("part.sides_of_set", header.part->sidesOfSet);
+        out.set("part.shots", header.part->shots);
+    }
     out.set("up_axis", header.upAxis);
     out.set("unit", header.unit);
     out.set("bounds.low", std::vector{summary.low.x, summary.low.y, summary.low.z});
@@ -118,7 +144,8 @@ std::string factsAsText(const CacheFacts& facts) {
         print("bounds         %g, %g, %g to %g, %g, %g\n", summary.low.x, summary.low.y,
               summary.low.z, summary.high.x, summary.high.y, summary.high.z) +
         print("directions     level %d (%s), %d rays, seeds %s\n", header.level,
-              header.adaptive ? "adaptive" : "uniform", header.rays, header.seeds.c_str()) +
+              header.adaptive ? "adaptive" : "uniform", header.rays(), header.seeds().c_str()) +
+        partText(header) +
         print("items          %zu (%llu of them subpatches) in %llu voxels of %g, %zu blocks\n",
               items.size(), static_cast<unsigned long long>(summary.subpatches),
               static_cast<unsigned long long>(summary.voxels), header.spacing,

@@ -48,8 +48,8 @@ void addSettings(HtmlPage& page, const CacheFacts& facts) {
                 {"directions", "level " + std::to_string(header.level) +
                                    (header.adaptive ? ", finer only where rays disagreed"
                                                     : ", all at the finest level")},
-                {"rays a region", std::to_string(header.rays) + " where rays disagreed"},
-                {"seeds", header.seeds},
+                {"rays a region", std::to_string(header.rays()) + " where rays disagreed"},
+                {"seeds", header.seeds()},
                 {"items", std::to_string(items.size()) + " in " + std::to_string(summary.voxels) +
                               " voxels"},
                 {"finer blocks", std::to_string(items.blocks.size())},

@@ -1,5 +1,6 @@
 #include "common/base/atomic_file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -8,8 +9,25 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/base/leftovers.h"
 
 namespace shadowcache {
+
+namespace {
+
+std::filesystem::path folderOf(const std::filesystem::path& path) {
+    return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+}  // namespace
+
+void syncFolder(const std::filesystem::path& folder) {
+    // Some network disks refuse it; the file itself is on the disk by then.
+    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return;
+    fsync(descriptor);
+    close(descriptor);
+}
 
 void requireWritable(const std::filesystem::path& path) {
     std::error_code ignored;
@@ -18,15 +36,14 @@ void requireWritable(const std::filesystem::path& path) {
         throwFileError(path, "is a directory, expected a file to write");
     if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
         throwFileError(path, "is a device or pipe, expected a file to write");
-    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-    if (access(folder.c_str(), W_OK | X_OK) != 0)
+    if (access(folderOf(path).c_str(), W_OK | X_OK) != 0)
         throwFileError(path, std::string("cannot be created: ") + std::strerror(errno));
 }
 
 AtomicFile::AtomicFile(const std::filesystem::path& path)
-    : path_(path), partPath_(path.string() + ".part-" + std::to_string(getpid())) {
+    : path_(path), partPath_(temporaryPath(path)) {
     requireWritable(path_);
-    file_ = std::fopen(partPath_.c_str(), "wb");
+    file_ = std::fopen(partPath_.c_str(), "w+b");
     if (!file_) fail("created");
 }
 
@@ -39,6 +56,10 @@ AtomicFile::~AtomicFile() {
 
 void AtomicFile::write(const void* bytes, std::size_t count) {
     if (std::fwrite(bytes, 1, count, file_) != count) fail("written");
+}
+
+void AtomicFile::read(void* bytes, std::size_t count) {
+    if (std::fread(bytes, 1, count, file_) != count) fail("read back");
 }
 
 void AtomicFile::seek(std::uint64_t position) {
@@ -61,6 +82,7 @@ void AtomicFile::commit() {
         errno = error;
         fail("written");
     }
+    syncFolder(folderOf(path_));
 }
 
 void AtomicFile::fail(const char* action) {

@@ -12,8 +12,11 @@ namespace shadowcache {
 /// @throws Error naming the file and the cause
 void requireWritable(const std::filesystem::path& path);
 
-/// File that appears under its name only when complete: written beside as "NAME.part-PID", renamed
-/// by commit(), removed if commit() is not reached.
+/// Makes a rename or a new file in a folder outlast a power cut, where the disk can.
+void syncFolder(const std::filesystem::path& folder);
+
+/// File that appears under its name only when complete: written beside under temporaryPath(),
+/// renamed by commit(), removed if commit() is not reached.
 class AtomicFile {
 public:
     /// @throws Error if the file cannot be created there
@@ -24,6 +27,8 @@ public:
 
     /// Each throws Error when the disk refuses (full, broken).
     void write(const void* bytes, std::size_t count);
+    /// Bytes written before; seek() comes before it, and before the next write.
+    void read(void* bytes, std::size_t count);
     void seek(std::uint64_t position);
     std::uint64_t position() const;
     void commit();

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "common/cache/cache_schema.h"
+#include "common/cache/checksums.h"
 
 namespace shadowcache {
 
@@ -15,6 +16,17 @@ struct CacheGrids {
     PointGrid::Ptr blocks;
 };
 
+/// Opens a file that has the checksums of a cache.
+///
+/// @throws Error naming the file and the cause: missing, truncated, foreign, of another format
+/// version
+CheckedFile openChecked(const std::filesystem::path& path);
+
+/// What a cache records of its bake. @throws Error as openChecked()
+CacheHeader readHeader(const CheckedFile& file);
+
+/// Checks every byte of the file before OpenVDB decodes it.
+///
 /// @throws Error naming the file and the cause: missing, truncated, foreign, of another format
 /// version
 CacheGrids readGrids(const std::filesystem::path& path);

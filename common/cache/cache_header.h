@@ -3,13 +3,15 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/math/direction_mesh.h"
 
 namespace shadowcache {
 
 /// Version of the file format; raised on any change of its bytes or of the direction mesh.
-inline constexpr int kCacheFormat = 2;
+inline constexpr int kCacheFormat = 3;
 
 /// Finest level of the direction mesh that counts may have.
 inline constexpr int kMaxCacheLevel = 5;
@@ -50,13 +52,44 @@ struct CachePart {
     std::string shots;             ///< that it was baked for: texts joined by "; "
 };
 
+/// Shards of a bake, numbered from 0.
+struct ShardRange {
+    int first, last;  ///< both included
+
+    bool operator==(const ShardRange&) const = default;
+};
+
+/// A bake of which a cache holds items.
+struct BakeRecord {
+    std::uint64_t seed = 1;                ///< of its random numbers
+    int rays = 0;                          ///< per finest mixed region
+    int shards = 1;                        ///< that the bake was divided into
+    std::vector<ShardRange> held{{0, 0}};  ///< of these, ascending, none next to another
+
+    /// Whether no shard is missing.
+    bool whole() const { return held == std::vector<ShardRange>{{0, shards - 1}}; }
+    bool operator==(const BakeRecord&) const = default;
+};
+
+/// "seed=1 rays=16 shards=1-3,5/8; seed=2 rays=16": shards as --shard counts them, from 1, and only
+/// if some are missing.
+std::string bakesText(const std::vector<BakeRecord>& bakes);
+
+/// Reads bakesText(). @return none if the text is not of that form
+std::optional<std::vector<BakeRecord>> parseBakes(std::string_view text);
+
+/// "1-3,5": numbers from 1.
+std::string shardsText(const std::vector<ShardRange>& shards);
+
+/// Shards of the bake that are not held.
+std::vector<ShardRange> missingShards(const BakeRecord& bake);
+
 /// What a cache records of its bake; all of it is kept in the file's metadata.
 struct CacheHeader {
     int level = kMaxCacheLevel;     ///< finest direction level
     bool adaptive = true;           ///< blocks only where rays disagreed
     double spacing = 0;             ///< side of a voxel [world units]
-    int rays = 0;                   ///< rays per finest mixed region
-    std::string seeds;              ///< of the bakes merged into it, in the order of merging
+    std::vector<BakeRecord> bakes;  ///< merged into it, in the order of merging
     std::string upAxis = "y";       ///< of the files the set was read from: "y" or "z"
     double unit = 1;                ///< metres per unit of those files
     std::uint64_t fingerprint = 0;  ///< hash of the set's triangles
@@ -65,6 +98,10 @@ struct CacheHeader {
 
     /// How its counts refine in direction.
     DirectionTiers tiers() const { return {level}; }
+    /// Rays per finest mixed region; of several bakes the most.
+    int rays() const;
+    /// Seeds of the bakes, joined by commas.
+    std::string seeds() const;
 };
 
 /// The fingerprint as sixteen hexadecimal digits, as the file and all messages have it.

@@ -104,7 +104,8 @@ bool itemBefore(const CacheItems& a, std::size_t i, const CacheItems& b, std::si
            std::tuple(voxelOrder(b.voxel[j]), b.patch[j]);
 }
 
-CacheItems mergeItems(const CacheItems& a, const CacheItems& b, const DirectionTiers& tiers) {
+CacheItems mergeItems(const CacheItems& a, const CacheItems& b, const DirectionTiers& tiers,
+                      Overlap overlap) {
     const std::size_t baseCells = tiers.baseCells();
     CacheItems sum;
     std::size_t i = 0, j = 0;
@@ -115,6 +116,10 @@ CacheItems mergeItems(const CacheItems& a, const CacheItems& b, const DirectionT
         } else if (i == a.size() || itemBefore(b, j, a, i)) {
             appendItem(sum, b, j, baseCells);
             copyBlocks(sum, b, j++);
+        } else if (overlap == Overlap::keep) {
+            appendItem(sum, a, i, baseCells);
+            copyBlocks(sum, a, i++);
+            ++j;
         } else {
             appendItem(sum, a, i, baseCells);
             const std::size_t base = sum.n.size() - baseCells;

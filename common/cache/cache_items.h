@@ -54,8 +54,15 @@ inline bool areDepthLayers(const Vec3f& a, const Vec3f& b) {
     return a.dot(b) > 0.95f;
 }
 
-/// Sum of two caches of one set with the same tiers: items of both, counts added, blocks united.
-CacheItems mergeItems(const CacheItems& a, const CacheItems& b, const DirectionTiers& tiers);
+/// What becomes of an item that two caches have.
+enum class Overlap {
+    add,  ///< other rays: counts are added, blocks united
+    keep  ///< the same rays, since a bake makes an item in one way only: it is kept once
+};
+
+/// Items of two caches of one set with the same tiers.
+CacheItems mergeItems(const CacheItems& a, const CacheItems& b, const DirectionTiers& tiers,
+                      Overlap overlap);
 
 /// Writes a cache, with its grids for volume tools, to a temporary file that is then renamed.
 ///
@@ -66,6 +73,19 @@ std::uintmax_t writeCache(const std::filesystem::path& path, const CacheHeader& 
 
 /// Reads the header of a cache. @throws Error as readCache
 CacheHeader readHeader(const std::filesystem::path& path);
+
+/// What was checked of a file.
+struct CacheCheck {
+    CacheHeader header;
+    std::size_t items = 0, checksums = 0;
+    std::uint64_t bytes = 0;
+};
+
+/// Reads a file to its end, and checks it: every byte against its checksum, then the numbers that
+/// lead from one to the other.
+///
+/// @throws Error as readCache(), naming what is damaged
+CacheCheck verifyCache(const std::filesystem::path& path);
 
 /// Reads a whole cache back.
 ///

@@ -1,12 +1,9 @@
 #include "common/cache/cache_pages.h"
 
-#include <fcntl.h>
 #include <openvdb/points/StreamCompression.h>
 #include <openvdb/util/NodeMasks.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <limits>
 
@@ -58,20 +55,13 @@ void unpackVoxelEnds(std::span<const std::byte> packed, std::span<std::byte> out
 
 }  // namespace
 
-CachePages::CachePages(const std::filesystem::path& path, std::vector<FilePage> pages,
-                       std::uint64_t budget, std::uint64_t overhead)
-    : path_(path),
-      file_(open(path.c_str(), O_RDONLY | O_CLOEXEC)),
-      pages_(std::move(pages)),
-      slots_(pages_.size()) {
-    if (file_ < 0) throwFileError(path, std::string("cannot be opened: ") + std::strerror(errno));
+CachePages::CachePages(CheckedFile file, std::vector<FilePage> pages, std::uint64_t budget,
+                       std::uint64_t overhead)
+    : file_(std::move(file)), pages_(std::move(pages)), slots_(pages_.size()) {
     use_.budget = budget;
-    use_.held = overhead + pages_.size() * (sizeof(FilePage) + sizeof(Slot));
+    use_.held = overhead + file_.pieces() * sizeof(std::uint64_t) +
+                pages_.size() * (sizeof(FilePage) + sizeof(Slot));
     use_.peak = use_.held;
-}
-
-CachePages::~CachePages() {
-    close(file_);
 }
 
 MemoryUse CachePages::use() const {
@@ -143,17 +133,8 @@ void CachePages::makeRoom(std::uint64_t bytes) {
 }
 
 void CachePages::readAt(std::uint64_t offset, std::span<std::byte> out) const {
-    while (!out.empty()) {
-        const ssize_t count = pread(file_, out.data(), out.size(), static_cast<off_t>(offset));
-        if (count < 0 && errno == EINTR) continue;
-        if (count < 0)
-            throwFileError(path_, std::string("cannot be read: ") + std::strerror(errno));
-        if (count == 0)
-            throwFileError(path_, "cut short while it was in use: " + std::to_string(out.size()) +
-                                      " bytes are missing at " + std::to_string(offset));
-        offset += static_cast<std::uint64_t>(count);
-        out = out.subspan(static_cast<std::size_t>(count));
-    }
+    if (file_.read(offset, out) < out.size())
+        throwFileError(file_.path(), "damaged: a page over the end of the file");
 }
 
 PagePin CachePages::load(const FilePage& page) const {
@@ -170,9 +151,9 @@ PagePin CachePages::load(const FilePage& page) const {
         else
             unpackVoxelEnds({packed.get(), page.stored}, {bytes.get(), page.size});
     } catch (const openvdb::Exception& e) {
-        throwFileError(path_, "damaged: the " + std::to_string(page.stored) + " bytes at " +
-                                  std::to_string(page.offset) + " cannot be unpacked (" + e.what() +
-                                  ")");
+        throwFileError(file_.path(), "damaged: the " + std::to_string(page.stored) + " bytes at " +
+                                         std::to_string(page.offset) + " cannot be unpacked (" +
+                                         e.what() + ")");
     }
     return bytes;
 }

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "common/cache/checksums.h"
 #include "common/cache/memory_use.h"
 
 namespace shadowcache {
@@ -39,10 +40,8 @@ public:
     /// @param budget    bytes
     /// @param overhead  bytes that the owner keeps for the file beside the pages; part of the
     /// budget
-    /// @throws Error naming the file if it cannot be opened
-    CachePages(const std::filesystem::path& path, std::vector<FilePage> pages, std::uint64_t budget,
+    CachePages(CheckedFile file, std::vector<FilePage> pages, std::uint64_t budget,
                std::uint64_t overhead);
-    ~CachePages();
     CachePages(const CachePages&) = delete;
     CachePages& operator=(const CachePages&) = delete;
 
@@ -56,7 +55,7 @@ public:
 
     /// The page, read first unless it is in memory. Pinned pages stay even beyond the budget.
     ///
-    /// @throws Error naming the file if the page cannot be read or unpacked
+    /// @throws Error naming the file if the page cannot be read or differs from its checksums
     PagePin pin(std::uint32_t page);
 
     /// Budget and use so far.
@@ -69,8 +68,7 @@ private:
         std::list<std::uint32_t>::iterator place;  ///< in recent_, if in memory
     };
 
-    std::filesystem::path path_;
-    int file_;
+    CheckedFile file_;
     std::vector<FilePage> pages_;
 
     mutable std::mutex mutex_;

@@ -1,14 +1,18 @@
 #include <openvdb/io/File.h>
 #include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/io.h>
 
 #include <algorithm>
-#include <charconv>
+#include <cstdlib>
 #include <fstream>
+#include <optional>
+#include <stdexcept>
 #include <system_error>
 
 #include "common/base/error.h"
 #include "common/cache/cache_grids.h"
 #include "common/cache/cache_items.h"
+#include "common/cache/cache_metadata.h"
 #include "common/cache/grid_leaves.h"
 #include "common/cache/vdb_archive.h"
 
@@ -18,51 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-template <class T>
-T metaValue(const openvdb::MetaMap& meta, const char* key, const fs::path& path) {
-    const auto value = meta.getMetadata<openvdb::TypedMetadata<T>>(key);
-    if (!value)
-        throwFileError(path, std::string("a shadow cache without its metadata '") + key + "'");
-    return value->value();
-}
-
-CacheHeader fromMetadata(const openvdb::MetaMap& meta, const fs::path& path) {
-    if (!meta[kFormatKey])
-        throwFileError(path, "an OpenVDB file, but not a shadow cache (no 'shadowcache_format')");
-    const auto format = metaValue<std::int32_t>(meta, kFormatKey, path);
-    if (format != kCacheFormat)
-        throwFileError(path, "cache format " + std::to_string(format) + ", this program reads " +
-                                 std::to_string(kCacheFormat) +
-                                 (format > kCacheFormat ? " (written by a newer version)" : ""));
-    CacheHeader header;
-    header.level = metaValue<std::int32_t>(meta, "level", path);
-    header.adaptive = metaValue<bool>(meta, "adaptive", path);
-    header.spacing = metaValue<double>(meta, "spacing", path);
-    header.rays = metaValue<std::int32_t>(meta, "rays", path);
-    header.seeds = metaValue<std::string>(meta, "seeds", path);
-    header.upAxis = metaValue<std::string>(meta, "up_axis", path);
-    header.unit = metaValue<double>(meta, "unit", path);
-    header.version = metaValue<std::string>(meta, "version", path);
-    if (meta["shots"]) {
-        const auto count = [&](const char* key) {
-            return static_cast<std::uint64_t>(metaValue<std::int64_t>(meta, key, path));
-        };
-        header.part = {count("sides"), count("sides_of_set"),
-                       metaValue<std::string>(meta, "shots", path)};
-    }
-    const auto print = metaValue<std::string>(meta, "fingerprint", path);
-    const auto parsed =
-        std::from_chars(print.data(), print.data() + print.size(), header.fingerprint, 16);
-    if (parsed.ec != std::errc() || parsed.ptr != print.data() + print.size())
-        throwFileError(path, "fingerprint '" + print + "', expected 16 hexadecimal digits");
-    if (header.level < 0 || header.level > kMaxCacheLevel)
-        throwFileError(path,
-                       "direction level " + std::to_string(header.level) + ", expected 0 to 5");
-    if (!(header.spacing > 0))
-        throwFileError(path, "spacing " + std::to_string(header.spacing) + ", expected above 0");
-    return header;
-}
-
 template <class Grid>
 typename Grid::Ptr takeGrid(openvdb::io::File& file, const char* name, const fs::path& path) {
     if (!file.hasGrid(name)) throwFileError(path, std::string("no grid '") + name + "'");
@@ -71,60 +30,128 @@ typename Grid::Ptr takeGrid(openvdb::io::File& file, const char* name, const fs:
     return grid;
 }
 
-/// Refuses a file shorter than its header states, before OpenVDB takes what lies behind its end for
-/// sizes.
-void requireWhole(const fs::path& path) {
+/// What a file states before its data.
+struct FileHead {
+    openvdb::MetaMap metadata;
+    std::vector<openvdb::io::GridDescriptor> grids;  ///< in the file's order
+};
+
+/// Reads a file's metadata, and refuses a file shorter than its table of grids states, before
+/// OpenVDB takes what lies behind its end for sizes.
+FileHead readHead(std::istream& in, std::uint64_t size, const fs::path& path) {
     // The library keeps this table to itself: magic number, file and library versions, a flag for
     // offsets, 36 characters of UUID, metadata, then a descriptor of every grid before its data.
-    std::ifstream in(path, std::ios::binary);
     const auto number = [&](auto value) {
         in.read(reinterpret_cast<char*>(&value), sizeof value);
         return value;
     };
     if (number(std::int64_t{0}) != openvdb::OPENVDB_MAGIC || !in)
         throwFileError(path, "not an OpenVDB file");
-    const auto size = static_cast<std::int64_t>(fs::file_size(path));
     in.exceptions(std::ios::failbit | std::ios::badbit);
+    FileHead head;
     try {
         const auto format = number(std::uint32_t{0});
-        if (format > openvdb::OPENVDB_FILE_VERSION) return;  // the library's own message is better
+        if (format > openvdb::OPENVDB_FILE_VERSION)
+            throwFileError(path, "version " + std::to_string(format) +
+                                     " of OpenVDB's format, expected at most " +
+                                     std::to_string(openvdb::OPENVDB_FILE_VERSION));
         const auto major = number(std::uint32_t{0}), minor = number(std::uint32_t{0});
         openvdb::io::setVersion(in, {major, minor}, format);
         in.seekg(1 + 36, std::ios::cur);
-        openvdb::MetaMap().readMeta(in);
+        head.metadata.readMeta(in);
         for (auto count = number(std::int32_t{0}); count > 0; --count) {
-            openvdb::io::GridDescriptor grid;
+            openvdb::io::GridDescriptor& grid = head.grids.emplace_back();
             grid.read(in);
-            if (grid.getEndPos() < in.tellg() || grid.getEndPos() > size) in.setstate(in.failbit);
+            const auto end = static_cast<std::uint64_t>(grid.getEndPos());
+            if (end < static_cast<std::uint64_t>(in.tellg()) || end > size) in.setstate(in.failbit);
             in.seekg(grid.getEndPos());
         }
     } catch (const std::ios::failure&) {
         throwFileError(path, "cut short: " + std::to_string(size) + " bytes do not hold its grids");
     }
+    return head;
 }
 
-/// Opens a cache file for `read`, and reports what is wrong with it in our own words.
+/// What is wrong with a file without sound checksums. Nothing of it is decoded but its metadata.
+[[noreturn]] void refuseUnchecked(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    fromMetadata(readHead(in, fs::file_size(path), path).metadata, path);
+    throwFileError(path, "cut short or damaged: its checksums are missing, or not whole");
+}
+
+/// What OpenVDB and the standard library make of a damaged file, in our own words.
 template <class Read>
-auto withCacheFile(const fs::path& path, const Read& read) {
-    initializeOpenVdb();
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) throwFileError(path, "no such file");
-    if (fs::is_directory(path, ignored)) throwFileError(path, "a directory, expected a cache file");
-    if (fs::file_size(path, ignored) == 0) throwFileError(path, "empty, expected a cache file");
+auto withReadErrors(const fs::path& path, const Read& read) {
     try {
-        requireWhole(path);
-        openvdb::io::File file(path.string());
-        file.setCopyMaxBytes(0);
-        file.open(false);
-        const openvdb::MetaMap::Ptr meta = file.getMetadata();  // a fresh copy: keep it alive
-        return read(file, fromMetadata(*meta, path));
+        return read();
     } catch (const openvdb::Exception& e) {
         throwFileError(path,
                        std::string("not a readable OpenVDB file, or cut short (") + e.what() + ")");
     } catch (const std::bad_alloc&) {
         throwFileError(path, "cut short or damaged (it asks for more memory than there is)");
+    } catch (const std::length_error&) {
+        throwFileError(path, "cut short or damaged (it asks for more memory than there is)");
     }
 }
+
+}  // namespace
+
+CheckedFile openChecked(const fs::path& path) {
+    initializeOpenVdb();
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) throwFileError(path, "no such file");
+    if (fs::is_directory(path, ignored)) throwFileError(path, "a directory, expected a cache file");
+    if (fs::file_size(path, ignored) == 0) throwFileError(path, "empty, expected a cache file");
+    if (std::optional<CheckedFile> file = CheckedFile::open(path)) return *std::move(file);
+    withReadErrors(path, [&] { refuseUnchecked(path); });
+    std::abort();  // refuseUnchecked() does not return
+}
+
+namespace {
+
+FileHead readHead(const CheckedFile& file) {
+    return withReadErrors(file.path(), [&] {
+        CheckedBuffer buffer(file);
+        std::istream in(&buffer);
+        // So that the file's own Error comes through.
+        in.exceptions(std::ios::badbit);
+        return readHead(in, file.size(), file.path());
+    });
+}
+
+/// "in grid 'openness'", or where else a byte is.
+std::string placeText(const FileHead& head, std::uint64_t begin) {
+    const std::uint64_t end = begin + kChecksumBytes;
+    std::string text;
+    for (const auto& grid : head.grids)
+        if (static_cast<std::uint64_t>(grid.getGridPos()) < end &&
+            begin < static_cast<std::uint64_t>(grid.getEndPos()))
+            text += (text.empty() ? " in grid '" : "', '") + grid.gridName();
+    return text.empty() ? text : text + "'";
+}
+
+/// @throws Error naming the file and the places that differ from their checksums
+void requireWhole(const CheckedFile& file, const FileHead& head) {
+    const std::vector<std::uint64_t> begins = file.damaged();
+    if (begins.empty()) return;
+    std::string places;
+    constexpr std::size_t kShown = 3;
+    for (std::size_t i = 0; i < std::min(begins.size(), kShown); ++i)
+        places += (i ? ", at " : "at ") + std::to_string(begins[i]) + placeText(head, begins[i]);
+    if (begins.size() > kShown) places += ", ...";
+    throwFileError(file.path(), "damaged: " + std::to_string(begins.size()) + " of " +
+                                    std::to_string(file.pieces()) + " pieces of " +
+                                    std::to_string(kChecksumBytes) +
+                                    " bytes differ from their checksums: " + places);
+}
+
+}  // namespace
+
+CacheHeader readHeader(const CheckedFile& file) {
+    return fromMetadata(readHead(file).metadata, file.path());
+}
+
+namespace {
 
 /// Appends the items of one leaf in the order of their voxels, and their blocks.
 void appendLeaf(const openvdb::Coord& origin, const LeafView& leaf, std::size_t baseCells,
@@ -157,17 +184,31 @@ void appendLeaf(const openvdb::Coord& origin, const LeafView& leaf, std::size_t 
 }  // namespace
 
 CacheGrids readGrids(const fs::path& path) {
-    return withCacheFile(path, [&](openvdb::io::File& file, const CacheHeader& header) {
-        CacheGrids grids{header, {}, {}};
+    const CheckedFile checked = openChecked(path);
+    const FileHead head = readHead(checked);
+    CacheGrids grids{fromMetadata(head.metadata, path), {}, {}};
+    requireWhole(checked, head);
+    withReadErrors(path, [&] {
+        openvdb::io::File file(path.string());
+        file.setCopyMaxBytes(0);
+        file.open(false);
         grids.items = takeGrid<PointGrid>(file, kItemGrid, path);
         grids.blocks = takeGrid<PointGrid>(file, kBlockGrid, path);
-        return grids;
     });
+    return grids;
+}
+
+CacheCheck verifyCache(const fs::path& path) {
+    CacheCheck check;
+    check.items = readCache(path, check.header).size();
+    const CheckedFile file = openChecked(path);
+    check.checksums = file.pieces();
+    check.bytes = fs::file_size(path);
+    return check;
 }
 
 CacheHeader readHeader(const fs::path& path) {
-    return withCacheFile(
-        path, [](const openvdb::io::File&, const CacheHeader& header) { return header; });
+    return readHeader(openChecked(path));
 }
 
 CacheItems readCache(const fs::path& path, CacheHeader& header) {

@@ -5,6 +5,7 @@
 #include "common/base/error.h"
 #include "common/base/parallel.h"
 #include "common/cache/cache_items.h"
+#include "common/cache/cache_metadata.h"
 #include "common/cache/cache_schema.h"
 #include "common/cache/vdb_archive.h"
 #include "common/cache/vdb_volumes.h"
@@ -166,30 +167,6 @@ PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
     return grids;
 }
 
-openvdb::MetaMap toMetadata(const CacheHeader& header, const CacheItems& items) {
-    openvdb::MetaMap meta;
-    meta.insertMeta(kFormatKey, openvdb::Int32Metadata(kCacheFormat));
-    meta.insertMeta("level", openvdb::Int32Metadata(header.level));
-    meta.insertMeta("adaptive", openvdb::BoolMetadata(header.adaptive));
-    meta.insertMeta("spacing", openvdb::DoubleMetadata(header.spacing));
-    meta.insertMeta("rays", openvdb::Int32Metadata(header.rays));
-    meta.insertMeta("seeds", openvdb::StringMetadata(header.seeds));
-    meta.insertMeta("up_axis", openvdb::StringMetadata(header.upAxis));
-    meta.insertMeta("unit", openvdb::DoubleMetadata(header.unit));
-    meta.insertMeta("fingerprint", openvdb::StringMetadata(fingerprintText(header.fingerprint)));
-    meta.insertMeta("version", openvdb::StringMetadata(header.version));
-    if (header.part) {
-        const auto count = [&](const char* key, std::uint64_t value) {
-            meta.insertMeta(key, openvdb::Int64Metadata(static_cast<std::int64_t>(value)));
-        };
-        count("sides", header.part->sides);
-        count("sides_of_set", header.part->sidesOfSet);
-        meta.insertMeta("shots", openvdb::StringMetadata(header.part->shots));
-    }
-    meta.insertMeta("items", openvdb::Int64Metadata(static_cast<std::int64_t>(items.size())));
-    return meta;
-}
-
 }  // namespace
 
 std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
@@ -205,7 +182,7 @@ std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
     writeVdb(path,
              {volume(skyVisibilityGrid(header, items, runs)),
               volume(bentNormalGrid(header, items, runs)), points.blocks, points.items},
-             toMetadata(header, items));
+             toMetadata(header, items.size()));
     return fs::file_size(path);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/error.h"
+#include "common/cache/cache_grids.h"
 
 namespace shadowcache {
 
@@ -35,7 +36,8 @@ PagedLeaves::PagedLeaves(const std::filesystem::path& path, const DirectionTiers
                          std::uint64_t budget)
     : path_(path), tiers_(tiers) {
     std::vector<FilePage> pages;
-    PointLayoutReader reader(path);
+    CheckedFile file = openChecked(path);
+    PointLayoutReader reader(file);
     const PointLayout items = reader.read(kItemGrid, itemAttributes(tiers), pages);
     blockLeaves_ = reader.read(kBlockGrid, blockAttributes(), pages);
     fillIndex(index_, items);
@@ -49,7 +51,7 @@ PagedLeaves::PagedLeaves(const std::filesystem::path& path, const DirectionTiers
     for (const LeafPlace& leaf : blockLeaves_) blocks_ += leaf.points;
     const std::uint64_t overhead = leaves_.capacity() * sizeof(Leaf) +
                                    blockLeaves_.capacity() * sizeof(LeafPlace) + index_.memUsage();
-    pages_ = std::make_unique<CachePages>(path, std::move(pages), budget, overhead);
+    pages_ = std::make_unique<CachePages>(std::move(file), std::move(pages), budget, overhead);
 }
 
 PagedLeaves::Reader::Reader(const PagedLeaves& leaves)

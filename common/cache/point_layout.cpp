@@ -47,8 +47,8 @@ struct PointLayoutReader::Pass {
     std::vector<std::size_t> wantedIndex{};  ///< by attribute: in LeafPlace::arrays, or kMostArrays
 };
 
-PointLayoutReader::PointLayoutReader(const std::filesystem::path& path)
-    : path_(path), in_(path, std::ios::binary) {
+PointLayoutReader::PointLayoutReader(const CheckedFile& file)
+    : path_(file.path()), buffer_(file), in_(&buffer_) {
     in_.exceptions(std::ios::failbit | std::ios::badbit);
     try {
         streamMetadata_.reset(new openvdb::io::StreamMetadata);

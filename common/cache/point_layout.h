@@ -7,7 +7,7 @@
 
 #include <array>
 #include <filesystem>
-#include <fstream>
+#include <istream>
 #include <span>
 #include <vector>
 
@@ -42,8 +42,9 @@ using PointLayout = std::vector<LeafPlace>;
 /// demand, but cannot drop them again.
 class PointLayoutReader final : openvdb::io::Archive {
 public:
+    /// @param file  stays as long as this
     /// @throws Error naming the file and the cause
-    explicit PointLayoutReader(const std::filesystem::path& path);
+    explicit PointLayoutReader(const CheckedFile& file);
 
     /// Where the attributes `wanted` of a grid are; their pages are appended to `pages`.
     ///
@@ -56,7 +57,8 @@ private:
 
     std::filesystem::path path_;
     openvdb::SharedPtr<openvdb::io::StreamMetadata> streamMetadata_;  ///< in_ keeps its address
-    std::ifstream in_;
+    CheckedBuffer buffer_;
+    std::istream in_;
     std::vector<openvdb::io::GridDescriptor> grids_;
 
     template <class T>

@@ -7,6 +7,7 @@
 #include <streambuf>
 
 #include "common/base/atomic_file.h"
+#include "common/cache/checksums.h"
 
 namespace shadowcache {
 
@@ -76,6 +77,7 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
     SeekableArchive archive;
     archive.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
     archive.write(stream, grids, metadata);
+    sealFile(file);
     file.commit();
 }
 

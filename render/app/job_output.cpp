@@ -81,7 +81,7 @@ void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {
 }
 
 Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
-                       const LightPlan::Light& light, int frame) {
+                       const LightPlan::Light& light, int frame, InputHashes& inputs) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
         if (name != "env" && name != "env-rotate" && name != "camera-rays" && name != "samples")
@@ -96,7 +96,7 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const 
     metadata.emplace_back("shadowcache:env-rotate", angle.str());
     metadata.emplace_back("shadowcache:bias", biasOf(job, entry));
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
-    metadata.emplace_back("shadowcache:inputs", inputsMark(inputsOf(job, light)));
+    metadata.emplace_back("shadowcache:inputs", inputs.of(inputsOf(job, light)));
     if (cache) {
         std::ostringstream print;
         print << std::hex << cache->header().fingerprint;

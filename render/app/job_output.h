@@ -6,6 +6,7 @@
 #include "common/image/exr.h"
 #include "common/image/image.h"
 #include "render/app/job.h"
+#include "render/app/resume.h"
 #include "render/frame/compare.h"
 #include "render/frame/film.h"
 #include "render/frame/integrator.h"
@@ -34,7 +35,7 @@ std::filesystem::path frameFile(const RenderJob& job, int frame);
 ///
 /// @param cache  null: none
 Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
-                       const LightPlan::Light& light, int frame);
+                       const LightPlan::Light& light, int frame, InputHashes& inputs);
 
 /// Metadata of a frame's file: how it was made.
 struct FrameProgress {

@@ -1,17 +1,21 @@
 #include "render/app/resume.h"
 
 #include <algorithm>
-#include <sstream>
+#include <span>
 
+#include "common/base/content_hash.h"
 #include "common/base/error.h"
-#include "common/base/hash.h"
+#include "common/cache/checksums.h"
 #include "common/image/exr.h"
+#include "common/import/set_files.h"
 
 namespace shadowcache {
 
 namespace {
 
-constexpr const char* kSilent[] = {"seconds",   "threads", "output",      "frames",
+/// The files among them are compared by their content, under whatever name (`inputs`).
+constexpr const char* kSilent[] = {"SET",       "cache",   "env",         "dynamic",
+                                   "seconds",   "threads", "output",      "frames",
                                    "stats",     "resume",  "png",         "exposure",
                                    "reference", "memory",  "progressive", "camera-rays-done"};
 
@@ -20,6 +24,20 @@ bool matters(const std::string& name) {
     if (!name.starts_with(prefix)) return false;
     return std::none_of(std::begin(kSilent), std::end(kSilent),
                         [&](const char* silent) { return name == prefix + silent; });
+}
+
+/// A setting without the folder that a file was in.
+std::string withoutFolder(const std::string& name, const std::string& value) {
+    if (name != "shadowcache:camera") return value;
+    return std::filesystem::path(value).filename().string();
+}
+
+std::string hashOf(const std::filesystem::path& file) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) return "none";
+    // A cache states its content, which may be more than there is time to read.
+    if (const auto cache = CheckedFile::open(file)) return contentName(*cache);
+    return contentHashOf(std::span(&file, 1));
 }
 
 }  // namespace
@@ -38,7 +56,9 @@ FrameState frameState(const std::filesystem::path& path, const Metadata& metadat
         if (!matters(name)) continue;
         ++wanted;
         const auto found = file.metadata.find(name);
-        if (found == file.metadata.end() || found->second != value) return FrameState::changed;
+        if (found == file.metadata.end() ||
+            withoutFolder(name, found->second) != withoutFolder(name, value))
+            return FrameState::changed;
     }
     const auto has = static_cast<std::size_t>(
         std::count_if(file.metadata.begin(), file.metadata.end(),
@@ -46,17 +66,14 @@ FrameState frameState(const std::filesystem::path& path, const Metadata& metadat
     return has == wanted ? FrameState::done : FrameState::changed;
 }
 
-std::string inputsMark(std::span<const std::filesystem::path> files) {
-    std::uint64_t mark = 0;
-    for (const auto& path : files) {
-        std::error_code error;
-        const auto size = std::filesystem::file_size(path, error);
-        const auto time = std::filesystem::last_write_time(path, error).time_since_epoch().count();
-        mark = hashWords(mark, size, static_cast<std::uint64_t>(time));
+std::string InputHashes::of(std::span<const std::filesystem::path> files) {
+    ContentHash hash;
+    for (const auto& file : files) {
+        auto& known = known_[file];
+        if (known.empty()) known = hashOf(file);
+        hash.addText(known);
     }
-    std::ostringstream text;
-    text << std::hex << mark;
-    return text.str();
+    return hash.text();
 }
 
 }  // namespace shadowcache

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 
@@ -21,7 +22,17 @@ enum class FrameState {
 /// threads, where it is written) is left out.
 FrameState frameState(const std::filesystem::path& path, const Metadata& metadata);
 
-/// Size and time of change of the files, as one number for the metadata.
-std::string inputsMark(std::span<const std::filesystem::path> files);
+/// Content of the files that pictures depend on. Each file is read once, whatever the number of
+/// frames; a copy under another name and date is the same file.
+class InputHashes {
+public:
+    /// One hash of all files, in their order, with the buffers and images that glTF files refer to.
+    ///
+    /// @throws Error naming a file that cannot be read
+    std::string of(std::span<const std::filesystem::path> files);
+
+private:
+    std::map<std::filesystem::path, std::string> known_;
+};
 
 }  // namespace shadowcache

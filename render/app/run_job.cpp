@@ -133,7 +133,7 @@ private:
     void frame(const CameraSource& camera, std::size_t i) {
         throwIfInterrupted();
         const int frame = job_.frames[i];
-        Metadata metadata = frameMetadata(job_, entry_, cache_.get(), plan_.at(i), frame);
+        Metadata metadata = frameMetadata(job_, entry_, cache_.get(), plan_.at(i), frame, inputs_);
         if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
         if (light_.load(i)) {
@@ -263,6 +263,7 @@ private:
     RenderOptions options_;
     RenderStats stats_;
     Timing timing_;
+    InputHashes inputs_;
     std::size_t rendered_ = 0, skipped_ = 0;
     bool interrupted_ = false;  ///< a progressive frame, which was written all the same
 };

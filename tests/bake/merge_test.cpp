@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/foreign_vdb.h"
 #include "tests/support/small_bake.h"
 #include "tests/support/temporary_folder.h"
 
@@ -46,8 +45,9 @@ TEST(Merge, OfSpatialShardsIsTheOneBakeByteForByte) {
         CacheHeader header;
         const CacheItems merged = mergeCaches(paths, header);
         writeCache(folder.path() / "merged.vdb", header, merged);
-        EXPECT_EQ(test::withoutUuids(test::readBytes(folder.path() / "merged.vdb")),
-                  test::withoutUuids(test::readBytes(folder.path() / "whole.vdb")));
+        EXPECT_EQ(header.bakes, whole.header.bakes);
+        EXPECT_TRUE(test::readBytes(folder.path() / "merged.vdb") ==
+                    test::readBytes(folder.path() / "whole.vdb"));
         std::rotate(paths.begin(), paths.begin() + 1, paths.end());
     }
 }
@@ -62,7 +62,7 @@ TEST(Merge, OfTwoSeedsAddsTheCounts) {
     CacheHeader header;
     const CacheItems sum =
         mergeCaches(std::vector{folder.path() / "a.vdb", folder.path() / "b.vdb"}, header);
-    EXPECT_EQ(header.seeds, "1,2");
+    EXPECT_EQ(header.seeds(), "1,2");
     ASSERT_EQ(sum.size(), a.items.size());
     for (std::size_t i = 0; i < sum.n.size(); ++i) {
         std::uint8_t n = a.items.n[i], d = a.items.d[i];

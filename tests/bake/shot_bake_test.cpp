@@ -245,10 +245,10 @@ TEST(CachePart, IsKeptByTheFile) {
 
 TEST(CachePart, JoinsShotsOnce) {
     const CacheItems none;
-    const auto part = joinParts({1, 9, "a; b"}, {1, 9, "b; c"}, none);
-    ASSERT_TRUE(part);
-    EXPECT_EQ(part->shots, "a; b; c");
-    EXPECT_FALSE(joinParts({0, 0, "a"}, {0, 0, "b"}, none));
+    EXPECT_EQ(joinParts({1, 9, "a; b"}, {1, 9, "b; c"}).shots, "a; b; c");
+    ASSERT_TRUE(countPart({1, 9, "a"}, none));
+    EXPECT_EQ(countPart({1, 9, "a"}, none)->sides, 0u);
+    EXPECT_FALSE(countPart({1, 0, "a"}, none)) << "all of it";
 }
 
 // The file's order of leaves is that of OpenVDB's tree, whose upper nodes hold 128 voxels.

@@ -22,7 +22,7 @@ test::TestCache cacheAt(const Scene& scene, const ShadingPoint& point, const Bak
     BakeResult baked;
     baked.header.level = options.level;
     baked.header.spacing = options.spacing;
-    baked.header.rays = options.rays;
+    baked.header.bakes = {{.rays = options.rays}};
     Patch patch;
     patch.code.side = sideOf(point.normal);
     patch.seed = point.seed;

@@ -56,8 +56,8 @@ TEST(CacheFile, ReadsBackWhatWasWritten) {
         expectSameItems(readCache(path, header), baked.items);
         EXPECT_EQ(header.level, level);
         EXPECT_EQ(header.spacing, 0.5);
-        EXPECT_EQ(header.rays, options.rays);
-        EXPECT_EQ(header.seeds, "1");
+        EXPECT_EQ(header.rays(), options.rays);
+        EXPECT_EQ(header.seeds(), "1");
         EXPECT_EQ(header.upAxis, "z");
         EXPECT_EQ(header.unit, 0.01);
         EXPECT_EQ(header.fingerprint, fingerprint(test::smallMesh()));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <fstream>
 #include <numeric>
 #include <vector>
 
@@ -19,18 +20,25 @@ using test::TemporaryFolder;
 
 constexpr std::uint32_t kPage = 1000, kPages = 40;
 
-/// A file of plain pages; each byte of a page is its number.
+/// A file of plain pages with checksums; each byte of a page is its number.
 class Pages : public testing::Test {
 protected:
     Pages() {
-        std::string bytes;
+        // OpenVDB's header would be in the first page, and its identifier is set there.
+        std::string bytes(kPage, '\0');
         for (std::uint32_t p = 0; p < kPages; ++p) {
             table_.push_back({bytes.size(), kPage, kPage, FilePage::Kind::plain});
             bytes.append(kPage, static_cast<char>(p));
         }
-        path_ = folder_.write("pages.vdb", bytes);
-        empty_ = CachePages(path_, table_, 1, 0).use().held;
+        path_ = folder_.path() / "pages.vdb";
+        AtomicFile file(path_);
+        file.write(bytes.data(), bytes.size());
+        sealFile(file);
+        file.commit();
+        empty_ = CachePages(open(), table_, 1, 0).use().held;
     }
+
+    CheckedFile open() const { return CheckedFile::open(path_).value(); }
 
     static void expectPage(const PagePin& pin, std::uint32_t page) {
         for (std::uint32_t i = 0; i < kPage; ++i)
@@ -45,7 +53,7 @@ protected:
 
 TEST_F(Pages, KeepsThoseUsedLast) {
     // Room for five, of which one is read into twice its size.
-    CachePages pages(path_, table_, empty_ + 6 * kPage, 0);
+    CachePages pages(open(), table_, empty_ + 6 * kPage, 0);
     for (const std::uint32_t p : {0u, 1u, 2u, 3u, 4u, 0u}) expectPage(pages.pin(p), p);
     EXPECT_EQ(pages.use().loads, 5u);
     EXPECT_EQ(pages.use().drops, 0u);
@@ -60,7 +68,7 @@ TEST_F(Pages, KeepsThoseUsedLast) {
 }
 
 TEST_F(Pages, DropsNothingThatIsHeld) {
-    CachePages pages(path_, table_, 1, 0);
+    CachePages pages(open(), table_, 1, 0);
     std::vector<PagePin> pins;
     for (std::uint32_t p = 0; p < 10; ++p) pins.push_back(pages.pin(p));
     EXPECT_EQ(pages.use().drops, 0u);
@@ -73,7 +81,7 @@ TEST_F(Pages, DropsNothingThatIsHeld) {
 }
 
 TEST_F(Pages, AreHeldTogetherOrNotAtAll) {
-    CachePages pages(path_, table_, empty_ + 20 * kPage, 0);
+    CachePages pages(open(), table_, empty_ + 20 * kPage, 0);
     pages.pin(1);
     pages.pin(2);
     std::array<PagePin, 3> pins;
@@ -87,7 +95,7 @@ TEST_F(Pages, AreHeldTogetherOrNotAtAll) {
 
 TEST_F(Pages, ServeManyThreads) {
     const std::uint64_t budget = empty_ + 12 * kPage;
-    CachePages pages(path_, table_, budget, 0);
+    CachePages pages(open(), table_, budget, 0);
     parallelFor(4000, 20, [&](const Chunk& chunk) {
         PagePin last;
         std::uint32_t lastPage = 0;
@@ -111,10 +119,11 @@ TEST_F(Pages, ServeManyThreads) {
 }
 
 TEST_F(Pages, OfAFileCutShortSayWhichFile) {
-    CachePages pages(path_, table_, empty_ + 20 * kPage, 0);
+    CachePages pages(open(), table_, empty_ + 20 * kPage, 0);
     pages.pin(0);
-    std::filesystem::resize_file(path_, 20 * kPage + 10);
-    pages.pin(19);
+    // Page 14 lies in the first piece that has a checksum, page 20 in the next.
+    std::filesystem::resize_file(path_, kChecksumBytes + 10);
+    pages.pin(14);
     const std::uint64_t before = pages.use().held;
     for (int turn = 0; turn < 2; ++turn)
         test::expectError([&] { pages.pin(20); }, "pages.vdb", "cut short while it was in use");
@@ -125,10 +134,21 @@ TEST_F(Pages, OfAFileCutShortSayWhichFile) {
 TEST_F(Pages, ThatAreDamagedSayWhichFile) {
     for (const auto kind : {FilePage::Kind::blosc, FilePage::Kind::voxelEnds}) {
         auto table = table_;
-        table[3] = {3 * kPage, kPage, 2048, kind};
-        CachePages pages(path_, table, 1, 0);
+        table[3] = {4 * kPage, kPage, 2048, kind};
+        CachePages pages(open(), table, 1, 0);
         test::expectError([&] { pages.pin(3); }, "pages.vdb", "damaged");
     }
+}
+
+TEST_F(Pages, ThatDifferFromTheirChecksumsAreNotHandedOut) {
+    {
+        std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+        file.seekp(21 * kPage);
+        file.put('!');
+    }
+    CachePages pages(open(), table_, 1, 0);
+    expectPage(pages.pin(2), 2);
+    test::expectError([&] { pages.pin(20); }, "pages.vdb", "differ from their checksum");
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ std::vector<Input> inputs(const std::filesystem::path& folder) {
          changed(camera, "{", "{\"version\": 2, ")},
         {"in.exr", "render", picture + "--reference @", exr, newerExr},
         {"in.vdb", "info", "@", cache, newerCache},
-        {"in.vdb", "merge", "set.vdb @ -o new.vdb", cache, newerCache},
+        {"in.vdb", "merge", "@ -o new.vdb", cache, newerCache},
     };
 }
 

@@ -100,6 +100,22 @@ ProgramRun runProgram(const std::string& name, const std::vector<std::string>& a
     return run;
 }
 
+bool runAndKill(const std::string& name, const std::vector<std::string>& arguments,
+                const std::filesystem::path& folder, double seconds) {
+    const pid_t child = fork();
+    if (child == 0) {
+        const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+        dup2(nowhere, STDOUT_FILENO);
+        dup2(nowhere, STDERR_FILENO);
+        becomeProgram(programPath(name), arguments, folder, {});
+    }
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+}
+
 std::vector<std::string> filesIn(const std::filesystem::path& folder) {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))

@@ -19,6 +19,12 @@ struct RunLimits {
     std::optional<double> interruptSeconds;  ///< from being ready for Ctrl-C to it
 };
 
+/// Starts one of the project's programs in `folder`, and kills it with SIGKILL after a while.
+///
+/// @return whether it was still running
+bool runAndKill(const std::string& name, const std::vector<std::string>& arguments,
+                const std::filesystem::path& folder, double seconds);
+
 /// Runs one of the project's programs ("bake", "render", "info", "merge", "make-set") in `folder`
 /// to its end. Each of its two outputs must fit a pipe (64 kB).
 ProgramRun runProgram(const std::string& name, const std::vector<std::string>& arguments,

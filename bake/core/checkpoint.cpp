@@ -1,0 +1,209 @@
+#include "bake/core/checkpoint.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <span>
+
+#include "bake/core/byte_stream.h"
+#include "common/base/atomic_file.h"
+#include "common/base/content_hash.h"
+#include "common/base/error.h"
+#include "common/base/file_bytes.h"
+#include "common/base/leftovers.h"
+
+namespace shadowcache {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file is this, the identity, records (pass, region, bytes), and a checksum of all before it.
+constexpr std::string_view kMagic = "Shadowcache checkpoint 1\n";
+constexpr const char* kExtension = ".regions";
+
+std::uint64_t checksumOf(std::string_view bytes) {
+    return checksum(std::as_bytes(std::span(bytes)));
+}
+
+/// "RUN.NUMBER.regions" -> RUN.
+std::string runOf(const fs::path& path) {
+    return path.stem().stem().string();
+}
+
+/// What differs between two bakes, in words.
+std::string differences(const BakeIdentity& found, const BakeIdentity& wanted) {
+    std::string text;
+    const auto valueIn = [](const BakeIdentity& identity, const std::string& name) {
+        const auto entry = std::ranges::find(identity, name, &BakeIdentity::value_type::first);
+        return entry == identity.end() ? std::string("none") : entry->second;
+    };
+    const auto add = [&](const std::string& name) {
+        const std::string has = valueIn(found, name), needs = valueIn(wanted, name);
+        if (has != needs)
+            text += (text.empty() ? "" : "; ") + name + " " + has + ", expected " + needs;
+    };
+    for (const auto& [name, value] : wanted) add(name);
+    for (const auto& [name, value] : found)
+        if (std::ranges::find(wanted, name, &BakeIdentity::value_type::first) == wanted.end())
+            add(name);
+    return text;
+}
+
+}  // namespace
+
+Checkpoint::Checkpoint(const fs::path& output, BakeIdentity identity, double interval)
+    : folder_(output.string() + ".checkpoint"),
+      identity_(std::move(identity)),
+      interval_(
+          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(interval))),
+      due_(Clock::now() + interval_) {}
+
+/// Files with regions, in order; what an ended run did not finish writing is removed.
+std::vector<fs::path> Checkpoint::files() const {
+    std::vector<fs::path> found, unfinished;
+    std::error_code error;
+    fs::directory_iterator entry(folder_, error);
+    for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+        const fs::path& path = entry->path();
+        if (path.extension() == kExtension)
+            found.push_back(path);
+        else if (const auto end = path.string().find(kTemporaryMark); end != std::string::npos)
+            unfinished.emplace_back(path.string().substr(0, end));
+    }
+    std::vector<Leftover> kept;
+    for (const fs::path& path : unfinished) removeLeftovers(path, kept);
+    std::ranges::sort(found);
+    return found;
+}
+
+std::size_t Checkpoint::resume() {
+    for (const fs::path& path : files()) {
+        readFile(path);
+        obsolete_.push_back(path);
+    }
+    const std::lock_guard lock(mutex_);
+    regions_ = found_.size();
+    return regions_;
+}
+
+void Checkpoint::readFile(const fs::path& path) {
+    const std::string bytes = readFileBytes(path);
+    std::uint64_t sum = 0;
+    const bool whole = bytes.starts_with(kMagic) && bytes.size() >= kMagic.size() + sizeof sum;
+    const auto content = std::string_view(bytes).substr(0, bytes.size() - (whole ? sizeof sum : 0));
+    if (whole) std::memcpy(&sum, bytes.data() + content.size(), sizeof sum);
+    if (!whole || checksumOf(content) != sum) {
+        std::printf("%s: damaged, what it holds is baked again\n", path.c_str());
+        return;
+    }
+    ByteReader in(content.substr(kMagic.size()));
+    BakeIdentity identity(in.get<std::uint64_t>());
+    for (auto& [name, value] : identity) {
+        name = in.getText();
+        value = in.getText();
+    }
+    const std::string other = differences(identity, identity_);
+    if (!other.empty())
+        throwFileError(folder_, "checkpoint of another bake: " + other +
+                                    " (bake without --resume to drop it)");
+    const std::lock_guard lock(mutex_);
+    while (!in.atEnd()) {
+        const auto pass = in.get<std::uint32_t>();
+        const auto number = in.get<std::uint64_t>();
+        found_[{pass, number}] = in.getText();
+    }
+}
+
+std::size_t Checkpoint::discardOthers() {
+    std::size_t removed = 0;
+    std::error_code ignored;
+    for (const fs::path& path : files())
+        if (!mayBeAlive(runOf(path)) && fs::remove(path, ignored)) ++removed;
+    fs::remove(folder_, ignored);  // if nothing is left in it
+    return removed;
+}
+
+std::optional<std::string> Checkpoint::take(Pass pass, std::size_t number) {
+    const std::lock_guard lock(mutex_);
+    const auto found = found_.find({static_cast<std::uint32_t>(pass), number});
+    if (found == found_.end()) return std::nullopt;
+    std::string bytes = std::move(found->second);
+    found_.erase(found);
+    return bytes;
+}
+
+void Checkpoint::add(Pass pass, std::size_t number, const std::string& bytes) {
+    ByteWriter record;
+    record.put(static_cast<std::uint32_t>(pass));
+    record.put(std::uint64_t{number});
+    record.put(std::string_view(bytes));
+    std::unique_lock lock(mutex_);
+    pending_ += record.take();
+    ++pendingRegions_;
+    if (!writing_ && Clock::now() >= due_) writePending(lock);
+}
+
+bool Checkpoint::flush() {
+    std::unique_lock lock(mutex_);
+    return pendingRegions_ == 0 || (!writing_ && writePending(lock));
+}
+
+/// Other threads go on while one writes.
+bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
+    writing_ = true;
+    std::string records = std::move(pending_);
+    pending_.clear();
+    const std::size_t count = std::exchange(pendingRegions_, 0);
+    lock.unlock();
+    // An ended run may have had this process's number.
+    fs::path path;
+    do path = folder_ / (runName() + "." + std::to_string(number_++) + kExtension);
+    while (fs::exists(path));
+    std::string cause;
+    try {
+        ByteWriter head;
+        head.put(std::uint64_t{identity_.size()});
+        for (const auto& [name, value] : identity_) {
+            head.put(std::string_view(name));
+            head.put(std::string_view(value));
+        }
+        const std::string content = std::string(kMagic) + head.take() + records;
+        const std::uint64_t sum = checksumOf(content);
+        std::error_code ignored;
+        if (fs::create_directory(folder_, ignored))
+            syncFolder(folder_.has_parent_path() ? folder_.parent_path() : ".");
+        AtomicFile file(path);
+        file.write(content.data(), content.size());
+        file.write(&sum, sizeof sum);
+        file.commit();
+    } catch (const Error& e) {
+        cause = e.what();
+    }
+    lock.lock();
+    writing_ = false;
+    due_ = Clock::now() + interval_;
+    if (cause.empty()) {
+        regions_ += count;
+        obsolete_.push_back(path);
+        return true;
+    }
+    pending_ = std::move(records) + pending_;
+    pendingRegions_ += count;
+    if (!std::exchange(warned_, true))
+        std::fprintf(stderr, "warning: no checkpoint: %s\n", cause.c_str());
+    return false;
+}
+
+void Checkpoint::remove() {
+    const std::lock_guard lock(mutex_);
+    std::error_code ignored;
+    for (const fs::path& path : obsolete_) fs::remove(path, ignored);
+    fs::remove(folder_, ignored);  // unless another run still has files in it
+}
+
+std::size_t Checkpoint::regions() const {
+    const std::lock_guard lock(mutex_);
+    return regions_;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bake/core/item_counts.h"
+
+namespace shadowcache {
+
+/// Items of some voxels, and the rays that they cost.
+struct Baked {
+    CacheItems items;
+    std::uint64_t rays = 0;
+};
+
+/// As bytes for a checkpoint, which the same program on the same kind of processor reads back.
+std::string toBytes(const Baked& baked);
+/// @throws Error if the bytes are cut short
+Baked bakedFromBytes(std::string_view bytes);
+
+/// Pilots of some voxels, by voxel.
+std::string toBytes(const std::vector<std::vector<Pilot>>& pilots);
+/// @throws Error if the bytes are cut short
+std::vector<std::vector<Pilot>> pilotsFromBytes(std::string_view bytes);
+
+}  // namespace shadowcache

@@ -1,0 +1,88 @@
+#include "common/base/leftovers.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+namespace shadowcache {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Without what a file's name cannot hold, or what separates the parts of a run's name.
+std::string plain(std::string text, const char* allowed) {
+    for (char& c : text)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && std::strchr(allowed, c) == nullptr)
+            c = '_';
+    return text.substr(0, 64);
+}
+
+std::string hostName() {
+    char name[256] = "";
+    if (gethostname(name, sizeof name - 1) != 0) return "unknown";
+    return plain(name, ".-");
+}
+
+std::string jobName() {
+    for (const char* variable : {"SLURM_JOB_ID", "PBS_JOBID", "LSB_JOBID", "JOB_ID"})
+        if (const char* job = std::getenv(variable); job && *job) return plain(job, ".");
+    return "nojob";
+}
+
+}  // namespace
+
+const std::string& runName() {
+    static const std::string name = std::to_string(getpid()) + "-" + jobName() + "-" + hostName();
+    return name;
+}
+
+fs::path temporaryPath(const fs::path& path) {
+    return path.string() + kTemporaryMark + runName();
+}
+
+bool mayBeAlive(const std::string& run) {
+    int pid = 0;
+    const auto parsed = std::from_chars(run.data(), run.data() + run.size(), pid);
+    const std::size_t host = run.find('-', run.find('-') + 1);
+    if (parsed.ec != std::errc() || pid <= 0 || host == std::string::npos) return true;
+    if (run.substr(host + 1) != hostName()) return true;
+    return kill(pid, 0) == 0 || errno == EPERM;
+}
+
+std::vector<Leftover> removeLeftovers(const fs::path& path, std::vector<Leftover>& kept) {
+    std::vector<Leftover> removed;
+    const std::string prefix = path.filename().string() + kTemporaryMark;
+    std::error_code error;
+    fs::directory_iterator entry(path.has_parent_path() ? path.parent_path() : ".", error);
+    for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+        const std::string name = entry->path().filename().string();
+        if (!name.starts_with(prefix)) continue;
+        const Leftover found{entry->path(), name.substr(prefix.size())};
+        if (found.run == runName()) continue;
+        const bool gone = !mayBeAlive(found.run) && fs::remove(found.path, error);
+        (gone ? removed : kept).push_back(found);
+    }
+    const auto byPath = [](const Leftover& a, const Leftover& b) { return a.path < b.path; };
+    std::ranges::sort(removed, byPath);
+    std::ranges::sort(kept, byPath);
+    return removed;
+}
+
+void reportLeftovers(const fs::path& path) {
+    std::vector<Leftover> kept;
+    for (const Leftover& left : removeLeftovers(path, kept))
+        std::printf("%s: removed, left by a run that has ended\n", left.path.c_str());
+    for (const Leftover& left : kept)
+        std::printf("%s: kept, of another run that may go on; remove it if it has ended\n",
+                    left.path.c_str());
+}
+
+}  // namespace shadowcache

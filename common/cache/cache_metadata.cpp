@@ -1,0 +1,87 @@
+#include "common/cache/cache_metadata.h"
+
+#include <charconv>
+#include <system_error>
+
+#include "common/base/error.h"
+#include "common/cache/cache_schema.h"
+
+namespace shadowcache {
+
+namespace {
+
+template <class T>
+T metaValue(const openvdb::MetaMap& meta, const char* key, const std::filesystem::path& path) {
+    const auto value = meta.getMetadata<openvdb::TypedMetadata<T>>(key);
+    if (!value)
+        throwFileError(path, std::string("a shadow cache without its metadata '") + key + "'");
+    return value->value();
+}
+
+}  // namespace
+
+openvdb::MetaMap toMetadata(const CacheHeader& header, std::size_t items) {
+    openvdb::MetaMap meta;
+    meta.insertMeta(kFormatKey, openvdb::Int32Metadata(kCacheFormat));
+    meta.insertMeta("level", openvdb::Int32Metadata(header.level));
+    meta.insertMeta("adaptive", openvdb::BoolMetadata(header.adaptive));
+    meta.insertMeta("spacing", openvdb::DoubleMetadata(header.spacing));
+    meta.insertMeta("bakes", openvdb::StringMetadata(bakesText(header.bakes)));
+    meta.insertMeta("up_axis", openvdb::StringMetadata(header.upAxis));
+    meta.insertMeta("unit", openvdb::DoubleMetadata(header.unit));
+    meta.insertMeta("fingerprint", openvdb::StringMetadata(fingerprintText(header.fingerprint)));
+    meta.insertMeta("version", openvdb::StringMetadata(header.version));
+    if (header.part) {
+        const auto count = [&](const char* key, std::uint64_t value) {
+            meta.insertMeta(key, openvdb::Int64Metadata(static_cast<std::int64_t>(value)));
+        };
+        count("sides", header.part->sides);
+        count("sides_of_set", header.part->sidesOfSet);
+        meta.insertMeta("shots", openvdb::StringMetadata(header.part->shots));
+    }
+    meta.insertMeta("items", openvdb::Int64Metadata(static_cast<std::int64_t>(items)));
+    return meta;
+}
+
+CacheHeader fromMetadata(const openvdb::MetaMap& meta, const std::filesystem::path& path) {
+    if (!meta[kFormatKey])
+        throwFileError(path, "an OpenVDB file, but not a shadow cache (no 'shadowcache_format')");
+    const auto format = metaValue<std::int32_t>(meta, kFormatKey, path);
+    if (format != kCacheFormat)
+        throwFileError(path, "cache format " + std::to_string(format) + ", this program reads " +
+                                 std::to_string(kCacheFormat) +
+                                 (format > kCacheFormat ? " (written by a newer version)"
+                                                        : ": bake the set again"));
+    CacheHeader header;
+    header.level = metaValue<std::int32_t>(meta, "level", path);
+    header.adaptive = metaValue<bool>(meta, "adaptive", path);
+    header.spacing = metaValue<double>(meta, "spacing", path);
+    const auto bakes = metaValue<std::string>(meta, "bakes", path);
+    if (auto parsed = parseBakes(bakes))
+        header.bakes = *std::move(parsed);
+    else
+        throwFileError(path, "bakes '" + bakes + "', expected them as in 'seed=1 rays=16'");
+    header.upAxis = metaValue<std::string>(meta, "up_axis", path);
+    header.unit = metaValue<double>(meta, "unit", path);
+    header.version = metaValue<std::string>(meta, "version", path);
+    if (meta["shots"]) {
+        const auto count = [&](const char* key) {
+            return static_cast<std::uint64_t>(metaValue<std::int64_t>(meta, key, path));
+        };
+        header.part = {count("sides"), count("sides_of_set"),
+                       metaValue<std::string>(meta, "shots", path)};
+    }
+    const auto print = metaValue<std::string>(meta, "fingerprint", path);
+    const auto parsed =
+        std::from_chars(print.data(), print.data() + print.size(), header.fingerprint, 16);
+    if (parsed.ec != std::errc() || parsed.ptr != print.data() + print.size())
+        throwFileError(path, "fingerprint '" + print + "', expected 16 hexadecimal digits");
+    if (header.level < 0 || header.level > kMaxCacheLevel)
+        throwFileError(path,
+                       "direction level " + std::to_string(header.level) + ", expected 0 to 5");
+    if (!(header.spacing > 0))
+        throwFileError(path, "spacing " + std::to_string(header.spacing) + ", expected above 0");
+    return header;
+}
+
+}  // namespace shadowcache

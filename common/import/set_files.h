@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace shadowcache {
+
+/// A file of a set and those that it refers to: buffers and images of a glTF file, as far as they
+/// exist. A file that is no glTF refers to none.
+std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file);
+
+/// Hash of what the files, and those that they refer to, contain, in their order: the same for
+/// copies under other names and dates. Paths that are no files are left out.
+///
+/// @throws Error naming a file that cannot be read
+std::string contentHashOf(std::span<const std::filesystem::path> files);
+
+}  // namespace shadowcache
