@@ -12,11 +12,12 @@
 #include "bake/shot/shot_source.h"
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
+#include "common/base/exit_status.h"
+#include "common/base/interrupt.h"
 #include "common/base/json_file.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/process.h"
-#include "common/base/progress.h"
 #include "common/base/version.h"
 #include "common/cli/command_line.h"
 #include "common/import/load_mesh.h"
@@ -124,6 +125,7 @@ void defineOutput(CLI::App& app, Job& job) {
         ->group(group);
     app.add_option("--stats", job.stats, "Write times, rays and sizes as JSON")->group(group);
     addThreadsOption(app, job.threads, group);
+    addProgressOption(app, group);
 }
 
 constexpr const char* kFooter =
@@ -289,8 +291,7 @@ int main(int argc, char** argv) try {
     for (const std::string& text : shot.dynamic) job.shot.dynamic.push_back(parseDynamic(text));
     job.mesh.zUp = up == "z";
     run(job);
-    return 0;
+    return kDone;
 } catch (const std::exception& e) {
-    std::fprintf(stderr, "shadowcache-bake: %s\n", e.what());
-    return 1;
+    return shadowcache::reportFailure("shadowcache-bake", e);
 }

@@ -5,8 +5,9 @@
 
 #include "bake/core/merge.h"
 #include "common/base/atomic_file.h"
+#include "common/base/exit_status.h"
+#include "common/base/interrupt.h"
 #include "common/base/option_checks.h"
-#include "common/base/progress.h"
 #include "common/cli/command_line.h"
 
 int main(int argc, char** argv) try {
@@ -20,6 +21,7 @@ int main(int argc, char** argv) try {
         ->required()
         ->take_all();
     app.add_option("-o,--output", output, "Cache to write (OpenVDB, .vdb)")->required();
+    addProgressOption(app, "Options");
     app.footer(
         "All caches must have the same set, spacing, direction level and kind of refinement.\n\n"
         "Examples:\n"
@@ -35,8 +37,7 @@ int main(int argc, char** argv) try {
     const auto bytes = writeCache(output, header, items);
     std::printf("%zu items, %.1f MB -> %s\n", items.size(), static_cast<double>(bytes) * 1e-6,
                 output.c_str());
-    return 0;
+    return kDone;
 } catch (const std::exception& e) {
-    std::fprintf(stderr, "shadowcache-merge: %s\n", e.what());
-    return 1;
+    return shadowcache::reportFailure("shadowcache-merge", e);
 }

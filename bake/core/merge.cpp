@@ -5,6 +5,7 @@
 
 #include "bake/core/cache_match.h"
 #include "bake/core/cache_part.h"
+#include "common/base/progress.h"
 
 namespace shadowcache {
 
@@ -23,7 +24,10 @@ std::string joinSeeds(const std::string& a, const std::string& b) {
 
 CacheItems mergeCaches(std::span<const std::filesystem::path> paths, CacheHeader& header) {
     CacheItems sum = readCache(paths[0], header);
+    Progress progress("merge", paths.size());
+    progress.add(1);
     for (const auto& path : paths.subspan(1)) {
+        throwIfInterrupted();
         CacheHeader other;
         const CacheItems items = readCache(path, other);
         const auto require = [&](const char* what, const auto& found, const auto& wanted) {
@@ -40,6 +44,7 @@ CacheItems mergeCaches(std::span<const std::filesystem::path> paths, CacheHeader
             header.part = joinParts(*header.part, *other.part, sum);
         else
             header.part.reset();
+        progress.add(1);
     }
     return sum;
 }

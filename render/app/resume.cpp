@@ -13,7 +13,8 @@ namespace {
 
 constexpr const char* kSilent[] = {"seconds",   "threads", "output",      "frames",
                                    "stats",     "resume",  "png",         "exposure",
-                                   "reference", "memory",  "progressive", "camera-rays-done"};
+                                   "reference", "memory",  "progressive", "camera-rays-done",
+                                   "progress"};
 
 bool matters(const std::string& name) {
     const std::string prefix = "shadowcache:";
@@ -24,7 +25,8 @@ bool matters(const std::string& name) {
 
 }  // namespace
 
-FrameState frameState(const std::filesystem::path& path, const Metadata& metadata) {
+FrameState frameState(const std::filesystem::path& path, const Metadata& metadata, int width,
+                      int height) {
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) return FrameState::missing;
     ExrFile file;
@@ -33,6 +35,7 @@ FrameState frameState(const std::filesystem::path& path, const Metadata& metadat
     } catch (const Error&) {
         return FrameState::broken;
     }
+    if (file.width != width || file.height != height) return FrameState::changed;
     std::size_t wanted = 0;
     for (const auto& [name, value] : metadata) {
         if (!matters(name)) continue;
