@@ -8,6 +8,7 @@
 #include "common/base/exit_status.h"
 #include "common/base/interrupt.h"
 #include "common/base/option_checks.h"
+#include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
 
 int main(int argc, char** argv) try {
