@@ -22,9 +22,9 @@ namespace {
 
 const std::string& programPath(const std::string& name) {
     static const std::map<std::string, std::string> paths{
-        {"bake", SHADOWCACHE_BAKE},         {"render", SHADOWCACHE_RENDER},
-        {"info", SHADOWCACHE_INFO},         {"merge", SHADOWCACHE_MERGE},
-        {"make-set", SHADOWCACHE_MAKE_SET},
+        {"bake", SHADOWCACHE_BAKE},   {"render", SHADOWCACHE_RENDER},
+        {"farm", SHADOWCACHE_FARM},   {"info", SHADOWCACHE_INFO},
+        {"merge", SHADOWCACHE_MERGE}, {"make-set", SHADOWCACHE_MAKE_SET},
     };
     return paths.at(name);
 }
@@ -74,6 +74,14 @@ void awaitHandler(pid_t process) {
 
 }  // namespace
 
+std::string programFolders() {
+    std::string folders;
+    for (const char* name : {"bake", "render"})
+        folders += (folders.empty() ? "" : ":") +
+                   std::filesystem::path(programPath(name)).parent_path().string();
+    return folders;
+}
+
 ProgramRun runProgram(const std::string& name, const std::vector<std::string>& arguments,
                       const std::filesystem::path& folder, const RunLimits& limits) {
     int out[2], err[2];
@@ -89,7 +97,7 @@ ProgramRun runProgram(const std::string& name, const std::vector<std::string>& a
     if (limits.interruptSeconds) {
         awaitHandler(child);
         std::this_thread::sleep_for(std::chrono::duration<double>(*limits.interruptSeconds));
-        kill(child, SIGINT);
+        kill(child, limits.signal);
     }
     ProgramRun run;
     run.out = drain(out[0]);
@@ -130,8 +138,8 @@ std::vector<std::string> words(const std::string& line) {
 }
 
 void expectRefusal(const ProgramRun& run, const std::string& program, const std::string& first,
-                   const std::string& second) {
-    EXPECT_EQ(run.status, 1) << run.err;
+                   const std::string& second, int status) {
+    EXPECT_EQ(run.status, status) << run.err;
     EXPECT_EQ(run.err.rfind("shadowcache-" + program + ": ", 0), 0u) << run.err;
     EXPECT_NE(run.err.find(first), std::string::npos) << first << " in: " << run.err;
     EXPECT_NE(run.err.find(second), std::string::npos) << second << " in: " << run.err;
