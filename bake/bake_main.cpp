@@ -14,12 +14,13 @@
 #include "bake/shot/shot_source.h"
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
+#include "common/base/exit_status.h"
+#include "common/base/interrupt.h"
 #include "common/base/json_file.h"
 #include "common/base/leftovers.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/process.h"
-#include "common/base/progress.h"
 #include "common/base/version.h"
 #include "common/cli/command_line.h"
 #include "common/import/load_mesh.h"
@@ -144,6 +145,7 @@ void defineOutput(CLI::App& app, Job& job) {
         ->capture_default_str()
         ->group(group);
     addThreadsOption(app, job.threads, group);
+    addProgressOption(app, group);
 }
 
 constexpr const char* kFooter =
@@ -364,8 +366,7 @@ int main(int argc, char** argv) try {
     job.mesh.zUp = up == "z";
     job.settings = settingsOf(app);
     run(job);
-    return 0;
+    return kDone;
 } catch (const std::exception& e) {
-    std::fprintf(stderr, "shadowcache-bake: %s\n", e.what());
-    return 1;
+    return shadowcache::reportFailure("shadowcache-bake", e);
 }

@@ -11,6 +11,7 @@
 #include "bake/inspect/report.h"
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
+#include "common/base/exit_status.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/cli/command_line.h"
@@ -159,8 +160,7 @@ int main(int argc, char** argv) try {
     define(app, arguments);
     if (const auto status = parseCommandLine(app, argc, argv)) return *status;
     run(arguments);
-    return 0;
+    return kDone;
 } catch (const std::exception& e) {
-    std::fprintf(stderr, "shadowcache-info: %s\n", e.what());
-    return 1;
+    return shadowcache::reportFailure("shadowcache-info", e);
 }

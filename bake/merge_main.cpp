@@ -6,9 +6,10 @@
 #include "bake/core/merge.h"
 #include "bake/core/merge_plan.h"
 #include "common/base/atomic_file.h"
+#include "common/base/exit_status.h"
+#include "common/base/interrupt.h"
 #include "common/base/leftovers.h"
 #include "common/base/option_checks.h"
-#include "common/base/progress.h"
 #include "common/cli/command_line.h"
 
 int main(int argc, char** argv) try {
@@ -23,6 +24,7 @@ int main(int argc, char** argv) try {
         ->required()
         ->take_all();
     app.add_option("-o,--output", output, "Cache to write (OpenVDB, .vdb)")->required();
+    addProgressOption(app, "Options");
     app.footer(
         "All caches must have the same set, spacing, direction level and kind of refinement.\n"
         "The same shard twice is refused; shards that are missing are named. The caches are read\n"
@@ -48,8 +50,7 @@ int main(int argc, char** argv) try {
         std::printf("whole for its shots: %s\n", header.part->shots.c_str());
     else
         std::printf("whole: no shard is missing\n");
-    return 0;
+    return kDone;
 } catch (const std::exception& e) {
-    std::fprintf(stderr, "shadowcache-merge: %s\n", e.what());
-    return 1;
+    return shadowcache::reportFailure("shadowcache-merge", e);
 }

@@ -1,6 +1,6 @@
-#include <cstdio>
 #include <exception>
 
+#include "common/base/exit_status.h"
 #include "render/app/command_line.h"
 #include "render/app/run_job.h"
 
@@ -13,8 +13,7 @@ int main(int argc, char** argv) try {
         listSet(job);
     else
         run(job);
-    return 0;
+    return kDone;
 } catch (const std::exception& e) {
-    std::fprintf(stderr, "shadowcache-render: %s\n", e.what());
-    return 1;
+    return shadowcache::reportFailure("shadowcache-render", e);
 }

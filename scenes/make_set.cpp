@@ -1,7 +1,8 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
 
+#include "common/base/exit_status.h"
+#include "common/cli/command_line.h"
 #include "scenes/sets.h"
 
 /// Writes one of the bundled sets: shadowcache-make-set courtyard|scatter -o set.ply
@@ -9,6 +10,7 @@ int main(int argc, char** argv) try {
     namespace scenes = shadowcache::scenes;
     CLI::App app("Writes a bundled set as PLY (+Y up, metres) and a camera that moves through it.",
                  "shadowcache-make-set");
+    shadowcache::beginCommandLine(app);
     std::string name;
     std::string output;
     std::string camera;
@@ -24,7 +26,7 @@ int main(int argc, char** argv) try {
         "Examples:\n"
         "  shadowcache-make-set courtyard -o courtyard.ply --camera courtyard.json\n"
         "  shadowcache-make-set scatter --triangles 10000000 -o scatter.ply");
-    CLI11_PARSE(app, argc, argv);
+    if (const auto status = shadowcache::parseCommandLine(app, argc, argv)) return *status;
 
     if (name == "scatter") {
         scenes::writeScatter(output, triangles);
@@ -37,6 +39,5 @@ int main(int argc, char** argv) try {
     }
     return 0;
 } catch (const std::exception& e) {
-    std::fprintf(stderr, "shadowcache-make-set: %s\n", e.what());
-    return 1;
+    return shadowcache::reportFailure("shadowcache-make-set", e);
 }

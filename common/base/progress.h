@@ -3,48 +3,56 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "common/base/error.h"
+#include "common/base/interrupt.h"
 
 namespace shadowcache {
 
-/// Counts finished work and shows it, with the time left, on standard error when that is a
-/// terminal; silent in a pipe. Thread-safe.
+/// How progress is shown on standard error.
+enum class ProgressStyle {
+    none,
+    bar,    ///< one line that is rewritten, for a terminal
+    lines,  ///< "bake: 40 %, 12 s left", for logs
+    json    ///< {"task":"bake","done":4,"total":10,"seconds":8.0,"left":12.0} a line, for programs
+};
+
+/// As --progress has them, in the order of ProgressStyle.
+const std::vector<std::string>& progressStyleNames();
+
+/// Chooses the style of all progress from here on; without a call it is a bar on a terminal, lines
+/// elsewhere.
+///
+/// @param milliseconds  between two prints; none: as Progress has them
+void setProgressStyle(ProgressStyle style, std::optional<std::int64_t> milliseconds = {});
+
+/// Counts finished work and shows it with the time left: a bar ten times a second, lines every ten
+/// seconds (work that is shorter shows none), JSON every second and when all is done. Thread-safe.
 class Progress {
 public:
-    /// @param label what is being done ("bake")
+    /// @param label what is being done ("bake"); without characters that JSON escapes
     /// @param total units of work, > 0
     Progress(std::string label, std::uint64_t total);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// Adds finished units; prints at most ten times a second.
+    /// Adds finished units; prints when it is time to.
     void add(std::uint64_t units);
 
 private:
-    void print(std::uint64_t done, double seconds);
+    void print(std::uint64_t done, double seconds) const;
 
     std::string label_;
     std::uint64_t total_;
-    bool terminal_;
+    ProgressStyle style_;
+    std::int64_t intervalMilliseconds_;
     std::chrono::steady_clock::time_point start_;
     std::atomic<std::uint64_t> done_{0};
-    std::atomic<std::int64_t> nextPrintMilliseconds_{0};
+    std::atomic<std::int64_t> nextPrintMilliseconds_;
+    std::atomic<bool> printed_{false};
 };
-
-/// Makes Ctrl-C and SIGTERM ask for a clean end instead of killing the process at once (a second
-/// signal does kill it).
-void installInterruptHandler();
-
-/// A signal has asked for the end.
-class Interrupted : public Error {
-public:
-    Interrupted() : Error("interrupted") {}
-};
-
-/// @throws Interrupted once a signal has asked for the end. Cheap; long loops call it often.
-void throwIfInterrupted();
 
 }  // namespace shadowcache

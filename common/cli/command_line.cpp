@@ -8,7 +8,9 @@
 #include <sstream>
 
 #include "common/base/atomic_file.h"
+#include "common/base/exit_status.h"
 #include "common/base/option_checks.h"
+#include "common/base/progress.h"
 #include "common/base/suggestion.h"
 #include "common/base/version.h"
 #include "common/cli/command_help.h"
@@ -16,9 +18,6 @@
 namespace shadowcache {
 
 namespace {
-
-/// Exit status of a command line that cannot be parsed; refused values and failed work end with 1.
-constexpr int kWrongUsage = 2;
 
 /// TOML without sections, whose contents CLI11 would ignore.
 class SettingsFormat final : public CLI::ConfigTOML {
@@ -148,6 +147,20 @@ void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std
 void addThreadsOption(CLI::App& app, int& threads, const std::string& group) {
     app.add_option("--threads", threads, "Threads; 0: one per core")
         ->capture_default_str()
+        ->group(group);
+}
+
+void addProgressOption(CLI::App& app, const std::string& group) {
+    const auto choose = [](const std::string& name) {
+        const auto& names = progressStyleNames();
+        setProgressStyle(
+            static_cast<ProgressStyle>(std::ranges::find(names, name) - names.begin()));
+    };
+    app.add_option_function<std::string>(
+           "--progress", choose,
+           "Progress on standard error: none, bar, lines (every ten seconds) or json (one object a "
+           "second) [bar on a terminal, lines elsewhere]")
+        ->check(CLI::IsMember(progressStyleNames()))
         ->group(group);
 }
 

@@ -30,6 +30,9 @@ void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std
 /// Defines --threads.
 void addThreadsOption(CLI::App& app, int& threads, const std::string& group);
 
+/// Defines --progress, which takes effect as it is parsed.
+void addProgressOption(CLI::App& app, const std::string& group);
+
 /// Parses the command line once all options are defined; writes the settings file if requested.
 ///
 /// @param check  throws CLI::ParseError for errors that no single option can detect

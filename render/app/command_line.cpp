@@ -239,6 +239,11 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
     app.add_flag("--resume", job.resume,
                  "Skip frames that are complete and were rendered from the same settings and files")
         ->group(group);
+    app.add_flag("--check", job.check,
+                 "Render nothing: verify that every frame is complete and was rendered from the "
+                 "same settings and files; the exit status is 1 if one is not")
+        ->configurable(false)
+        ->group(group);
     app.add_option("--aov", job.aovs, "Additional channels, any of:" + aovs)
         ->delimiter(',')
         ->take_all()
@@ -268,6 +273,7 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
         ->configurable(false)
         ->group(group);
     addThreadsOption(app, job.threads, group);
+    addProgressOption(app, group);
 }
 
 /// CLI11 would require these with --list, too.

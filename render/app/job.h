@@ -43,6 +43,7 @@ struct RenderJob {
     bool progressive = false;  ///< write the EXR after each pass
     double timeLimit = 0;      ///< seconds for the passes of a frame; 0: none
     bool resume = false;       ///< keep frames that are done
+    bool check = false;        ///< look whether all frames are done, write nothing
     std::vector<std::string> aovs;
     bool half = false;
     bool png = false;

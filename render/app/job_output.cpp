@@ -80,8 +80,9 @@ void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {
     check(job.stats);
 }
 
-Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
-                       const LightPlan::Light& light, int frame, InputHashes& inputs) {
+Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
+                       std::optional<std::uint64_t> fingerprint, const LightPlan::Light& light,
+                       int frame, InputHashes& inputs) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
         if (name != "env" && name != "env-rotate" && name != "camera-rays" && name != "samples")
@@ -97,9 +98,9 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const 
     metadata.emplace_back("shadowcache:bias", biasOf(job, entry));
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
     metadata.emplace_back("shadowcache:inputs", inputs.of(inputsOf(job, light)));
-    if (cache) {
+    if (fingerprint) {
         std::ostringstream print;
-        print << std::hex << cache->header().fingerprint;
+        print << std::hex << *fingerprint;
         metadata.emplace_back("shadowcache:fingerprint", print.str());
     }
     return metadata;

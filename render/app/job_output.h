@@ -33,9 +33,10 @@ std::filesystem::path frameFile(const RenderJob& job, int frame);
 
 /// All metadata of a frame's file but the time it took.
 ///
-/// @param cache  null: none
-Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry, const ShadowCache* cache,
-                       const LightPlan::Light& light, int frame, InputHashes& inputs);
+/// @param fingerprint  of the cache's set; none without a cache
+Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
+                       std::optional<std::uint64_t> fingerprint, const LightPlan::Light& light,
+                       int frame, InputHashes& inputs);
 
 /// Metadata of a frame's file: how it was made.
 struct FrameProgress {

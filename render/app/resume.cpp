@@ -14,10 +14,10 @@ namespace shadowcache {
 namespace {
 
 /// The files among them are compared by their content, under whatever name (`inputs`).
-constexpr const char* kSilent[] = {"SET",       "cache",   "env",         "dynamic",
-                                   "seconds",   "threads", "output",      "frames",
-                                   "stats",     "resume",  "png",         "exposure",
-                                   "reference", "memory",  "progressive", "camera-rays-done"};
+constexpr const char* kSilent[] = {
+    "SET",       "cache",  "env",         "dynamic",          "seconds", "threads",
+    "output",    "frames", "stats",       "resume",           "png",     "exposure",
+    "reference", "memory", "progressive", "camera-rays-done", "progress"};
 
 bool matters(const std::string& name) {
     const std::string prefix = "shadowcache:";
@@ -42,7 +42,8 @@ std::string hashOf(const std::filesystem::path& file) {
 
 }  // namespace
 
-FrameState frameState(const std::filesystem::path& path, const Metadata& metadata) {
+FrameState frameState(const std::filesystem::path& path, const Metadata& metadata, int width,
+                      int height) {
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) return FrameState::missing;
     ExrFile file;
@@ -51,6 +52,7 @@ FrameState frameState(const std::filesystem::path& path, const Metadata& metadat
     } catch (const Error&) {
         return FrameState::broken;
     }
+    if (file.width != width || file.height != height) return FrameState::changed;
     std::size_t wanted = 0;
     for (const auto& [name, value] : metadata) {
         if (!matters(name)) continue;

@@ -20,7 +20,10 @@ enum class FrameState {
 
 /// Compares a frame's file with the metadata it would get; what does not concern the picture (time,
 /// threads, where it is written) is left out.
-FrameState frameState(const std::filesystem::path& path, const Metadata& metadata);
+///
+/// @param width, height  of the pixels that the file has, > 0
+FrameState frameState(const std::filesystem::path& path, const Metadata& metadata, int width,
+                      int height);
 
 /// Content of the files that pictures depend on. Each file is read once, whatever the number of
 /// frames; a copy under another name and date is the same file.

@@ -17,10 +17,10 @@
 #include "common/shot/camera_source.h"
 #include "common/shot/gltf_shot.h"
 #include "render/app/explain.h"
+#include "render/app/frame_check.h"
 #include "render/app/job_output.h"
 #include "render/app/memory_report.h"
 #include "render/app/pixel_report.h"
-#include "render/app/resume.h"
 #include "render/frame/integrator.h"
 #include "render/frame/progressive.h"
 #include "render/frame/target_error.h"
@@ -99,7 +99,12 @@ public:
     void run() {
         const double start = secondsNow();
         plan_.requireFiles();
+        if (job_.check) return checkFrames(job_, entry_, plan_, inputs_);
         refuseToOverwriteInputs(job_, plan_);
+        if (nothingLeft()) {
+            skipped_ = job_.frames.size();
+            return summarize();
+        }
         std::vector<GltfShot> shots = openShots(job_.files, job_.mesh, job_.fps);
         const CameraSource camera(job_.camera, shots);
         for (const int frame : job_.frames) camera.at(frame);
@@ -117,8 +122,10 @@ public:
         timing_ = {loaded - start, secondsNow() - loaded};
         options_ = job_.render;
         options_.insight = std::ranges::any_of(job_.aovs, needsInsight);
+        Progress progress("frames", job_.frames.size());
         for (std::size_t i = 0; i < job_.frames.size(); ++i) {
             frame(camera, i);
+            progress.add(1);
             if (job_.explain) return;
             if (interrupted_) break;
         }
@@ -126,14 +133,17 @@ public:
         summarize();
         if (!job_.stats.empty())
             writeStats(job_, entry_, mesh_, cache_.get(), timing_, stats_, error_);
-        if (interrupted_ && rendered_ + skipped_ < job_.frames.size()) throw Interrupted();
+        // The frame is there, but is not what was asked for: --resume renders it again.
+        if (interrupted_) throw Interrupted();
     }
 
 private:
     void frame(const CameraSource& camera, std::size_t i) {
         throwIfInterrupted();
         const int frame = job_.frames[i];
-        Metadata metadata = frameMetadata(job_, entry_, cache_.get(), plan_.at(i), frame, inputs_);
+        Metadata metadata = frameMetadata(
+            job_, entry_, cache_ ? std::optional(cache_->header().fingerprint) : std::nullopt,
+            plan_.at(i), frame, inputs_);
         if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
         if (light_.load(i)) {
@@ -211,18 +221,21 @@ private:
             frame, stats_.cameraRaysAPixel, stats_.ownError, job_.targetError);
     }
 
+    /// Whether --resume finds every frame, so that the set need not be loaded.
+    bool nothingLeft() {
+        return job_.resume && !job_.explain && !job_.debugPixel && job_.reference.empty() &&
+               job_.stats.empty() && allFramesDone(job_, entry_, plan_, inputs_);
+    }
+
     /// Whether the frame exists as it would be rendered; counts those that do, reports the others.
     bool isDone(const Metadata& metadata, int frame) {
-        const auto files = frameFiles(job_, frame);
-        const FrameState state = frameState(files.front(), metadata);
+        const FrameState state = stateOfFrame(job_, metadata, frame);
+        const auto file = frameFile(job_, frame);
         if (state == FrameState::broken)
-            std::printf("%s: incomplete, rendered again\n", files.front().c_str());
+            std::printf("%s: incomplete, rendered again\n", file.c_str());
         if (state == FrameState::changed)
-            std::printf("%s: from other settings or files, rendered again\n",
-                        files.front().c_str());
-        if (state != FrameState::done ||
-            !std::ranges::all_of(files, [](const auto& f) { return std::filesystem::exists(f); }))
-            return false;
+            std::printf("%s: from other settings or files, rendered again\n", file.c_str());
+        if (state != FrameState::done) return false;
         ++skipped_;
         return true;
     }

@@ -1,6 +1,7 @@
 #include "common/base/parallel.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <bit>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "common/base/error.h"
+#include "common/base/exit_status.h"
 #include "common/base/progress.h"
 
 namespace shadowcache {
@@ -103,13 +105,43 @@ TEST_F(Parallel, Nests) {
     EXPECT_EQ(sum, 1000.0);
 }
 
-TEST(Progress, IsSilentInAPipe) {
+/// What four equal pieces of work print.
+std::string progressOfFour() {
     testing::internal::CaptureStderr();
     {
-        Progress progress("bake", 1000);
-        parallelFor(1000, 10, [&](const Chunk& chunk) { progress.add(chunk.end - chunk.begin); });
+        Progress progress("bake", 8);
+        for (int i = 0; i < 4; ++i) progress.add(2);
     }
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    return testing::internal::GetCapturedStderr();
+}
+
+TEST(Progress, OfShortWorkIsSilentInAPipe) {
+    EXPECT_EQ(progressOfFour(), "");
+}
+
+class ProgressStyles : public testing::Test {
+protected:
+    ~ProgressStyles() override { setProgressStyle(ProgressStyle::lines); }
+};
+
+TEST_F(ProgressStyles, LinesAreWhole) {
+    setProgressStyle(ProgressStyle::lines, 0);
+    EXPECT_EQ(progressOfFour(),
+              "bake: 25 %, 0 s left\nbake: 50 %, 0 s left\nbake: 75 %, 0 s left\n"
+              "bake: 100 %, 0 s left\n");
+}
+
+TEST_F(ProgressStyles, JsonHasTheEndOfShortWork) {
+    setProgressStyle(ProgressStyle::json);
+    EXPECT_EQ(progressOfFour(),
+              "{\"task\":\"bake\",\"done\":8,\"total\":8,\"seconds\":0.0,\"left\":0.0}\n");
+}
+
+TEST_F(ProgressStyles, BarLeavesNothing) {
+    setProgressStyle(ProgressStyle::bar, 0);
+    EXPECT_TRUE(progressOfFour().ends_with("\r\033[K"));
+    setProgressStyle(ProgressStyle::none, 0);
+    EXPECT_EQ(progressOfFour(), "");
 }
 
 /// Ends the process with 3 if a parallel loop is left by the interrupt.
@@ -131,6 +163,18 @@ TEST(InterruptDeathTest, EndsALoopCleanly) {
     testing::FLAGS_gtest_death_test_style = "threadsafe";
     EXPECT_EXIT(loopUntilInterrupted(SIGINT), testing::ExitedWithCode(3), "");
     EXPECT_EXIT(loopUntilInterrupted(SIGTERM), testing::ExitedWithCode(3), "");
+}
+
+// Reading a set and building its acceleration structure are not loops of ours.
+TEST(InterruptDeathTest, EndsWorkThatDoesNotListen) {
+    testing::FLAGS_gtest_death_test_style = "threadsafe";
+    const auto deaf = [] {
+        installInterruptHandler();
+        std::raise(SIGTERM);
+        for (int i = 0; i < 10; ++i) sleep(1);  // a signal ends a sleep
+        std::exit(3);
+    };
+    EXPECT_EXIT(deaf(), testing::ExitedWithCode(kTryAgain), ": interrupted\n");
 }
 
 TEST(InterruptDeathTest, KillsAtTheSecondSignal) {

@@ -147,10 +147,15 @@ TEST_F(CliRefusal, FullDisk) {
 }
 
 TEST_F(CliRefusal, InterruptedWorkLeavesNothing) {
-    const RunLimits interrupted{{}, 0.3};
-    refuses("bake", "set.obj --spacing 0.001 -o new.vdb", "interrupted", "", interrupted);
-    refuses("render", still("-o new.exr --samples 65536", "4096x4096"), "interrupted", "",
-            interrupted);
+    const auto before = files();
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const RunLimits interrupted{{}, 0.3, signal};
+        expectRefusal(run("bake", "set.obj --spacing 0.001 -o new.vdb", interrupted), "bake",
+                      "interrupted", "", kTryAgain);
+        expectRefusal(run("render", still("-o new.exr --samples 65536", "4096x4096"), interrupted),
+                      "render", "interrupted", "", kTryAgain);
+        EXPECT_EQ(files(), before);
+    }
 }
 
 TEST_F(CliRefusal, ImpossibleOptions) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/base/exit_status.h"
 #include "common/cache/cache_items.h"
 #include "common/image/exr.h"
 #include "tests/support/cli_fixture.h"
@@ -112,12 +113,12 @@ TEST_F(Cli, ProgressiveEndsWithWhatIsThere) {
     EXPECT_NE(runWell("render", limited).out.find("out of time"), std::string::npos);
     EXPECT_LT(std::stoi(readExr(path("c.exr")).metadata.at("shadowcache:camera-rays-done")), 65536);
     EXPECT_NE(runWell("render", limited).out.find("0 frames (1 more was done)"), std::string::npos);
-    // Interrupted: a picture, too, and success, but --resume renders it again.
+    // Interrupted: a picture, too, but not the one that was asked for: --resume renders it again.
     RunLimits limits;
     limits.interruptSeconds = 1.0;
     const std::string endless = passes + "--spp 65536 -o d.exr";
     const auto run = CliTest::run("render", endless, limits);
-    EXPECT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(run.status, kTryAgain) << run.err;
     EXPECT_NE(run.out.find("interrupted after"), std::string::npos) << run.out;
     EXPECT_TRUE(readExr(path("d.exr")).metadata.contains("shadowcache:incomplete"));
     const auto again = CliTest::run("render", endless, limits);

@@ -63,6 +63,36 @@ TEST_F(CommandLine, NamesTheOptionThatWasMeant) {
     expectRefusal(run("render", still("-o a.exr --estimator msi")), "render", "did you mean mis?");
 }
 
+// A farm does not try again what ends with 2; every program has the same form.
+TEST_F(CommandLine, WrongUsageEndsWithTwo) {
+    for (const std::string program : {"bake", "render", "info", "merge", "make-set"})
+        for (const std::string line :
+             {"", "--quux", "a b c --quux=1", "--config none.toml x -o y"}) {
+            const ProgramRun result = run(program, line);
+            EXPECT_EQ(result.status, kWrongUsage) << program << ' ' << line;
+            EXPECT_TRUE(result.err.starts_with("shadowcache-" + program + ": ")) << result.err;
+            EXPECT_TRUE(result.err.ends_with("\nRun with --help for more information.\n"));
+        }
+}
+
+TEST_F(CommandLine, ProgressGoesToStandardErrorInTheFormAsked) {
+    const std::string bake = "set.obj -o set.vdb --spacing 0.25 --level 1 --progress ";
+    EXPECT_EQ(run("bake", bake + "none").err, "");
+    EXPECT_EQ(run("bake", bake + "lines").err, "") << "shorter than ten seconds";
+    EXPECT_EQ(run("bake", bake + "bar").err.substr(0, 6), "\rbake:");
+    const std::string json = run("bake", bake + "json").err;
+    EXPECT_TRUE(json.starts_with("{\"task\":\"bake\",\"done\":")) << json;
+    EXPECT_TRUE(json.ends_with(",\"left\":0.0}\n")) << json;
+    const std::string frames = run("render", move("--frames 1-2 -o f.#.exr --progress json")).err;
+    EXPECT_NE(frames.find("{\"task\":\"frames\",\"done\":2,\"total\":2,"), std::string::npos);
+    // It is no setting of the picture.
+    EXPECT_NE(runWell("render", move("--frames 1-2 -o f.#.exr --resume")).out.find("2 more were"),
+              std::string::npos);
+    EXPECT_EQ(run("merge", "set.vdb -o two.vdb --progress json").err.find("{\"task\":\"merge\""),
+              0u);
+    EXPECT_EQ(run("bake", bake + "dots").status, kWrongUsage);
+}
+
 TEST_F(CommandLine, WrongUsageNamesTheProgramAndTheOption) {
     for (const std::string line : {"--samples many", "--seed -1", "--up x"}) {
         const ProgramRun result = run("render", still("-o a.exr " + line));

@@ -105,6 +105,32 @@ TEST_F(ShotTest, ResumesWhatIsMissingBrokenOrOfOtherSettings) {
     EXPECT_NE(light.out.find("4 frames (0 more"), std::string::npos) << light.out;
 }
 
+TEST_F(ShotTest, CheckNamesTheFramesThatAreNotDone) {
+    const std::string command = "--camera shot --frames 1-4 -o f.####.exr";
+    runWell("render", shot(command));
+    const std::vector<std::string> before = files();
+    EXPECT_EQ(runWell("render", shot(command + " --check --threads 1")).out,
+              "4 frames, all done -> f.####.exr\n");
+    const auto faults = [&](const std::string& options) {
+        const ProgramRun result = run("render", shot(command + " --check " + options));
+        EXPECT_EQ(result.status, kFailed);
+        return result.err;
+    };
+    const std::string changed = " from other settings or files\n";
+    EXPECT_EQ(faults("--seed 2"), "f.0001.exr:" + changed + "f.0002.exr:" + changed +
+                                      "f.0003.exr:" + changed + "f.0004.exr:" + changed +
+                                      "shadowcache-render: --check: 0 of 4 frames are done, "
+                                      "expected all\n");
+    EXPECT_EQ(files(), before);
+    std::filesystem::remove(path("f.0002.exr"));
+    const std::string whole = readBytes(path("f.0003.exr"));
+    folder_.write("f.0003.exr", whole.substr(0, whole.size() - 1));
+    folder_.write("f.0004.exr", readBytes(path("f.0001.exr")));
+    EXPECT_EQ(faults(""),
+              "f.0002.exr: missing\nf.0003.exr: incomplete\nf.0004.exr:" + changed +
+                  "shadowcache-render: --check: 1 of 4 frames are done, expected all\n");
+}
+
 TEST_F(ShotTest, FramesNamedTwiceAreRenderedOnce) {
     const auto run = runWell("render", shot("--camera shot --frames 1-3,2-4 -o f.####.exr"));
     EXPECT_NE(run.out.find("mis: 4 frames"), std::string::npos) << run.out;

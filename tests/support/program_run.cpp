@@ -89,7 +89,7 @@ ProgramRun runProgram(const std::string& name, const std::vector<std::string>& a
     if (limits.interruptSeconds) {
         awaitHandler(child);
         std::this_thread::sleep_for(std::chrono::duration<double>(*limits.interruptSeconds));
-        kill(child, SIGINT);
+        kill(child, limits.signal);
     }
     ProgramRun run;
     run.out = drain(out[0]);
@@ -130,8 +130,8 @@ std::vector<std::string> words(const std::string& line) {
 }
 
 void expectRefusal(const ProgramRun& run, const std::string& program, const std::string& first,
-                   const std::string& second) {
-    EXPECT_EQ(run.status, 1) << run.err;
+                   const std::string& second, int status) {
+    EXPECT_EQ(run.status, status) << run.err;
     EXPECT_EQ(run.err.rfind("shadowcache-" + program + ": ", 0), 0u) << run.err;
     EXPECT_NE(run.err.find(first), std::string::npos) << first << " in: " << run.err;
     EXPECT_NE(run.err.find(second), std::string::npos) << second << " in: " << run.err;

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "common/base/exit_status.h"
 
 namespace shadowcache::test {
 
@@ -17,6 +20,7 @@ struct ProgramRun {
 struct RunLimits {
     std::optional<std::size_t> fileBytes;    ///< longest file it may write, as a full disk does
     std::optional<double> interruptSeconds;  ///< from being ready for Ctrl-C to it
+    int signal = SIGINT;                     ///< in place of Ctrl-C
 };
 
 /// Starts one of the project's programs in `folder`, and kills it with SIGKILL after a while.
@@ -39,6 +43,6 @@ std::vector<std::string> words(const std::string& line);
 /// Expects that the run failed in one line on standard error that begins with the program's name
 /// and holds both texts.
 void expectRefusal(const ProgramRun& run, const std::string& program, const std::string& first,
-                   const std::string& second = "");
+                   const std::string& second = "", int status = kFailed);
 
 }  // namespace shadowcache::test

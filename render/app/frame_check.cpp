@@ -1,0 +1,98 @@
+#include "render/app/frame_check.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "common/base/error.h"
+#include "common/cache/cache_items.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Frames that are named at most; a job of which nothing is there does not fill the screen.
+constexpr std::size_t kMostNamed = 20;
+
+const char* textOf(FrameState state) {
+    switch (state) {
+        case FrameState::missing:
+            return "missing";
+        case FrameState::broken:
+            return "incomplete";
+        case FrameState::changed:
+            return "from other settings or files";
+        case FrameState::done:
+            break;
+    }
+    return "done";
+}
+
+/// The state of the job's frames, by their place in the job.
+class FrameStates {
+public:
+    FrameStates(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
+                InputHashes& inputs)
+        : job_(job),
+          entry_(entry),
+          plan_(plan),
+          inputs_(inputs),
+          fingerprint_(cacheFingerprint(job)) {}
+
+    FrameState operator[](std::size_t i) const {
+        const int frame = job_.frames[i];
+        return stateOfFrame(
+            job_, frameMetadata(job_, entry_, fingerprint_, plan_.at(i), frame, inputs_), frame);
+    }
+
+private:
+    const RenderJob& job_;
+    const EstimatorEntry& entry_;
+    const LightPlan& plan_;
+    InputHashes& inputs_;
+    const std::optional<std::uint64_t> fingerprint_;
+};
+
+}  // namespace
+
+FrameState stateOfFrame(const RenderJob& job, const Metadata& metadata, int frame) {
+    const auto files = frameFiles(job, frame);
+    const FilmRectangle region = job.render.region();
+    const FrameState state = frameState(files.front(), metadata, region.width, region.height);
+    const bool all = std::ranges::all_of(files, [](const auto& file) {
+        std::error_code ignored;
+        return std::filesystem::exists(file, ignored);
+    });
+    return state == FrameState::done && !all ? FrameState::missing : state;
+}
+
+std::optional<std::uint64_t> cacheFingerprint(const RenderJob& job) {
+    if (job.cache.empty()) return std::nullopt;
+    return readHeader(job.cache).fingerprint;
+}
+
+bool allFramesDone(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
+                   InputHashes& inputs) {
+    const FrameStates states(job, entry, plan, inputs);
+    for (std::size_t i = 0; i < job.frames.size(); ++i)
+        if (states[i] != FrameState::done) return false;
+    return true;
+}
+
+void checkFrames(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
+                 InputHashes& inputs) {
+    const FrameStates states(job, entry, plan, inputs);
+    const std::size_t count = job.frames.size();
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const FrameState state = states[i];
+        if (state == FrameState::done) continue;
+        if (++wrong <= kMostNamed)
+            std::fprintf(stderr, "%s: %s\n", frameFile(job, job.frames[i]).c_str(), textOf(state));
+    }
+    if (wrong > 0)
+        throw Error("--check: " + std::to_string(count - wrong) + " of " + std::to_string(count) +
+                    " frames are done, expected all");
+    std::printf("%zu frame%s, all done -> %s\n", count, count == 1 ? "" : "s", job.output.c_str());
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+
+#include "render/app/job_output.h"
+#include "render/app/resume.h"
+
+namespace shadowcache {
+
+// Which frames of a job are there, without loading the set.
+
+/// Compares all files of a frame with what the job would write.
+///
+/// @param metadata  of frameMetadata()
+FrameState stateOfFrame(const RenderJob& job, const Metadata& metadata, int frame);
+
+/// The fingerprint of the job's cache, read from its header. @throws Error
+std::optional<std::uint64_t> cacheFingerprint(const RenderJob& job);
+
+/// Whether every frame exists as the job would render it. @throws Error
+bool allFramesDone(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
+                   InputHashes& inputs);
+
+/// --check: prints how many frames are done.
+///
+/// @throws Error naming each frame that is missing, incomplete or of other settings
+void checkFrames(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
+                 InputHashes& inputs);
+
+}  // namespace shadowcache
