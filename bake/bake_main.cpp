@@ -21,6 +21,7 @@
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/process.h"
+#include "common/base/report_failure.h"
 #include "common/base/version.h"
 #include "common/cli/command_line.h"
 #include "common/import/load_mesh.h"

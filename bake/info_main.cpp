@@ -14,6 +14,7 @@
 #include "common/base/exit_status.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
+#include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
 #include "common/image/png.h"
 

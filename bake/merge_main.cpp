@@ -10,6 +10,7 @@
 #include "common/base/interrupt.h"
 #include "common/base/leftovers.h"
 #include "common/base/option_checks.h"
+#include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
 
 int main(int argc, char** argv) try {

@@ -1,6 +1,7 @@
 #include <exception>
 
 #include "common/base/exit_status.h"
+#include "common/base/report_failure.h"
 #include "render/app/command_line.h"
 #include "render/app/run_job.h"
 

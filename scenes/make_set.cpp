@@ -2,6 +2,7 @@
 #include <exception>
 
 #include "common/base/exit_status.h"
+#include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
 #include "scenes/sets.h"
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <exception>
-
 namespace shadowcache {
 
 // The programs' exit statuses, which a farm acts on; docs/farm.md has them for the user.
@@ -13,10 +11,5 @@ constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 /// The work was interrupted and can be tried again: EX_TEMPFAIL of sysexits.h.
 constexpr int kTryAgain = 75;
-
-/// Prints "PROGRAM: message" on standard error.
-///
-/// @return the status to exit with: kTryAgain for Interrupted, else kFailed
-int reportFailure(const char* program, const std::exception& error);
 
 }  // namespace shadowcache

@@ -85,7 +85,7 @@ std::string manPage(const CLI::App& app) {
     page += ".SH NOTES\n.nf\n" +
             std::regex_replace(roff(app.get_footer()), std::regex("\n\\.br"), "") +
             "\n.fi\n.SH SEE ALSO\n";
-    for (const std::string other : {"bake", "info", "merge", "render"})
+    for (const std::string other : {"bake", "farm", "info", "merge", "render"})
         if (name != "shadowcache-" + other) page += ".BR shadowcache\\-" + other + " (1)\n";
     return page;
 }

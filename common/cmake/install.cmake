@@ -6,6 +6,7 @@ include(CMakePackageConfigHelpers)
 set(SHADOWCACHE_CONFIG_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/shadowcache")
 
 install(TARGETS shadowcache-bake shadowcache-render shadowcache-info shadowcache-merge
+        shadowcache-farm
     RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 set_target_properties(shadowcache_library PROPERTIES OUTPUT_NAME shadowcache EXPORT_NAME shadowcache)
 install(TARGETS shadowcache_library EXPORT shadowcache_targets

@@ -13,7 +13,7 @@
 namespace shadowcache::test {
 namespace {
 
-const std::vector<std::string> kPrograms{"bake", "render", "info", "merge"};
+const std::vector<std::string> kPrograms{"bake", "render", "farm", "info", "merge"};
 
 class CommandLine : public CliTest {
 protected:
@@ -65,7 +65,7 @@ TEST_F(CommandLine, NamesTheOptionThatWasMeant) {
 
 // A farm does not try again what ends with 2; every program has the same form.
 TEST_F(CommandLine, WrongUsageEndsWithTwo) {
-    for (const std::string program : {"bake", "render", "info", "merge", "make-set"})
+    for (const std::string program : {"bake", "render", "farm", "info", "merge", "make-set"})
         for (const std::string line :
              {"", "--quux", "a b c --quux=1", "--config none.toml x -o y"}) {
             const ProgramRun result = run(program, line);

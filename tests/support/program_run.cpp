@@ -22,9 +22,9 @@ namespace {
 
 const std::string& programPath(const std::string& name) {
     static const std::map<std::string, std::string> paths{
-        {"bake", SHADOWCACHE_BAKE},         {"render", SHADOWCACHE_RENDER},
-        {"info", SHADOWCACHE_INFO},         {"merge", SHADOWCACHE_MERGE},
-        {"make-set", SHADOWCACHE_MAKE_SET},
+        {"bake", SHADOWCACHE_BAKE},   {"render", SHADOWCACHE_RENDER},
+        {"farm", SHADOWCACHE_FARM},   {"info", SHADOWCACHE_INFO},
+        {"merge", SHADOWCACHE_MERGE}, {"make-set", SHADOWCACHE_MAKE_SET},
     };
     return paths.at(name);
 }
@@ -73,6 +73,14 @@ void awaitHandler(pid_t process) {
 }
 
 }  // namespace
+
+std::string programFolders() {
+    std::string folders;
+    for (const char* name : {"bake", "render"})
+        folders += (folders.empty() ? "" : ":") +
+                   std::filesystem::path(programPath(name)).parent_path().string();
+    return folders;
+}
 
 ProgramRun runProgram(const std::string& name, const std::vector<std::string>& arguments,
                       const std::filesystem::path& folder, const RunLimits& limits) {

@@ -29,10 +29,13 @@ struct RunLimits {
 bool runAndKill(const std::string& name, const std::vector<std::string>& arguments,
                 const std::filesystem::path& folder, double seconds);
 
-/// Runs one of the project's programs ("bake", "render", "info", "merge", "make-set") in `folder`
-/// to its end. Each of its two outputs must fit a pipe (64 kB).
+/// Runs one of the project's programs ("bake", "render", "farm", "info", "merge", "make-set") in
+/// `folder` to its end. Each of its two outputs must fit a pipe (64 kB).
 ProgramRun runProgram(const std::string& name, const std::vector<std::string>& arguments,
                       const std::filesystem::path& folder, const RunLimits& limits = {});
+
+/// The folders of the programs, as in PATH.
+std::string programFolders();
 
 /// Names of what stands in a folder, sorted.
 std::vector<std::string> filesIn(const std::filesystem::path& folder);

@@ -1,7 +1,8 @@
-#include "common/base/exit_status.h"
+#include "common/base/report_failure.h"
 
 #include <cstdio>
 
+#include "common/base/exit_status.h"
 #include "common/base/interrupt.h"
 
 namespace shadowcache {

@@ -1,0 +1,29 @@
+#include "render/farm/farm_files.h"
+#include "render/farm/shell.h"
+
+namespace shadowcache {
+
+std::vector<FarmFile> parallelFiles(const FarmPlan& plan) {
+    std::string text =
+        "#!/usr/bin/env bash\n"
+        "# Runs the job with GNU parallel. Options go to every call, as in:\n"
+        "#   submit --jobs 4\n"
+        "#   submit --sshlogin node1,node2 --retries 3\n"
+        "set -euo pipefail\n"
+        "cd " +
+        shellWord(plan.folder.string()) +
+        "\n"
+        "step() { # STEP TASKS OPTIONS...\n"
+        "    local step=$1 tasks=$2\n"
+        "    shift 2\n"
+        "    seq \"$tasks\" | parallel --will-cite --jobs 1 --halt soon,fail=1 --line-buffer \\\n"
+        "        --joblog \"log/$step.joblog\" \"$@\" " +
+        shellWord(shellWord((plan.folder / "run").string())) +
+        " again \"$step\" {}\n"
+        "}\n";
+    for (const FarmStep& step : plan.steps)
+        text += "step " + step.name + " " + std::to_string(step.values.size()) + " \"$@\"\n";
+    return {{"submit", text, true}};
+}
+
+}  // namespace shadowcache

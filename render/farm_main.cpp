@@ -1,0 +1,179 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/base/exit_status.h"
+#include "common/base/option_checks.h"
+#include "common/base/report_failure.h"
+#include "common/cli/command_line.h"
+#include "common/shot/frames.h"
+#include "render/farm/farm_files.h"
+
+namespace shadowcache {
+namespace {
+
+struct Arguments {
+    std::vector<std::filesystem::path> files;
+    std::string up = "y", camera, frames, size, pictures, bakeWith, scheduler;
+    double scale = 1, fps = 24;
+    std::vector<std::string> dynamic;
+    FarmJob job;
+    std::filesystem::path folder;
+    int threads = 0;
+};
+
+void define(CLI::App& app, Arguments& a) {
+    const std::string shot = "Shot";
+    addSetOptions(app, a.files, a.up, a.scale, shot);
+    app.add_option("--camera", a.camera,
+                   "Camera file (JSON), or the name of a camera in a glTF set")
+        ->required()
+        ->group(shot);
+    app.add_option("--frames", a.frames, "Frames of the shot: A, A-B or A-BxSTEP, joined by commas")
+        ->required()
+        ->group(shot);
+    app.add_option("--fps", a.fps, "Frames per second of a glTF set's animations")
+        ->capture_default_str()
+        ->group(shot);
+    app.add_option("--size", a.size, "Size of the pictures in pixels: WxH [960x540]")->group(shot);
+    app.add_option("--dynamic", a.dynamic,
+                   "FILE or FILE@TRACK.json: a moving object, as shadowcache-render has it")
+        ->take_all()
+        ->allow_extra_args(false)
+        ->group(shot);
+    const std::string work = "Work";
+    app.add_option("--bake-shards", a.job.shards, "Tasks of the bake, 1 to 10000")
+        ->capture_default_str()
+        ->group(work);
+    app.add_option("--chunk", a.job.chunk, "Frames of a task")->capture_default_str()->group(work);
+    addThreadsOption(app, a.threads, work);
+    app.add_option("--bake-with", a.bakeWith,
+                   "Further options of shadowcache-bake, as in \"--spacing 0.1 --rays 32\"")
+        ->group(work);
+    const std::string output = "Output";
+    std::vector<std::string> names;
+    for (const FarmScheduler& scheduler : farmSchedulers()) names.emplace_back(scheduler.name);
+    app.add_option("--for", a.scheduler, "What runs the job: a scheduler")
+        ->required()
+        ->check(CLI::IsMember(names))
+        ->group(output);
+    app.add_option("-o,--output", a.folder,
+                   "Folder of the job, on a disk that all machines share, for scripts, logs, the "
+                   "cache and the frames")
+        ->required()
+        ->group(output);
+    app.add_option("--pictures", a.pictures,
+                   "EXR to write (.exr); #### or %04d becomes the frame number "
+                   "[frames/frame.####.exr in the job's folder]")
+        ->group(output);
+}
+
+constexpr const char* kFooter =
+    "Writes what a farm runs: a bake of what the shot sees, in tasks; their merge; frames, in "
+    "tasks;\n"
+    "and a check that every frame is complete. What follows -- are options of "
+    "shadowcache-render.\n\n"
+    "Examples:\n"
+    "  shadowcache-farm set.glb --camera shot_010 --frames 1-240 --bake-shards 8 --chunk 10 --for "
+    "slurm -o job -- --env sky.exr --spp 64\n"
+    "  job/submit --partition=render --time=2:00:00\n"
+    "  shadowcache-farm room.ply --camera move.json --frames 1-24 --for parallel -o job -- --env "
+    "sky.exr --spp 16\n"
+    "  job/submit --jobs 4\n"
+    "  job/run check   (any task by hand: job/run STEP TASK)";
+
+/// Options of the renderer that the plan sets.
+constexpr const char* kOurs[] = {
+    "--camera", "--frames", "--fps",     "--size",    "--dynamic", "--cache",
+    "--output", "-o",       "--check",   "--threads", "--up",      "--scale",
+    "--resume", "--list",   "--explain", "--debug",   "--stats",   "--write-config"};
+
+void refuseOurOptions(const std::vector<std::string>& words, const char* where) {
+    for (const std::string& word : words)
+        for (const char* ours : kOurs)
+            if (word == ours || word.starts_with(std::string(ours) + "="))
+                throw Error(std::string(where) + " " + word +
+                            ": set by shadowcache-farm itself, expected other options");
+}
+
+/// A number as it was typed would be: the shortest text that reads back.
+std::string numberText(double value) {
+    std::ostringstream text;
+    text << value;
+    return std::stod(text.str()) == value
+               ? text.str()
+               : (text.precision(17), text.str(""), text << value, text.str());
+}
+
+FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
+    FarmJob job = a.job;
+    for (const auto& file : a.files) job.set.push_back(file.string());
+    const auto add = [&](const char* option, const std::string& value) {
+        job.set.insert(job.set.end(), {option, value});
+    };
+    if (a.up != "y") add("--up", a.up);
+    if (a.scale != 1) add("--scale", numberText(a.scale));
+    add("--camera", a.camera);
+    if (a.fps != 24) add("--fps", numberText(a.fps));
+    if (!a.size.empty()) {
+        parsePair("--size", a.size, "WxH, as in 960x540");
+        add("--size", a.size);
+    }
+    for (const std::string& moving : a.dynamic) add("--dynamic", moving);
+    std::istringstream words(a.bakeWith);
+    for (std::string word; words >> word;) job.bakeOnly.push_back(word);
+    refuseOurOptions(job.bakeOnly, "--bake-with");
+    refuseOurOptions(forRenderer, "--");
+    job.renderOnly = std::move(forRenderer);
+    job.frames = parseFrames(a.frames);
+    job.pictures = a.pictures;
+    if (!a.pictures.empty()) {
+        requireExtension(a.pictures, ".exr");
+        framePath(a.pictures, 1, job.frames.size() > 1);
+    }
+    return job;
+}
+
+void run(const Arguments& a, std::vector<std::string> forRenderer) {
+    FarmPlan place;
+    // Without a slash at the end, and through no link.
+    place.folder = std::filesystem::weakly_canonical(std::filesystem::absolute(a.folder) / ".");
+    place.work = std::filesystem::current_path();
+    place.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    place.threads = a.threads;
+    const FarmPlan plan = makePlan(jobOf(a, std::move(forRenderer)), place);
+    const auto& all = farmSchedulers();
+    const auto scheduler = std::ranges::find(all, a.scheduler, &FarmScheduler::name);
+    writeFarm(plan, *scheduler);
+    for (const FarmStep& step : plan.steps)
+        std::printf("%s: %zu task%s\n", step.name.c_str(), step.values.size(),
+                    step.values.size() == 1 ? "" : "s");
+    std::printf("-> %s: %s\n", a.folder.c_str(), scheduler->submit);
+}
+
+}  // namespace
+}  // namespace shadowcache
+
+int main(int argc, char** argv) try {
+    using namespace shadowcache;
+    CLI::App app("Writes a job that bakes and renders a shot on many machines.",
+                 "shadowcache-farm");
+    Arguments arguments;
+    beginCommandLine(app);
+    define(app, arguments);
+    app.footer(kFooter);
+    // CLI11 would take what follows -- for files of the set.
+    char** const end = argv + argc;
+    char** const separator = std::find(argv, end, std::string_view("--"));
+    if (const auto status = parseCommandLine(app, static_cast<int>(separator - argv), argv))
+        return *status;
+    run(arguments, {separator == end ? end : separator + 1, end});
+    return kDone;
+} catch (const std::exception& e) {
+    return shadowcache::reportFailure("shadowcache-farm", e);
+}
