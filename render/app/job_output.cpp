@@ -8,6 +8,7 @@
 #include "common/base/json_file.h"
 #include "common/base/option_checks.h"
 #include "common/base/process.h"
+#include "common/base/processor.h"
 #include "common/base/version.h"
 #include "common/image/exr.h"
 #include "common/image/png.h"
@@ -110,6 +111,7 @@ void writeFrame(const RenderJob& job, const Film& film, Metadata metadata,
                 const FrameProgress& progress, int frame) {
     const auto path = frameFile(job, frame);
     metadata.emplace_back("shadowcache:seconds", std::to_string(progress.seconds));
+    metadata.emplace_back("shadowcache:processor", instructionSet());
     metadata.emplace_back("shadowcache:camera-rays-done", std::to_string(progress.cameraRays));
     if (!progress.complete) metadata.emplace_back("shadowcache:incomplete", "true");
     writeExr(path, film.width, film.height, channels(film, job.aovs), metadata,

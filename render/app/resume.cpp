@@ -15,9 +15,9 @@ namespace {
 
 /// The files among them are compared by their content, under whatever name (`inputs`).
 constexpr const char* kSilent[] = {
-    "SET",       "cache",  "env",         "dynamic",          "seconds", "threads",
-    "output",    "frames", "stats",       "resume",           "png",     "exposure",
-    "reference", "memory", "progressive", "camera-rays-done", "progress"};
+    "SET",       "cache",  "env",         "dynamic",          "seconds",  "threads",
+    "output",    "frames", "stats",       "resume",           "png",      "exposure",
+    "reference", "memory", "progressive", "camera-rays-done", "progress", "processor"};
 
 bool matters(const std::string& name) {
     const std::string prefix = "shadowcache:";

@@ -53,7 +53,7 @@ private:
         append(step.arguments, wordsOf({"--frames", frames_}));
         if (job_.shards > 1)
             append(step.arguments, {{"--shard"}, {"", true, "/" + std::to_string(job_.shards)}});
-        append(step.arguments, {{"-o"}, output});
+        append(step.arguments, {{"-o"}, output, {"--resume"}});
         append(step.arguments, running());
         for (int i = 1; i <= job_.shards; ++i) step.values.push_back(std::to_string(i));
         plan_.steps.push_back(std::move(step));

@@ -43,9 +43,9 @@ TEST(FarmPlan, BakesMergesRendersChecks) {
     ASSERT_EQ(plan.steps.size(), 4u);
     const std::string set = "'a set.ply' --camera cam.json ",
                       running = " --threads 3 --progress lines";
-    EXPECT_EQ(lineOf(plan.steps[0], 1), "shadowcache-bake " + set +
-                                            "--rays 8 --frames 1-5 --shard 2/2 -o /j/parts/2.vdb" +
-                                            running);
+    EXPECT_EQ(lineOf(plan.steps[0], 1),
+              "shadowcache-bake " + set +
+                  "--rays 8 --frames 1-5 --shard 2/2 -o /j/parts/2.vdb --resume" + running);
     EXPECT_EQ(plan.steps[0].values.size(), 2u);
     EXPECT_EQ(plan.steps[0].product.with("2"), "/j/parts/2.vdb");
     EXPECT_EQ(lineOf(plan.steps[1], 0),
@@ -61,10 +61,10 @@ TEST(FarmPlan, BakesMergesRendersChecks) {
 TEST(FarmPlan, OfOneShardMakesTheCacheAtOnce) {
     const FarmPlan plan = planOf(1);
     ASSERT_EQ(plan.steps.size(), 3u);
-    EXPECT_EQ(
-        lineOf(plan.steps[0], 0),
-        "shadowcache-bake 'a set.ply' --camera cam.json --rays 8 --frames 1-5 -o /j/cache.vdb "
-        "--threads 3 --progress lines");
+    EXPECT_EQ(lineOf(plan.steps[0], 0),
+              "shadowcache-bake 'a set.ply' --camera cam.json --rays 8 --frames 1-5 -o "
+              "/j/cache.vdb --resume "
+              "--threads 3 --progress lines");
     EXPECT_EQ(plan.steps[1].name, "render");
 }
 
