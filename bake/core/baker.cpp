@@ -4,21 +4,29 @@
 #include <cmath>
 #include <string>
 
+#include "bake/core/bake_sample.h"
 #include "bake/core/item_baker.h"
 #include "bake/core/region_bytes.h"
 #include "bake/core/side_choice.h"
 #include "bake/core/subpatches.h"
 #include "bake/core/surface_voxels.h"
 #include "common/base/parallel.h"
+#include "common/base/process.h"
 #include "common/base/progress.h"
 #include "common/base/version.h"
 #include "common/mesh/mesh_fingerprint.h"
+#include "common/random/salts.h"
+#include "common/random/sequence.h"
 
 namespace shadowcache {
 
 namespace {
 
 constexpr std::size_t kChunkSize = 32;
+
+/// Runs of voxels of a sample, enough for a mean over places that differ a lot, and their chunks:
+/// items of few voxels compress worse than those of many.
+constexpr std::size_t kSampleRuns = 48, kRunChunks = 4;
 
 std::size_t chunksOf(std::size_t count) {
     return (count + kChunkSize - 1) / kChunkSize;
@@ -49,21 +57,67 @@ public:
           baker_(scene, options, spacing) {}
 
     Baked run() {
-        const bool adaptive = options_.adaptive && DirectionTiers{options_.level}.refinements() > 0;
-        if (!selection_.everything())
-            choice_ = chooseSides(scene_, voxels_, selection_, options_.seed);
+        chooseWanted();
         const std::size_t count = voxels_.wanted().size();
-        Progress progress("bake", std::max<std::size_t>(1, count * (adaptive ? 2 : 1)));
-        if (!adaptive)
-            return bakeVoxels(progress, [&](std::size_t v, Baked& out) { bakeUniformly(v, out); });
-        const Pilots pilots = tracePilots(progress);
-        Baked baked = bakeVoxels(
-            progress, [&](std::size_t v, Baked& out) { bakeAdaptively(v, pilots, out); });
+        Progress progress("bake", std::max<std::size_t>(1, count * (isAdaptive() ? 2 : 1)));
+        Pilots pilots;
+        if (isAdaptive()) pilots = tracePilots(voxels_.withNeighbours(), count, progress);
+        Baked baked = bakeVoxels(voxels_.wanted(), pilots, progress);
         baked.rays += raysOf(pilots);
         return baked;
     }
 
+    void sample(BakeSample& out) {
+        chooseWanted();
+        const std::vector<std::size_t> chosen = sampleVoxels();
+        out.voxels = chosen.size();
+        out.ofVoxels = voxels_.wanted().size();
+        Progress progress("estimate",
+                          std::max<std::size_t>(1, chosen.size() * (isAdaptive() ? 2 : 1)));
+        Pilots pilots;
+        const double start = secondsNow();
+        if (isAdaptive()) {
+            const std::vector<std::size_t> needed = voxels_.withNeighbours(chosen);
+            out.pilots = needed.size();
+            out.ofPilots = voxels_.withNeighbours().size();
+            pilots = tracePilots(needed, chosen.size(), progress);
+        }
+        out.pilotRays = raysOf(pilots);
+        const double traced = secondsNow();
+        Baked baked = bakeVoxels(chosen, pilots, progress);
+        out.pilotSeconds = traced - start;
+        out.itemSeconds = secondsNow() - traced;
+        out.itemRays = baked.rays;
+        out.items = std::move(baked.items);
+    }
+
 private:
+    bool isAdaptive() const {
+        return options_.adaptive && DirectionTiers{options_.level}.refinements() > 0;
+    }
+
+    void chooseWanted() {
+        if (!selection_.everything())
+            choice_ = chooseSides(scene_, voxels_, selection_, options_.seed);
+    }
+
+    /// A run from each stratum of the wanted voxels, in order.
+    std::vector<std::size_t> sampleVoxels() const {
+        const std::vector<std::size_t>& wanted = voxels_.wanted();
+        constexpr std::size_t kRun = kRunChunks * kChunkSize;
+        if (wanted.size() <= kSampleRuns * kRun) return wanted;
+        const double last = static_cast<double>(wanted.size() - kRun);
+        std::vector<std::size_t> chosen;
+        for (std::size_t i = 0; i < kSampleRuns; ++i) {
+            const double u = toUnit(hashWords(options_.seed, BakeSalt::sample, i));
+            const auto first =
+                static_cast<std::size_t>((static_cast<double>(i) + u) / kSampleRuns * last);
+            for (std::size_t v = first; v < first + kRun; ++v)
+                if (chosen.empty() || chosen.back() < wanted[v]) chosen.push_back(wanted[v]);
+        }
+        return chosen;
+    }
+
     std::vector<Patch> patches(std::size_t v) const {
         return makePatches(scene_, voxels_.frame(), voxels_.fragments(v), options_.seed);
     }
@@ -99,9 +153,10 @@ private:
     }
 
     /// First pass.
-    Pilots tracePilots(Progress& progress) const {
-        const std::vector<std::size_t> needed = voxels_.withNeighbours();
-        const std::size_t count = voxels_.wanted().size();
+    ///
+    /// @param count  voxels that are baked, as `progress` has them
+    Pilots tracePilots(const std::vector<std::size_t>& needed, std::size_t count,
+                       Progress& progress) const {
         Pilots pilots(voxels_.size());
         parallelFor(needed.size(), kChunkSize, [&](const Chunk& chunk) {
             Pilots made = region<Pilots>(Checkpoint::Pass::pilots, chunk.index, pilotsFromBytes,
@@ -126,10 +181,9 @@ private:
         return pilots;
     }
 
-    /// Second or only pass: `bakeVoxel(v, out)` appends the items of voxel v.
-    template <class BakeVoxel>
-    Baked bakeVoxels(Progress& progress, const BakeVoxel& bakeVoxel) const {
-        const std::vector<std::size_t>& numbers = voxels_.wanted();
+    /// Second or only pass.
+    Baked bakeVoxels(const std::vector<std::size_t>& numbers, const Pilots& pilots,
+                     Progress& progress) const {
         const std::size_t count = numbers.size();
         std::vector<Baked> parts(chunksOf(count));
         parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
@@ -137,7 +191,10 @@ private:
                 Checkpoint::Pass::items, chunk.index, bakedFromBytes, [&](Baked& out) {
                     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                         throwIfInterrupted();
-                        bakeVoxel(numbers[i], out);
+                        if (isAdaptive())
+                            bakeAdaptively(numbers[i], pilots, out);
+                        else
+                            bakeUniformly(numbers[i], out);
                     }
                 });
             progress.add(chunk.end - chunk.begin);
@@ -250,6 +307,15 @@ BakeResult bake(const Scene& scene, const BakeOptions& options, const VoxelSelec
     result.items = std::move(baked.items);
     result.rays = baked.rays;
     return result;
+}
+
+BakeSample sampleBake(const Scene& scene, const BakeOptions& options,
+                      const VoxelSelection& selection) {
+    validate(options);
+    BakeSample sample;
+    sample.header = headerOf(scene.mesh(), options);
+    Bake(scene, options, sample.header.spacing, selection, nullptr).sample(sample);
+    return sample;
 }
 
 }  // namespace shadowcache

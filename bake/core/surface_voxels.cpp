@@ -64,9 +64,13 @@ std::size_t SurfaceVoxels::find(const Vec3i& voxel) const {
 }
 
 std::vector<std::size_t> SurfaceVoxels::withNeighbours() const {
-    if (wanted_.size() == size()) return wanted_;
+    return wanted_.size() == size() ? wanted_ : withNeighbours(wanted_);
+}
+
+std::vector<std::size_t> SurfaceVoxels::withNeighbours(
+    const std::vector<std::size_t>& voxels) const {
     std::vector<std::uint8_t> needed(size(), 0);
-    for (const std::size_t v : wanted_) {
+    for (const std::size_t v : voxels) {
         needed[v] = 1;
         visitNeighbours(v, [&](std::size_t other) { needed[other] = 1; });
     }

@@ -34,6 +34,8 @@ public:
 
     /// The wanted voxels and those next to them, in order.
     std::vector<std::size_t> withNeighbours() const;
+    /// The same of other voxels.
+    std::vector<std::size_t> withNeighbours(const std::vector<std::size_t>& voxels) const;
 
     /// Calls `visit` with the number of each of the 26 voxels around `v` that holds surface.
     template <class Visit>

@@ -16,6 +16,7 @@ enum class BakeSalt : std::uint64_t {
     filmColumn =
         0x66696c6d,  ///< place of a camera ray that looks for voxels; third word: its number
     filmRow = 0x66696c6e,
+    sample = 0x73616d70,  ///< voxels that an estimate bakes; third word: their run's number
 };
 
 /// Seeds of frames and of their pilots' places.

@@ -99,17 +99,28 @@ Vec3f Scene::normal(std::uint32_t triangle) const noexcept {
     return placedNormal(mesh_, triangle);
 }
 
-/// At barycentric coordinates of a triangle of the world.
-Hit Scene::hitAt(std::uint32_t triangle, float u, float v, float distance) const noexcept {
+/// Of a triangle of the world that Embree found. Its own numbers differ in their last bits from one
+/// instruction set to the next; these do not. [Möller & Trumbore 1997]
+///
+/// @param byEmbree  u, v and distance, for a ray in the triangle's plane
+Hit Scene::hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t triangle,
+                 const Hit& byEmbree) const noexcept {
     const auto [a, b, c] = placedCorners(mesh_, triangle);
-    Hit hit;
+    const Vec3d d(direction), ab = b - a, ac = c - a, toOrigin = Vec3d(origin) - a;
+    const Vec3d across = d.cross(ac), along = toOrigin.cross(ab);
+    const double determinant = ab.dot(across);
+    Hit hit = byEmbree;
     hit.found = true;
     hit.scene = this;
     hit.triangle = triangle;
-    hit.u = u;
-    hit.v = v;
-    hit.distance = distance;
-    hit.position = Vec3f(a + (b - a) * static_cast<double>(u) + (c - a) * static_cast<double>(v));
+    if (determinant != 0) {
+        // On an edge rounding may put the place beside the triangle.
+        const double u = std::clamp(toOrigin.dot(across) / determinant, 0.0, 1.0);
+        hit.u = static_cast<float>(u);
+        hit.v = static_cast<float>(std::clamp(d.dot(along) / determinant, 0.0, 1 - u));
+        hit.distance = static_cast<float>(ac.dot(along) / determinant);
+    }
+    hit.position = Vec3f(a + ab * static_cast<double>(hit.u) + ac * static_cast<double>(hit.v));
     hit.normal = normal(triangle);
     return hit;
 }
@@ -133,7 +144,11 @@ Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept
     if (moving_) hit = moving_->intersect(origin, direction);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
     if (hit.found && hit.distance < query.ray.tfar) return hit;
-    return hitAt(embree_->placedNumber(query.hit), query.hit.u, query.hit.v, query.ray.tfar);
+    Hit found;
+    found.u = query.hit.u;
+    found.v = query.hit.v;
+    found.distance = query.ray.tfar;
+    return hitAt(origin, direction, embree_->placedNumber(query.hit), found);
 }
 
 void Scene::intersect(const RayPacket& rays, int count, Hit* hits) const noexcept {
@@ -155,7 +170,13 @@ void Scene::intersect(const RayPacket& rays, int count, Hit* hits) const noexcep
         if (hits[i].found && hits[i].distance < distance) continue;
         const RTCHit hit = rtcGetHitFromHitN(reinterpret_cast<RTCHitN*>(&query.hit),
                                              RayPacket::kSize, static_cast<unsigned>(i));
-        hits[i] = hitAt(embree_->placedNumber(hit), hit.u, hit.v, distance);
+        Hit found;
+        found.u = hit.u;
+        found.v = hit.v;
+        found.distance = distance;
+        hits[i] = hitAt({rays.originX[i], rays.originY[i], rays.originZ[i]},
+                        {rays.directionX[i], rays.directionY[i], rays.directionZ[i]},
+                        embree_->placedNumber(hit), found);
     }
 }
 

@@ -105,7 +105,8 @@ public:
                     const Vec3f& side) const noexcept;
 
 private:
-    Hit hitAt(std::uint32_t triangle, float u, float v, float distance) const noexcept;
+    Hit hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t triangle,
+              const Hit& byEmbree) const noexcept;
 
     const TriangleMesh& mesh_;
     bool many_;

@@ -6,6 +6,7 @@
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/json_file.h"
+#include "common/base/leftovers.h"
 #include "common/base/option_checks.h"
 #include "common/base/process.h"
 #include "common/base/processor.h"
@@ -110,6 +111,7 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
 void writeFrame(const RenderJob& job, const Film& film, Metadata metadata,
                 const FrameProgress& progress, int frame) {
     const auto path = frameFile(job, frame);
+    reportLeftovers(path);
     metadata.emplace_back("shadowcache:seconds", std::to_string(progress.seconds));
     metadata.emplace_back("shadowcache:processor", instructionSet());
     metadata.emplace_back("shadowcache:camera-rays-done", std::to_string(progress.cameraRays));

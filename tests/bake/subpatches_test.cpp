@@ -183,7 +183,7 @@ TEST(Subpatches, AreTheSameInShardsAndInParts) {
         options.level = 3;
         options.shards = 3;
         options.shard = shard;
-        sum = mergeItems(sum, bake(scene, options).items, whole.header.tiers());
+        sum = mergeItems(sum, bake(scene, options).items, whole.header.tiers(), Overlap::keep);
     }
     ASSERT_GT(subpatchesOf(whole.items, {0, 0, 0}).size(), 1u);
     EXPECT_EQ(sum.voxel, whole.items.voxel);
@@ -204,7 +204,8 @@ TEST(Subpatches, AreTheSameInShardsAndInParts) {
 // A bake that cut a patch and one that did not make one cache, in which the parts count.
 TEST(Subpatches, MergeWithWholePatches) {
     const BakeResult cut = baked(halfHidden(0.2f)), whole = baked(halfHidden(0.2f), false);
-    const test::TestCache cache(cut.header, mergeItems(cut.items, whole.items, cut.header.tiers()));
+    const test::TestCache cache(
+        cut.header, mergeItems(cut.items, whole.items, cut.header.tiers(), Overlap::add));
     EXPECT_LT(openAt(cache.cache(), 0.0, 0.1), 0.06f);
     EXPECT_GT(openAt(cache.cache(), 0.4, 0.1), 0.4f);
 }

@@ -164,6 +164,10 @@ TEST_F(CheckpointTest, LeftoversAreFoundAndNamed) {
     EXPECT_NE(baked.out.find(far + ": kept"), std::string::npos) << baked.out;
     EXPECT_FALSE(fs::exists(path(dead)));
     EXPECT_TRUE(fs::exists(path(far)));
+    const std::string frame = "a.exr.part-2147483646-nojob-" + std::string(host);
+    folder_.write(frame, "x");
+    const auto drawn = runWell("render", still("-o a.exr"));
+    EXPECT_NE(drawn.out.find(frame + ": removed"), std::string::npos) << drawn.out;
 }
 
 }  // namespace

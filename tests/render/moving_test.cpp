@@ -87,6 +87,7 @@ TEST_F(Moving, ChangesNoMean) {
     points.push_back({hit.scene->rayOrigin(hit.position, hit.triangle, {0, 1, 0}),
                       mesh_.origin + Vec3d(hit.position),
                       {0, 1, 0},
+                      {0, 1, 0},
                       0});
     const double level = test::significance(2 * points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -1,0 +1,153 @@
+#include "bake/app/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <regex>
+
+#include "common/base/error.h"
+#include "common/cli/command_line.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// The shot's options as the command line has them.
+struct ShotArguments {
+    std::string size = "960x540";
+    std::vector<std::string> dynamic;
+};
+
+/// "K/N" -> shard K - 1 of N.
+void parseShard(const std::string& text, BakeOptions& options) {
+    static const std::regex wanted(R"((\d{1,8})/(\d{1,8}))");
+    std::smatch match;
+    if (!std::regex_match(text, match, wanted))
+        throw Error("--shard " + text + ": expected K/N, as in 2/8");
+    options.shard = std::stoi(match[1]) - 1;
+    options.shards = std::stoi(match[2]);
+}
+
+void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform) {
+    const std::string group = "Bake";
+    app.add_option("--spacing", job.bake.spacing,
+                   "Voxel size in metres; smaller is sharper, at a cost of the inverse square "
+                   "[chosen from the set's size]")
+        ->group(group);
+    app.add_option("--level", job.bake.level,
+                   "Finest direction level, 0 to 5: 20 * 4^level regions over the sphere")
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--rays", job.bake.rays, "Rays per region of mixed visibility, 1 to 255")
+        ->capture_default_str()
+        ->group(group);
+    // No negated flag: CLI11 would write it to a settings file the wrong way round.
+    app.add_flag("--uniform", uniform,
+                 "Refine every region to the finest level, not only where visibility is mixed")
+        ->group(group);
+    app.add_option("--seed", job.bake.seed,
+                   "Random seed; caches of different seeds merge into a better one")
+        ->check(notNegative)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--shard", shard,
+                   "Bake part K of N of the set; shadowcache-merge joins the parts")
+        ->group(group);
+}
+
+void defineShot(CLI::App& app, BakeJob& job, ShotArguments& shot) {
+    const std::string group = "Shot";
+    auto* camera = app.add_option("--camera", job.shot.camera.name,
+                                  "Bake only what the pictures of this camera look up: a camera "
+                                  "file (JSON), or the name of a camera in a glTF set")
+                       ->group(group);
+    app.add_option("--frames", job.shot.frames,
+                   "Frames of the shot: A, A-B or A-BxSTEP, joined by commas")
+        ->needs(camera)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--size", shot.size, "Size of its pictures in pixels: WxH")
+        ->needs(camera)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--margin", job.shot.margin,
+                   "Voxels to bake around those that are looked up, 0 to 64, for cameras that may "
+                   "still move")
+        ->needs(camera)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--fps", job.shot.fps, "Frames per second of a glTF set's animations")
+        ->needs(camera)
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--dynamic", shot.dynamic,
+                   "FILE or FILE@TRACK.json: a moving object of the shot, as shadowcache-render "
+                   "has it; not baked")
+        ->take_all()
+        ->allow_extra_args(false)
+        ->needs(camera)
+        ->group(group);
+    app.add_option("--extend", job.extend,
+                   "Add to this cache, without baking again what it holds; it must be of the same "
+                   "set, options and seed")
+        ->group(group);
+}
+
+void defineOutput(CLI::App& app, BakeJob& job) {
+    const std::string group = "Output";
+    app.add_option("-o,--output", job.output, "Cache to write (OpenVDB, .vdb)")->group(group);
+    app.add_flag("--estimate", job.estimate,
+                 "Bake a sample of the voxels and print what the whole would take: items, rays, "
+                 "seconds, bytes, memory; write no cache")
+        ->configurable(false)
+        ->group(group);
+    app.add_option("--stats", job.stats, "Write times, rays and sizes as JSON")->group(group);
+    app.add_flag("--resume", job.resume,
+                 "Continue where an interrupted bake of the same set and options stopped, from the "
+                 "folder OUTPUT.checkpoint")
+        ->group(group);
+    app.add_option("--checkpoint", job.checkpointSeconds,
+                   "Seconds between two checkpoints, 0.01 to 60")
+        ->capture_default_str()
+        ->group(group);
+    addThreadsOption(app, job.threads, group);
+    addProgressOption(app, group);
+}
+
+constexpr const char* kFooter =
+    "Stores which directions reach the sky, for every place near the set's surfaces.\n"
+    "The cache does not depend on light or camera: bake once, render any shot under any map.\n\n"
+    "Examples:\n"
+    "  shadowcache-bake room.obj -o room.vdb\n"
+    "  shadowcache-bake room.obj --estimate\n"
+    "  shadowcache-bake walls.ply trees.ply -o set.vdb --spacing 0.1 --rays 32\n"
+    "  shadowcache-bake set.glb -o shot.vdb --camera shot_010 --frames 1-96\n"
+    "  shadowcache-bake set.glb -o shot.vdb --extend shot.vdb --camera shot_020 --frames 1-48\n"
+    "  shadowcache-bake big.ply -o part2.vdb --shard 2/8   (then shadowcache-merge part*.vdb)";
+
+}  // namespace
+
+std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
+    CLI::App app("Bakes the visibility of a static set into a sparse OpenVDB file.",
+                 "shadowcache-bake");
+    std::string up = "y", shard;
+    bool uniform = false;
+    ShotArguments shot;
+    beginCommandLine(app);
+    addSetOptions(app, job.files, up, job.mesh.scale, "Set");
+    defineBake(app, job, shard, uniform);
+    defineShot(app, job, shot);
+    defineOutput(app, job);
+    app.footer(kFooter);
+    const auto check = [&] {
+        if (job.output.empty() && !job.estimate) throw CLI::RequiredError("--output");
+    };
+    if (const auto status = parseCommandLine(app, argc, argv, check)) return status;
+    job.bake.adaptive = !uniform;
+    if (!shard.empty()) parseShard(shard, job.bake);
+    job.shot.size = parsePair("--size", shot.size, "WxH, as in 960x540");
+    for (const std::string& text : shot.dynamic) job.shot.dynamic.push_back(parseDynamic(text));
+    job.mesh.zUp = up == "z";
+    job.settings = settingsOf(app);
+    return std::nullopt;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "bake/core/baker.h"
+
+namespace shadowcache {
+
+/// What a bake takes, predicted from a sample of its voxels.
+struct BakeEstimate {
+    double sampled = 0;  ///< share of the voxels that was baked for it
+    double spacing = 0;
+    int level = 0;
+    std::uint64_t items = 0;
+    std::uint64_t rays = 0;
+    double seconds = 0;  ///< of the whole run on this machine
+    std::uint64_t bytes = 0;
+    std::uint64_t memoryBytes = 0;  ///< most at once
+};
+
+/// Bakes a sample and writes it to the temporary folder for its size.
+///
+/// @param secondsBefore  that the run takes to load and select what is to be baked
+/// @throws Error
+BakeEstimate estimateBake(const Scene& scene, const BakeOptions& options,
+                          const VoxelSelection& selection, double secondsBefore);
+
+/// Prints an estimate, and writes it as JSON to `stats` if that is not empty. @throws Error
+void report(const BakeEstimate& estimate, const std::filesystem::path& stats);
+
+}  // namespace shadowcache

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bake/core/options.h"
+#include "bake/shot/shot_source.h"
+#include "common/import/mesh_options.h"
+
+namespace shadowcache {
+
+/// One run of shadowcache-bake, as its command line asks.
+struct BakeJob {
+    std::vector<std::filesystem::path> files;
+    std::filesystem::path output;
+    std::filesystem::path stats;
+    std::filesystem::path extend;  ///< cache to add to; empty: none
+    MeshOptions mesh;
+    BakeOptions bake;
+    ShotOptions shot;  ///< without a camera: the bake is of the whole set
+    int threads = 0;
+    bool estimate = false;  ///< predict what the bake takes, write no cache
+    bool resume = false;
+    double checkpointSeconds = 30;
+    std::vector<std::pair<std::string, std::string>> settings;  ///< as settingsOf() has them
+};
+
+/// Refuses invalid options before the long work starts. @throws Error
+void validate(const BakeJob& job);
+
+/// Runs the job. @throws Error
+void run(const BakeJob& job);
+
+}  // namespace shadowcache

@@ -1,0 +1,177 @@
+#include <cstdio>
+#include <optional>
+
+#include "bake/app/estimate.h"
+#include "bake/app/job.h"
+#include "bake/app/job_checkpoint.h"
+#include "bake/core/cache_part.h"
+#include "bake/core/extend.h"
+#include "bake/core/surface_count.h"
+#include "common/base/atomic_file.h"
+#include "common/base/error.h"
+#include "common/base/interrupt.h"
+#include "common/base/json_file.h"
+#include "common/base/option_checks.h"
+#include "common/base/parallel.h"
+#include "common/base/process.h"
+#include "common/base/version.h"
+#include "common/import/load_mesh.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// When each stage was finished [s].
+struct Times {
+    double start, loaded, built, selected, baked, written;
+};
+
+void writeStats(const BakeJob& job, const TriangleMesh& mesh, const BakeResult& result,
+                std::uintmax_t bytes, const Times& times) {
+    JsonFile stats;
+    stats.set("version", std::string(kVersion));
+    stats.set("triangles", std::uint64_t{mesh.triangles.size()});
+    stats.set("seconds.load", times.loaded - times.start);
+    stats.set("seconds.build", times.built - times.loaded);
+    stats.set("seconds.select", times.selected - times.built);
+    stats.set("seconds.bake", times.baked - times.selected);
+    stats.set("seconds.write", times.written - times.baked);
+    stats.set("rays.bake", result.rays);
+    if (const auto& part = result.header.part) {
+        stats.set("cache.sides", part->sides);
+        stats.set("cache.sides_of_set", part->sidesOfSet);
+    }
+    stats.set("cache.items", std::uint64_t{result.items.size()});
+    stats.set("cache.blocks", std::uint64_t{result.items.blocks.size()});
+    stats.set("cache.bytes", std::uint64_t{bytes});
+    stats.set("cache.spacing", result.header.spacing);
+    stats.set("cache.level", static_cast<std::uint64_t>(result.header.level));
+    stats.set("peak_rss_bytes", peakMemoryBytes());
+    stats.write(job.stats);
+}
+
+}  // namespace
+
+void validate(const BakeJob& job) {
+    validate(job.bake);
+    validate(job.shot);
+    requireRange("threads", job.threads, 0, kMaxThreads);
+    requireRange("checkpoint", job.checkpointSeconds, 0.01, 60.0);
+    if (!job.stats.empty()) requireWritable(job.stats);
+    if (job.estimate) return;
+    requireExtension(job.output, ".vdb");
+    requireWritable(job.output);
+}
+
+namespace {
+
+/// Chooses the spacing if the command line does not: that of the cache that is added to, or one for
+/// the set's size.
+///
+/// @param count  receives the set's surface in voxels if it was counted
+BakeOptions optionsOf(const BakeJob& job, const TriangleMesh& mesh,
+                      std::optional<SurfaceCount>& count) {
+    BakeOptions options = job.bake;
+    if (options.spacing > 0) return options;
+    if (!job.extend.empty()) {
+        options.spacing = readHeader(job.extend).spacing;
+        return options;
+    }
+    options.spacing = chooseSpacing(mesh, &count.emplace());
+    return options;
+}
+
+/// What the bake of a shot holds of the set.
+std::optional<CachePart> partOf(const std::optional<ShotSource>& shot, const CacheItems& items,
+                                const SurfaceCount& ofSet) {
+    if (!shot) return std::nullopt;
+    return CachePart{countSides(items), ofSet.sides, shot->text()};
+}
+
+/// What is to be baked.
+struct Task {
+    std::optional<SurfaceCount> count;  ///< of the set, if it was counted
+    BakeOptions options;
+    VoxelFrame frame;
+    std::optional<CacheToExtend> old;
+    VoxelSelection selection;
+
+    Task(const BakeJob& job, const std::optional<ShotSource>& shot, Scene& scene)
+        : options(optionsOf(job, scene.mesh(), count)), frame(scene.mesh(), options.spacing) {
+        if (!job.extend.empty()) {
+            old = readCacheToExtend(job.extend, headerOf(scene.mesh(), options));
+            selection.present = VoxelSides(frame, old->items);
+        }
+        if (shot) {
+            selection.lookups = shot->lookups(scene, frame);
+            selection.margin = job.shot.margin;
+        }
+    }
+};
+
+/// Bakes what the job asks for and the cache that it extends does not hold.
+BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, const Scene& scene,
+                    Task& task, Checkpoint& checkpoint) {
+    BakeResult result = bakeOrKeep(scene, task.options, task.selection, checkpoint);
+    result.header.upAxis = job.mesh.zUp ? "z" : "y";
+    result.header.unit = job.mesh.scale;
+    const std::size_t baked = result.items.size();
+    if (shot)
+        result.header.part = partOf(
+            shot, result.items, task.count ? *task.count : countSurface(scene.mesh(), task.frame));
+    if (task.old) {
+        addCache(*task.old, result);
+        std::printf("%s: %zu items, %zu more baked\n", job.extend.c_str(), task.old->items.size(),
+                    baked);
+    }
+    return result;
+}
+
+}  // namespace
+
+void run(const BakeJob& job) {
+    validate(job);
+    setThreadCount(job.threads);
+    installInterruptHandler();
+    Times times{};
+    times.start = secondsNow();
+    const auto checkpoint = job.estimate ? nullptr : startCheckpoint(job);
+    std::optional<ShotSource> shot;
+    if (!job.shot.camera.name.empty()) shot.emplace(job.shot, job.files, job.mesh);
+    const TriangleMesh mesh = loadMesh(job.files, job.mesh);
+    std::printf("set: %s\n", describe(mesh.report).c_str());
+    throwIfInterrupted();
+    times.loaded = secondsNow();
+    Scene scene(mesh);
+    times.built = secondsNow();
+    Task task(job, shot, scene);
+    times.selected = secondsNow();
+    if (job.estimate) {
+        const BakeEstimate estimate =
+            estimateBake(scene, task.options, task.selection, times.selected - times.start);
+        report(estimate, job.stats);
+        return;
+    }
+    const BakeResult result = bakeTask(job, shot, scene, task, *checkpoint);
+    times.baked = secondsNow();
+    const std::uintmax_t bytes = writeCache(job.output, result.header, result.items);
+    checkpoint->remove();
+    times.written = secondsNow();
+
+    std::printf(
+        "spacing %g%s, level %d: %zu items, %zu blocks, %.1f M rays in %.1f s, %.1f MB -> %s\n",
+        result.header.spacing,
+        job.bake.spacing > 0 || !job.extend.empty() ? "" : " (chosen from the set's size)",
+        result.header.level, result.items.size(), result.items.blocks.size(),
+        static_cast<double>(result.rays) * 1e-6, times.baked - times.built,
+        static_cast<double>(bytes) * 1e-6, job.output.c_str());
+    if (const auto& part = result.header.part)
+        std::printf(
+            "part of the set: %.1f %% of its surface (%llu of %llu sides of voxels), for %s\n",
+            100 * static_cast<double>(part->sides) / static_cast<double>(part->sidesOfSet),
+            static_cast<unsigned long long>(part->sides),
+            static_cast<unsigned long long>(part->sidesOfSet), part->shots.c_str());
+    if (!job.stats.empty()) writeStats(job, mesh, result, bytes, times);
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "bake/core/baker.h"
+
+namespace shadowcache {
+
+/// What baking a sample of the voxels of a bake took.
+struct BakeSample {
+    CacheHeader header;
+    CacheItems items;
+    std::size_t voxels = 0;    ///< baked
+    std::size_t ofVoxels = 0;  ///< that the whole bake bakes
+    std::size_t pilots = 0;  ///< voxels whose pilot rays were traced: those, and those around them
+    std::size_t ofPilots = 0;  ///< whose pilot rays the whole bake traces; 0: it needs none
+    std::uint64_t pilotRays = 0, itemRays = 0;
+    double pilotSeconds = 0, itemSeconds = 0;  ///< of all threads together, as a clock has them
+};
+
+/// Bakes runs of neighbouring voxels, drawn at random over the bake; all, where there are few.
+///
+/// @throws Error on impossible options
+BakeSample sampleBake(const Scene& scene, const BakeOptions& options,
+                      const VoxelSelection& selection);
+
+}  // namespace shadowcache
