@@ -32,6 +32,7 @@ double bytesOf(const CacheItems& items) {
 
 /// Size of the file that the sample makes; the file is removed.
 std::uintmax_t fileBytes(const BakeSample& sample) {
+    if (sample.items.size() == 0) return 0;
     const auto path = std::filesystem::temp_directory_path() /
                       ("shadowcache-estimate-" + std::to_string(getpid()) + ".vdb");
     const std::uintmax_t bytes = writeCache(path, sample.header, sample.items);
