@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <string>
 
-#include "bake/core/bake_sample.h"
 #include "common/base/json_file.h"
 #include "common/base/process.h"
 

@@ -1,6 +1,9 @@
 #pragma once
 
-#include "bake/core/baker.h"
+#include <cstddef>
+#include <cstdint>
+
+#include "common/cache/cache_items.h"
 
 namespace shadowcache {
 
@@ -15,11 +18,5 @@ struct BakeSample {
     std::uint64_t pilotRays = 0, itemRays = 0;
     double pilotSeconds = 0, itemSeconds = 0;  ///< of all threads together, as a clock has them
 };
-
-/// Bakes runs of neighbouring voxels, drawn at random over the bake; all, where there are few.
-///
-/// @throws Error on impossible options
-BakeSample sampleBake(const Scene& scene, const BakeOptions& options,
-                      const VoxelSelection& selection);
 
 }  // namespace shadowcache

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 
-#include "bake/core/bake_sample.h"
 #include "bake/core/item_baker.h"
 #include "bake/core/region_bytes.h"
 #include "bake/core/side_choice.h"

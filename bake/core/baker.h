@@ -1,5 +1,6 @@
 #pragma once
 
+#include "bake/core/bake_sample.h"
 #include "bake/core/checkpoint.h"
 #include "bake/core/options.h"
 #include "bake/core/voxel_selection.h"
@@ -28,5 +29,11 @@ CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options);
 /// @throws Error on impossible options
 BakeResult bake(const Scene& scene, const BakeOptions& options,
                 const VoxelSelection& selection = {}, Checkpoint* checkpoint = nullptr);
+
+/// Bakes runs of neighbouring voxels, drawn at random over the bake; all, where there are few.
+///
+/// @throws Error on impossible options
+BakeSample sampleBake(const Scene& scene, const BakeOptions& options,
+                      const VoxelSelection& selection);
 
 }  // namespace shadowcache

@@ -10,7 +10,8 @@ namespace shadowcache {
 
 /// Chooses for a frame how heavy a misprediction must be to be reused. In vegetation finds are so
 /// many that their rays cost more than they gain. So the pilot's places are planned with each
-/// threshold, and the one with the least predicted error times cost is taken. [docs/estimator.md]
+/// threshold, and the higher one is taken where it clearly lowers the predicted error times cost.
+/// [docs/estimator.md]
 class ReuseThreshold {
 public:
     /// Values of Heavy::least.
