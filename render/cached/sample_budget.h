@@ -10,7 +10,8 @@ struct PredictedNoise {
     double value;      ///< the irradiance itself, as the cache predicts it
 };
 
-/// Shares a frame's samples out by the noise expected of each place, relative to its brightness.
+/// Neyman allocation: shares a frame's samples out by the noise expected of each place, relative to
+/// its brightness.
 /// The shares depend on predictions alone, so the estimates stay unbiased. [docs/estimator.md]
 class SampleBudget {
 public:

@@ -38,11 +38,11 @@ std::string hills(int side) {
 
 class EstimateTest : public CliTest {
 protected:
-    EstimateTest() { folder_.write("hills.obj", hills(120)); }
+    EstimateTest() { folder_.write("hills.obj", hills(100)); }
 
     Json stats(const std::string& arguments) const {
         runWell("bake",
-                "hills.obj --level 2 --rays 4 --stats stats.json --progress none " + arguments);
+                "hills.obj --level 2 --rays 1 --stats stats.json --progress none " + arguments);
         return Json::parse(readBytes(path("stats.json")));
     }
 };
