@@ -19,7 +19,6 @@
 #include "render/cached/cache_pilot.h"
 #include "render/cached/cluster_lighting.h"
 #include "render/cached/control_variate.h"
-#include "render/cached/reuse_threshold.h"
 #include "render/cached/sample_budget.h"
 
 namespace shadowcache {
@@ -117,8 +116,7 @@ private:
     const OpennessMeter openness_{context_.cache->header().tiers()};
     Calibration calibration_;
     std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
-    double darkest_ = 0;     ///< irradiance below which errors count no more [luminance]
-    double heavy_ = kHeavy;  ///< part of a point's brightness from which on samples are reused
+    double darkest_ = 0;  ///< irradiance below which errors count no more [luminance]
 
     std::uint64_t run(std::span<const ShadingPoint> points, int samples) override {
         calibration_ = Calibration();
@@ -139,7 +137,6 @@ private:
         for (const PredictedNoise& n : noise) brightness += n.value;
         darkest_ = noise.empty() ? 0 : kDarkest * brightness / static_cast<double>(noise.size());
         if (options_.adaptive) budget_.emplace(noise, samples);
-        if (samples > 0) heavy_ = chooseReuse(points, samples);
         return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
     }
 
@@ -170,35 +167,6 @@ private:
             }
         });
         return noise;
-    }
-
-    /// How heavy a reused sample is, at least, in the frame that `points` are places of.
-    double chooseReuse(std::span<const ShadingPoint> points, int samples) const {
-        std::vector<ReuseThreshold> tried((points.size() + kPilotChunk - 1) / kPilotChunk);
-        parallelFor(points.size(), kPilotChunk, [&](const Chunk& chunk) {
-            const auto workspace = makeWorkspace();
-            auto& w = static_cast<CacheWorkspace&>(*workspace);
-            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                const Regions& regions = lookAt(points[i], w);
-                const double share = shareOf(regions, samples) / samples;
-                const double bright = regions.predictedLuminance + darkest_;
-                if (!(bright > 0)) continue;
-                for (std::size_t k = 0; k < ReuseThreshold::kChoices.size(); ++k)
-                    tried[chunk.index].add(k, regions,
-                                           planOf(regions, share, ReuseThreshold::kChoices[k], w),
-                                           share, 1 / (bright * bright));
-            }
-        });
-        ReuseThreshold all;
-        for (const ReuseThreshold& part : tried) all.add(part);
-        return all.best();
-    }
-
-    /// Plan for a point with `share` times the mean number of samples.
-    const SamplingPlan& planOf(const Regions& regions, double share, double heavy,
-                               CacheWorkspace& w) const {
-        return w.planner.plan(regions, kJudgedSamples * share,
-                              {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform, heavy});
     }
 
     static PredictedNoise predictedNoise(const Regions& regions) {
@@ -271,7 +239,9 @@ private:
         const Regions& regions =
             w.regionBuilder.build(w.pooled, centre.normal, cluster.tilt, calibration_);
         const double share = shareOf(regions, batch.samples);
-        const SamplingPlan& plan = planOf(regions, share / batch.samples, heavy_, w);
+        const SamplingPlan& plan =
+            w.planner.plan(regions, kJudgedSamples * share / batch.samples,
+                           {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform});
         const ControlVariate predicted(context_.environment, regions, plan);
         const auto members = w.clusters.order().subspan(cluster.begin, cluster.end - cluster.begin);
         for (const std::uint32_t point : members)

@@ -24,16 +24,6 @@ SHADOWCACHE_TUNED(double, kUnknownChance, 0.3);
 
 }  // namespace
 
-double mispredictionChance(const RegionGroup& group, const PlannedGroup& planned, int i) {
-    return static_cast<double>(planned.reuse[i] > 0 ? group.calibrated[i]
-                                                    : 1 - group.calibrated[i]);
-}
-
-std::uint32_t reuseGroupSize(double chance) {
-    const double most = std::clamp(kGroupPerFind / std::max(chance, 1e-12), 1.0, kMostGroupPoints);
-    return std::bit_floor(static_cast<std::uint32_t>(most));
-}
-
 NeighborReuse::NeighborReuse(const Environment& environment, const DirectionTiers& tiers)
     : environment_(environment), baseLevel_(tiers.baseLevel()) {
     firstSlot_ = {0};
@@ -101,8 +91,7 @@ void NeighborReuse::addOffers(const Regions& regions, const SamplingPlan& plan,
         const auto scale = static_cast<float>(1 / plan.weightSum);
         for (std::size_t i = 0; i < kBlockCells; ++i) {
             offer.expected[i] = planned.reuse[i] * planned.weight[i] * scale;
-            offer.chance[i] =
-                static_cast<float>(mispredictionChance(group, planned, static_cast<int>(i)));
+            offer.chance[i] = planned.reuse[i] > 0 ? group.calibrated[i] : 1 - group.calibrated[i];
         }
     }
 }
@@ -149,8 +138,10 @@ std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
         chance += samples * static_cast<double>(offer.chance);
     }
     if (!(weight > 0)) weight = 1, chance = kUnknownChance;
+    const double most =
+        std::clamp(kGroupPerFind * weight / std::max(chance, 1e-12), 1.0, kMostGroupPoints);
     sizeBatch_[found.cell] = batchNumber_;
-    return sizes_[found.cell] = reuseGroupSize(chance / weight);
+    return sizes_[found.cell] = std::max(1u, std::bit_floor(static_cast<std::uint32_t>(most)));
 }
 
 void NeighborReuse::findCandidates(const Misprediction& found) {

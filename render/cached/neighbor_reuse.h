@@ -21,14 +21,6 @@ struct Misprediction {
     std::uint32_t finder;  ///< number of the point
 };
 
-/// Probability that a sample of region `i` of a group, where samples are reused, is a
-/// misprediction.
-double mispredictionChance(const RegionGroup& group, const PlannedGroup& planned, int i);
-
-/// Pixels whose points reuse each other's mispredictions where these have probability `chance`, in
-/// [0, 1]: a power of two.
-std::uint32_t reuseGroupSize(double chance);
-
 /// Points of neighbouring pixels reuse each other's mispredictions, each of which is rare and
 /// heavy: multi-sample MIS. A point takes part in what another found with the balance heuristic
 /// over all points of its group that are mispredicted in that direction, too. Groups hold one

@@ -14,6 +14,10 @@ namespace {
 /// misprediction can weigh.
 SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
 
+/// Part of the irradiance from which on a sample is heavy enough to be reused: what its rays to the
+/// neighbours cost is then well spent.
+SHADOWCACHE_TUNED(double, kHeavy, 0.03);
+
 /// Regions whose mispredictions are reused need this much of the samples that they would need
 /// alone.
 SHADOWCACHE_TUNED(float, kReuseWeight, 0.5f);
@@ -25,7 +29,7 @@ double deviationOf(const Regions& regions) {
 }
 
 const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples,
-                                          const Heavy& heavySamples) {
+                                          const Brightness& brightness) {
     plan_.groups.resize(regions.groups.size());
     plan_.weightSum = 0;
     if (!(regions.lightSum > 0)) return plan_;
@@ -33,10 +37,9 @@ const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples
         static_cast<float>(kDefensiveShare * regions.deviationSum / regions.lightSum);
     const double unsure = std::max(0.0, regions.predictedLuminance - regions.surelyVisible);
     const double bright =
-        heavySamples.darkest + regions.surelyVisible + heavySamples.unsureShare * unsure;
+        brightness.darkest + regions.surelyVisible + brightness.unsureShare * unsure;
     // A sample weighs light / (samples * weight / deviationOf(regions)).
-    const auto least =
-        static_cast<float>(heavySamples.least * bright * samples / deviationOf(regions));
+    const auto least = static_cast<float>(kHeavy * bright * samples / deviationOf(regions));
     for (std::size_t g = 0; g < regions.groups.size(); ++g) {
         const RegionGroup& from = regions.groups[g];
         PlannedGroup& to = plan_.groups[g];

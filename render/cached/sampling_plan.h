@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "common/base/tuned.h"
 #include "render/cached/regions.h"
 
 namespace shadowcache {
@@ -26,16 +25,10 @@ struct SamplingPlan {
     double weightSum = 0;
 };
 
-/// Part of a point's brightness from which on a sample is heavy enough to be reused.
-inline SHADOWCACHE_TUNED(double, kHeavy, 0.03);
-/// The same in frames with so many mispredictions that reusing more costs more than it gains.
-inline SHADOWCACHE_TUNED(double, kVeryHeavy, 0.06);
-
-/// Which samples are heavy.
-struct Heavy {
+/// Brightness below which a heavy sample does not matter.
+struct Brightness {
     double darkest = 0;      ///< irradiance below which errors count no more [luminance]
-    double unsureShare = 0;  ///< how much of the light that is predicted but not sure is brightness
-    double least = kHeavy;   ///< part of the brightness from which on a sample is heavy
+    double unsureShare = 0;  ///< how much of the light that is predicted but not sure counts
 };
 
 /// Standard deviation of one sample of a point, as the regions predict it.
@@ -43,13 +36,14 @@ double deviationOf(const Regions& regions);
 
 /// Plans the sampling of regions by their predicted deviation and a defensive share of their light.
 /// Mispredictions are to be reused where one of `samples` samples that contradicts the prediction
-/// would contribute more than `heavy.least` of the point's brightness; there the prediction is
+/// would contribute more than a small part of the point's brightness; there the prediction is
 /// rounded to fully occluded or fully visible, and fewer samples do, since the neighbours' count as
 /// well.
+///
 class SamplingPlanner {
 public:
     /// @return valid until the next call
-    const SamplingPlan& plan(const Regions& regions, double samples, const Heavy& heavy);
+    const SamplingPlan& plan(const Regions& regions, double samples, const Brightness& brightness);
 
 private:
     SamplingPlan plan_;

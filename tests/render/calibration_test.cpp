@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "common/predict/horizon.h"
-#include "render/cached/reuse_threshold.h"
 #include "render/cached/sample_budget.h"
 
 namespace shadowcache {
@@ -100,38 +99,6 @@ TEST(SampleBudget, SharesOutFractionsOfASample) {
     const SampleBudget budget(places, 1);
     EXPECT_NEAR(budget.shareOf(places[0]), 0.25, 1e-9);
     EXPECT_GT(budget.shareOf(places[399]), 1);
-}
-
-/// The threshold chosen for places of one region, whose misprediction has probability `chance`;
-/// with the lower threshold it is reused, with the higher it is not.
-double thresholdWhere(float chance) {
-    Regions regions;
-    RegionGroup& group = regions.groups.emplace_back();
-    group = {};
-    group.light[0] = 1;
-    group.calibrated[0] = chance;
-    group.deviation[0] = std::sqrt(chance * (1 - chance));
-    SamplingPlan plan;
-    PlannedGroup& planned = plan.groups.emplace_back();
-    planned = {};
-    planned.weight[0] = 1;
-    planned.weightSum = plan.weightSum = 1;
-    ReuseThreshold threshold;
-    threshold.add(1, regions, plan, 1, 1);
-    planned.reuse[0] = 1;
-    threshold.add(0, regions, plan, 1, 1);
-    return threshold.best();
-}
-
-TEST(ReuseThreshold, IsLowWhereMispredictionsAreRareAndHighWhereTheyAreMany) {
-    EXPECT_EQ(thresholdWhere(1e-5f), kHeavy);
-    EXPECT_EQ(thresholdWhere(0.01f), kHeavy);
-    EXPECT_EQ(thresholdWhere(0.5f), kVeryHeavy);
-    EXPECT_EQ(thresholdWhere(0.9f), kVeryHeavy);
-}
-
-TEST(ReuseThreshold, IsTheLowOneWithoutPlaces) {
-    EXPECT_EQ(ReuseThreshold().best(), kHeavy);
 }
 
 }  // namespace
