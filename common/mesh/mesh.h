@@ -24,8 +24,8 @@ struct MeshReport {
     std::size_t triangles = 0;         ///< triangles kept
     std::size_t instances = 0;         ///< copies of triangles that are kept once
     std::size_t placed = 0;            ///< triangles in the world, each copy counted
-    std::size_t badNormals = 0;        ///< shading normals that are zero, not finite or out of range
-    std::size_t blended = 0;  ///< materials that blend with what is behind, taken as opaque
+    std::size_t badNormals = 0;  ///< shading normals that are zero, not finite or out of range
+    std::size_t blended = 0;     ///< materials that blend with what is behind, taken as opaque
 };
 
 /// A run of triangles of one material.
