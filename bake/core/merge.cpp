@@ -20,7 +20,7 @@ struct Run {
     std::size_t bytes() const { return items.n.size() + items.blocks.size() * sizeof(CountBlock); }
 };
 
-void addRun(Run& sum, Run more) {
+void addRun(Run& sum, const Run& more) {
     const auto [header, overlap] =
         joinHeaders(sum.header, sum.first.string(), more.header, more.first);
     sum.items = mergeItems(sum.items, more.items, header.tiers(), overlap);
@@ -41,16 +41,14 @@ CacheItems mergeCaches(std::span<const std::filesystem::path> paths, CacheHeader
         read.first = path;
         read.items = readCache(path, read.header);
         while (runs.size() > 1 && 2 * runs.back().bytes() >= runs[runs.size() - 2].bytes()) {
-            Run last = std::move(runs.back());
+            addRun(runs[runs.size() - 2], runs.back());
             runs.pop_back();
-            addRun(runs.back(), std::move(last));
         }
         progress.add(1);
     }
     while (runs.size() > 1) {
-        Run last = std::move(runs.back());
+        addRun(runs[runs.size() - 2], runs.back());
         runs.pop_back();
-        addRun(runs.back(), std::move(last));
     }
     header = std::move(runs.front().header);
     CacheItems items = std::move(runs.front().items);

@@ -10,6 +10,7 @@ namespace {
 
 std::vector<FarmWord> wordsOf(const std::vector<std::string>& texts) {
     std::vector<FarmWord> words;
+    words.reserve(texts.size());
     for (const std::string& text : texts) words.push_back({text});
     return words;
 }
