@@ -148,6 +148,7 @@ TEST_F(MergeParts, KeepsItemsOfTwoShotsOnce) {
 TEST_F(MergeParts, OfManyShardsAreTheOneBake) {
     constexpr int kShards = 37;
     std::vector<fs::path> paths;
+    paths.reserve(kShards);
     for (int k = 0; k < kShards; ++k) paths.push_back(writeShard(k * 5 % kShards, kShards));
     CacheHeader header;
     const CacheItems merged = mergeCaches(paths, header);
