@@ -110,12 +110,12 @@ std::string fileOf(const std::vector<FarmFile>& files, const std::string& name) 
 TEST(FarmFiles, SlurmWaitsForSuccessAndRequeues) {
     const auto files = slurmFiles(planOf(2));
     const std::string submit = fileOf(files, "submit"), task = fileOf(files, "slurm-task");
-    for (const char* part :
-         {"--requeue", "--kill-on-invalid-dep=yes", "--cpus-per-task=3",
-          "--dependency=\"afterok:$id\"",
-          "submit bake --output=log/bake.%a.log --array=1-2 \"$@\"\nsubmit merge "
-          "--output=log/merge.log "
-          "\"$@\"\nsubmit render --output=log/render.%a.log --array=1-3 \"$@\"\nsubmit check"})
+    const char* const steps =
+        "submit bake --output=log/bake.%a.log --array=1-2 \"$@\"\nsubmit merge "
+        "--output=log/merge.log "
+        "\"$@\"\nsubmit render --output=log/render.%a.log --array=1-3 \"$@\"\nsubmit check";
+    for (const char* part : {"--requeue", "--kill-on-invalid-dep=yes", "--cpus-per-task=3",
+                             "--dependency=\"afterok:$id\"", steps})
         EXPECT_NE(submit.find(part), std::string::npos) << part << " in:\n" << submit;
     EXPECT_NE(task.find("$status -eq 75"), std::string::npos) << task;
     EXPECT_NE(task.find("scontrol requeue"), std::string::npos) << task;
