@@ -14,7 +14,7 @@ namespace shadowcache {
 namespace {
 
 /// Memory of a bake, in sizes of its items, when it writes them: regions as they were finished,
-/// their sum, and the grids. Measured on kitchen and atrium.
+/// their sum, and the grids. Measured on the kitchen.
 constexpr double kCopies = 5;
 
 std::uint64_t rounded(double value) {
