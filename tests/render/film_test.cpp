@@ -104,10 +104,10 @@ TEST(PixelFilter, OfABoxIsThePixelItself) {
 /// A frame of the plain with boxes.
 class Frame : public testing::Test {
 protected:
-    Film render(const std::string& estimator = "mis") {
+    Film render(const std::string& estimator = "mis", int number = 1) {
         const auto made = findEstimator(estimator).make({scene_, environment_, nullptr, sequence_});
         RenderStats stats;
-        return shadowcache::render({*made, camera_, 1, options_}, stats);
+        return shadowcache::render({*made, camera_, number, options_}, stats);
     }
 
     Frame() {
@@ -147,6 +147,21 @@ TEST_F(Frame, CropShowsWhatTheWholeFrameShows) {
     // Control: a part beside it.
     options_.crop->x += 1;
     EXPECT_GT(differences(render()), 100);
+}
+
+TEST_F(Frame, OfAnotherNumberHasOtherNoise) {
+    const Film first = render("mis", 1);
+    const auto differences = [&](const Film& film) {
+        int different = 0;
+        for (std::size_t i = 0; i < film.pixels.size(); ++i)
+            different += film.pixels[i].color != first.pixels[i].color;
+        return different;
+    };
+    const auto lit = std::ranges::count_if(first.pixels, [](const Pixel& p) { return p.rays > 0; });
+    ASSERT_GT(lit, 300);
+    EXPECT_GT(differences(render("mis", 2)), lit / 2);
+    // Control: the same number.
+    EXPECT_EQ(differences(render("mis", 1)), 0);
 }
 
 /// p-value that `scale` times what pixels say of their variance is what they have, over renders
