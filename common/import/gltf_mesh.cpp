@@ -38,10 +38,14 @@ public:
     }
 
     RawMesh finish() {
+        for (std::vector<Vec2f>& more : out_.moreTexcoords)
+            more.resize(out_.vertices.size(), Vec2f(0.0f));
         for (std::size_t i = 0; i < used_.size(); ++i) {
             if (!used_[i]) continue;
             out_.blended += document_.materials[i].blends ? 1 : 0;
-            if (const int texture = out_.materials[i].texture; texture >= 0) decodePicture(texture);
+            for (const std::string& name : document_.materials[i].leftOut) ++out_.leftOut[name];
+            for (const int* texture : texturesOf(out_.materials[i]))
+                if (*texture >= 0) decodePicture(*texture);
         }
         return std::move(out_);
     }
@@ -127,7 +131,7 @@ private:
         const std::size_t vertices = out_.vertices.size();
         const GltfMaterial* material =
             p.material < 0 ? nullptr : &document_.materials[static_cast<std::size_t>(p.material)];
-        const bool textured = material && material->material.texture >= 0;
+        const bool textured = material && !material->places.empty();
         const bool cutOut = material && material->material.cutOut && !opacities.empty();
         constexpr Vec3f kNone(0, 0, 1);
         if (!textured && !cutOut) {
@@ -135,24 +139,36 @@ private:
             return;
         }
         out_.texcoords.resize(first, kNone);
-        std::vector<double> values;
-        std::size_t components = 2;
-        if (textured)
-            values =
-                attribute(mesh, p, "TEXCOORD_" + std::to_string(material->texcoordSet), components);
-        if (!values.empty() && (components != 2 || values.size() != 2 * (vertices - first)))
-            fail(mesh, "texture coordinates do not match the positions, expected a pair for each");
-        for (std::size_t i = 0; i < vertices - first; ++i) {
-            Vec3f at = kNone;
-            if (!values.empty()) {
-                const Vec3f uv1(static_cast<float>(values[2 * i]),
-                                static_cast<float>(values[2 * i + 1]), 1.0f);
-                at.x = material->toS.dot(uv1);
-                at.y = material->toT.dot(uv1);
-            }
-            if (!opacities.empty()) at.z = opacities[i];
-            out_.texcoords.push_back(at);
+        std::vector<Vec2f> places(vertices - first, Vec2f(0.0f));
+        if (textured) places = texturePlaces(mesh, p, first, material->places.front());
+        for (std::size_t i = 0; i < places.size(); ++i)
+            out_.texcoords.emplace_back(places[i].x, places[i].y,
+                                        opacities.empty() ? 1.0f : opacities[i]);
+        for (std::size_t layer = 1; textured && layer < material->places.size(); ++layer) {
+            if (out_.moreTexcoords.size() < layer) out_.moreTexcoords.resize(layer);
+            std::vector<Vec2f>& more = out_.moreTexcoords[layer - 1];
+            more.resize(first, Vec2f(0.0f));
+            places = texturePlaces(mesh, p, first, material->places[layer]);
+            more.insert(more.end(), places.begin(), places.end());
         }
+    }
+
+    /// Texture coordinates of a primitive's vertices, those from `first` on; 0 where it has none.
+    std::vector<Vec2f> texturePlaces(int mesh, const GltfPrimitive& p, std::size_t first,
+                                     const GltfTexturePlace& place) const {
+        std::size_t components = 2;
+        const std::vector<double> values =
+            attribute(mesh, p, "TEXCOORD_" + std::to_string(place.texcoordSet), components);
+        std::vector<Vec2f> places(out_.vertices.size() - first, Vec2f(0.0f));
+        if (values.empty()) return places;
+        if (components != 2 || values.size() != 2 * places.size())
+            fail(mesh, "texture coordinates do not match the positions, expected a pair for each");
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const Vec3f uv1(static_cast<float>(values[2 * i]),
+                            static_cast<float>(values[2 * i + 1]), 1.0f);
+            places[i] = {place.toS.dot(uv1), place.toT.dot(uv1)};
+        }
+        return places;
     }
 
     void addFaces(int mesh, const GltfPrimitive& p, std::size_t first, std::size_t vertices,

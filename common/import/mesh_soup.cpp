@@ -115,6 +115,12 @@ void appendVertices(const std::filesystem::path& path, const RawMesh& raw,
     if (firstVertex + direct < vertices) soup.local.emplace_back(firstVertex + direct, vertices);
     appendAttribute(firstVertex, vertices, raw.colors, kUncolored, soup.colors);
     appendAttribute(firstVertex, vertices, raw.texcoords, Vec3f(0, 0, 1), soup.texcoords);
+    soup.moreTexcoords.resize(std::max(soup.moreTexcoords.size(), raw.moreTexcoords.size()));
+    static const std::vector<Vec2f> kNone;
+    for (std::size_t k = 0; k < soup.moreTexcoords.size(); ++k)
+        appendAttribute(firstVertex, vertices,
+                        k < raw.moreTexcoords.size() ? raw.moreTexcoords[k] : kNone, Vec2f(0.0f),
+                        soup.moreTexcoords[k]);
 }
 
 /// Appends a file's shading normals, and makes them unit vectors.
@@ -150,10 +156,18 @@ std::vector<std::uint32_t> appendNormals(const RawMesh& raw, const MeshOptions& 
 /// Materials, textures and instances of a file, renumbered behind those of the files before.
 void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     const Affine world = worldOf(options);
+    std::vector<bool> used(raw.textures.size(), false);
     for (Material material : raw.materials) {
-        if (material.texture >= 0) material.texture += static_cast<int>(soup.textures.size());
+        if (!options.gloss) material.finish = {};
+        for (int* texture : texturesOf(material)) {
+            if (*texture < 0) continue;
+            used[static_cast<std::size_t>(*texture)] = true;
+            *texture += static_cast<int>(soup.textures.size());
+        }
         soup.materials.push_back(material);
     }
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (!used[i]) raw.textures[i].rgba = {};
     for (Texture& texture : raw.textures) soup.textures.push_back(std::move(texture));
     int groups = 0;
     for (const RawInstance& instance : raw.instances) {
@@ -162,6 +176,7 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     }
     soup.groups += groups;
     soup.report.blended += raw.blended;
+    for (const auto& [name, count] : raw.leftOut) soup.report.leftOut[name] += count;
 }
 
 }  // namespace

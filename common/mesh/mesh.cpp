@@ -17,6 +17,9 @@ std::string describe(const MeshReport& report) {
     add(report.unreferenced, "vertices without a face");
     add(report.badNormals, "shading normals that are zero, not finite or out of range");
     add(report.blended, "blending materials taken as opaque");
+    for (const auto& [name, count] : report.leftOut)
+        add(count, (count == 1 ? "material without its " : "materials without their ") + name +
+                       ", which is left out");
     add(report.instances,
         "instances, with which " + std::to_string(report.placed) + " triangles are in the world");
     return text;

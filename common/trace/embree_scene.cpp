@@ -5,6 +5,7 @@
 
 #include "common/base/error.h"
 #include "common/base/parallel.h"
+#include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {

@@ -10,6 +10,7 @@
 #include "common/import/gltf_mesh.h"
 #include "common/import/gltf_nodes.h"
 #include "common/import/load_mesh.h"
+#include "common/mesh/looks.h"
 #include "common/mesh/mesh_fingerprint.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/trace/scene.h"
