@@ -49,6 +49,7 @@ public:
         readGloss();
         if (const auto* ior = extension("KHR_materials_ior")) readIor(*ior);
         if (const auto* specular = extension("KHR_materials_specular")) readSpecular(*specular);
+        readNormalMap();
         readEmission(extension("KHR_materials_emissive_strength"));
         for (const auto& [name, value] : from_.extensions)
             if (std::ranges::find(kSupported, name) == kSupported.end() &&
@@ -133,7 +134,7 @@ private:
         to.cutoff = static_cast<float>(from_.alphaCutoff);
         to.cutOut = from_.alphaMode == "MASK";
         to.doubleSided = from_.doubleSided;
-        to_.blends = from_.alphaMode == "BLEND";
+        to.blends = from_.alphaMode == "BLEND";
         // The first, so that its layer is 0.
         to.texture = slotOf(from_.pbrMetallicRoughness.baseColorTexture).texture;
     }
@@ -159,6 +160,12 @@ private:
                     bounded(color.Get(static_cast<std::size_t>(k)).GetNumberAsDouble(), 0, 1e6);
         finish_.specular = slotOf(extension, "specularTexture");
         finish_.specularColor = slotOf(extension, "specularColorTexture");
+    }
+
+    void readNormalMap() {
+        to_.material.normal = slotOf(from_.normalTexture);
+        const double scale = from_.normalTexture.scale;
+        to_.material.normalScale = static_cast<float>(std::isfinite(scale) ? scale : 1);
     }
 
     void readEmission(const tinygltf::Value* strength) {

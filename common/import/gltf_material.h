@@ -23,8 +23,7 @@ struct GltfTexturePlace {
 
 /// A material, and where on the surface its textures lie.
 struct GltfMaterial {
-    Material material;  ///< its textures are indices into GltfDocument::textures
-    bool blends = false;
+    Material material;                     ///< its textures are indices into GltfDocument::textures
     std::vector<GltfTexturePlace> places;  ///< by layer of the material's slots
     std::vector<std::string> leftOut;      ///< what the file asks for and this program has not
 };

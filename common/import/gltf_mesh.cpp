@@ -8,6 +8,7 @@
 #include "common/base/error.h"
 #include "common/image/image.h"
 #include "common/import/gltf_nodes.h"
+#include "common/import/tangents.h"
 #include "common/import/texture_decoder.h"
 
 namespace shadowcache {
@@ -38,11 +39,12 @@ public:
     }
 
     RawMesh finish() {
+        if (!out_.tangents.empty()) out_.tangents.resize(out_.vertices.size());
         for (std::vector<Vec2f>& more : out_.moreTexcoords)
             more.resize(out_.vertices.size(), Vec2f(0.0f));
         for (std::size_t i = 0; i < used_.size(); ++i) {
             if (!used_[i]) continue;
-            out_.blended += document_.materials[i].blends ? 1 : 0;
+            out_.blended += out_.materials[i].blends ? 1 : 0;
             for (const std::string& name : document_.materials[i].leftOut) ++out_.leftOut[name];
             for (const int* texture : texturesOf(out_.materials[i]))
                 if (*texture >= 0) decodePicture(*texture);
@@ -83,7 +85,9 @@ private:
         addNormals(mesh, p, first, place);
         addColors(mesh, p, first, opacities);
         addTexcoords(mesh, p, first, opacities);
+        const std::size_t firstCorner = out_.faceVertices.size();
         addFaces(mesh, p, first, count, place.mirrors());
+        addTangents(mesh, p, first, firstCorner, place);
         const std::size_t faces = out_.faceSizes.size() - facesDone_;
         facesDone_ = out_.faceSizes.size();
         out_.parts.push_back({faces, p.material, group});
@@ -132,9 +136,10 @@ private:
         const GltfMaterial* material =
             p.material < 0 ? nullptr : &document_.materials[static_cast<std::size_t>(p.material)];
         const bool textured = material && !material->places.empty();
-        const bool cutOut = material && material->material.cutOut && !opacities.empty();
+        const bool pierced = material && !opacities.empty() &&
+                             (material->material.cutOut || material->material.blends);
         constexpr Vec3f kNone(0, 0, 1);
-        if (!textured && !cutOut) {
+        if (!textured && !pierced) {
             if (!out_.texcoords.empty()) out_.texcoords.resize(vertices, kNone);
             return;
         }
@@ -168,6 +173,69 @@ private:
                             static_cast<float>(values[2 * i + 1]), 1.0f);
             places[i] = {place.toS.dot(uv1), place.toT.dot(uv1)};
         }
+        return places;
+    }
+
+    /// The file's, or, where it has none and there is a normal map, some of the texture
+    /// coordinates.
+    void addTangents(int mesh, const GltfPrimitive& p, std::size_t first, std::size_t firstCorner,
+                     const Affine& place) {
+        const std::size_t count = out_.vertices.size() - first;
+        const GltfMaterial* material =
+            p.material < 0 ? nullptr : &document_.materials[static_cast<std::size_t>(p.material)];
+        std::vector<Tangent> tangents;
+        if (material && material->material.normal.texture >= 0)
+            tangents = tangentsOf(mesh, p, first, firstCorner, material->material.normal, place);
+        if (tangents.empty() && out_.tangents.empty()) return;
+        out_.tangents.resize(first);
+        tangents.resize(count);
+        for (Tangent& tangent : tangents)
+            tangent.direction = Vec3f(place.vector(Vec3d(tangent.direction)));
+        out_.tangents.insert(out_.tangents.end(), tangents.begin(), tangents.end());
+    }
+
+    /// In the mesh's own space, but for their sides, which are the world's.
+    std::vector<Tangent> tangentsOf(int mesh, const GltfPrimitive& p, std::size_t first,
+                                    std::size_t firstCorner, const TextureSlot& slot,
+                                    const Affine& place) const {
+        std::size_t components = 0;
+        const std::size_t count = out_.vertices.size() - first;
+        const std::vector<double> values = attribute(mesh, p, "TANGENT", components);
+        if (!values.empty()) {
+            if (components != 4 || values.size() != 4 * count)
+                fail(mesh, "TANGENT does not match the positions, expected four numbers for each");
+            std::vector<Tangent> tangents;
+            for (std::size_t i = 0; i < values.size(); i += 4)
+                tangents.push_back({Vec3f(Vec3d(values[i], values[i + 1], values[i + 2])),
+                                    (values[i + 3] < 0) != place.mirrors() ? -1.0f : 1.0f});
+            return tangents;
+        }
+        const std::vector<Vec3d> normals = vectors(mesh, p, "NORMAL");
+        std::vector<std::uint32_t> corners(
+            out_.faceVertices.begin() + static_cast<std::ptrdiff_t>(firstCorner),
+            out_.faceVertices.end());
+        for (std::uint32_t& corner : corners) corner -= static_cast<std::uint32_t>(first);
+        // A mirrored mesh has its corners the other way round, and so the sides of the world.
+        return deriveTangents(vectors(mesh, p, "POSITION"), normals,
+                              placesInLayer(first, slot.layer), corners);
+    }
+
+    std::vector<Vec3d> vectors(int mesh, const GltfPrimitive& p, const char* name) const {
+        std::size_t components = 0;
+        const std::vector<double> values = attribute(mesh, p, name, components);
+        std::vector<Vec3d> result;
+        for (std::size_t i = 0; i + 2 < values.size(); i += 3)
+            result.emplace_back(values[i], values[i + 1], values[i + 2]);
+        return result;
+    }
+
+    /// Texture coordinates that were added, of vertices from `first` on.
+    std::vector<Vec2f> placesInLayer(std::size_t first, int layer) const {
+        std::vector<Vec2f> places;
+        for (std::size_t i = first; i < out_.vertices.size(); ++i)
+            places.push_back(layer == 0
+                                 ? Vec2f(out_.texcoords[i].x, out_.texcoords[i].y)
+                                 : out_.moreTexcoords[static_cast<std::size_t>(layer - 1)][i]);
         return places;
     }
 

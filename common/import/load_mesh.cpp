@@ -151,6 +151,7 @@ TriangleMesh compact(const Vec3d& origin, MeshSoup& soup) {
         mesh.positions.push_back(soup.position(v, origin));
         if (!soup.colors.empty()) mesh.colors.push_back(soup.colors[v]);
         if (!soup.texcoords.empty()) mesh.texcoords.push_back(soup.texcoords[v]);
+        if (!soup.tangents.empty()) mesh.tangents.push_back(soup.tangents[v]);
         for (std::size_t k = 0; k < soup.moreTexcoords.size(); ++k)
             if (!soup.moreTexcoords[k].empty())
                 mesh.moreTexcoords[k].push_back(soup.moreTexcoords[k][v]);

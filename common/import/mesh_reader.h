@@ -9,7 +9,7 @@
 
 #include "common/math/affine.h"
 #include "common/math/vec.h"
-#include "common/mesh/material.h"
+#include "common/mesh/mesh.h"
 
 namespace shadowcache {
 
@@ -35,7 +35,8 @@ struct RawMesh {
     std::vector<Vec3f> texcoords;             ///< s, t and opacity, one for each vertex, or empty
     /// Further texture coordinates, by layer (TextureSlot); each one for each vertex, or empty.
     std::vector<std::vector<Vec2f>> moreTexcoords;
-    std::vector<Vec3d> normals;  ///< shading normals, of any length, or empty
+    std::vector<Tangent> tangents;  ///< one for each vertex, of any length, or empty
+    std::vector<Vec3d> normals;     ///< shading normals, of any length, or empty
     /// Index into normals of each of faceVertices, kNoVertex for none; empty: normals has one for
     /// each vertex.
     std::vector<std::uint32_t> faceNormals;

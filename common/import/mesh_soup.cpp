@@ -123,6 +123,22 @@ void appendVertices(const std::filesystem::path& path, const RawMesh& raw,
                         soup.moreTexcoords[k]);
 }
 
+/// Appends a file's tangents, and makes them unit vectors.
+void appendTangents(const RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
+    const Affine world = worldOf(options);
+    const std::size_t first = soup.vertices.size() - raw.vertices.size();
+    std::vector<Tangent> tangents = raw.tangents;
+    for (std::size_t i = 0; i < tangents.size(); ++i) {
+        Tangent& tangent = tangents[i];
+        const Vec3d direction(tangent.direction);
+        const Vec3d unit =
+            (i < raw.firstLocalVertex ? world.vector(direction) : direction).normalized();
+        tangent.direction = Vec3f(unit);
+        if (!(unit.length2() > 0.5)) tangent = {};
+    }
+    appendAttribute(first, soup.vertices.size(), tangents, Tangent{}, soup.tangents);
+}
+
 /// Appends a file's shading normals, and makes them unit vectors.
 ///
 /// @return  number in the soup of each of raw.faceVertices' normals, kNoVertex for none; empty if
@@ -159,6 +175,7 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     std::vector<bool> used(raw.textures.size(), false);
     for (Material material : raw.materials) {
         if (!options.gloss) material.finish = {};
+        if (!options.shadingNormals) material.normal = {};
         for (int* texture : texturesOf(material)) {
             if (*texture < 0) continue;
             used[static_cast<std::size_t>(*texture)] = true;
@@ -194,6 +211,7 @@ void append(const std::filesystem::path& path, RawMesh raw, const MeshOptions& o
     const auto firstMaterial = static_cast<int>(soup.materials.size());
     const int firstGroup = soup.groups;
     appendVertices(path, raw, options, soup);
+    if (options.shadingNormals) appendTangents(raw, options, soup);
     const std::vector<std::uint32_t> normals = appendNormals(raw, options, soup);
     constexpr Corners kNoNormals{kNoVertex, kNoVertex, kNoVertex};
     if (!normals.empty()) soup.cornerNormals.resize(soup.triangles.size(), kNoNormals);

@@ -95,8 +95,19 @@ Rgb albedoAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
     return baseColor({mesh, triangle, u, v}, materialOf(mesh, triangle), fallback);
 }
 
+std::array<float, 4> textureAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
+                               const TextureSlot& slot) noexcept {
+    return Place{mesh, triangle, u, v}.value(slot);
+}
+
+std::array<Vec2f, 3> texturePlaces(const TriangleMesh& mesh, std::uint32_t triangle,
+                                   int layer) noexcept {
+    const auto at = [&](float u, float v) { return Place{mesh, triangle, u, v}.in({-1, layer}); };
+    return {at(0, 0), at(1, 0), at(0, 1)};
+}
+
 bool isHole(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
-            float v) noexcept {
+            float v, float chance) noexcept {
     float opacity = material.opacity;
     if (!mesh.texcoords.empty()) {
         const Vec3f at = Place{mesh, triangle, u, v}.of(mesh.texcoords);
@@ -105,7 +116,7 @@ bool isHole(const TriangleMesh& mesh, const Material& material, std::uint32_t tr
             opacity *= textureOpacity(mesh.textures[static_cast<std::size_t>(material.texture)],
                                       at.x, at.y);
     }
-    return opacity < material.cutoff;
+    return material.blends ? opacity <= chance : opacity < material.cutoff;
 }
 
 }  // namespace shadowcache

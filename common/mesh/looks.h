@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -24,8 +25,20 @@ Surface surfaceAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, flo
 Rgb albedoAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
              const Rgb& fallback) noexcept;
 
-/// Whether a cut-out material has a hole there.
+/// The channels of a texture as they are stored.
+///
+/// @param slot  has a texture
+std::array<float, 4> textureAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
+                               const TextureSlot& slot) noexcept;
+
+/// Texture coordinates of a triangle's corners.
+std::array<Vec2f, 3> texturePlaces(const TriangleMesh& mesh, std::uint32_t triangle,
+                                   int layer) noexcept;
+
+/// Whether a cut-out material has a hole there, or one that blends lets a ray pass.
+///
+/// @param chance  in [0, 1), the ray's own: it passes with probability 1 - opacity
 bool isHole(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
-            float v) noexcept;
+            float v, float chance) noexcept;
 
 }  // namespace shadowcache

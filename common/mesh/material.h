@@ -46,18 +46,25 @@ struct Finish {
 struct Material {
     Rgb albedo{1.0f, 1.0f, 1.0f};  ///< base colour
     int texture = -1;              ///< as a slot's, of layer 0; times the albedo
+    TextureSlot normal;            ///< of a normal map
+    float normalScale = 1;         ///< of its parts along the surface
     Finish finish;
     bool cutOut = false;   ///< holes where the opacity is below `cutoff`
+    bool blends = false;   ///< lets light and looks pass with probability 1 - opacity
     float opacity = 1.0f;  ///< times the texture's
     float cutoff = 0.5f;
     bool doubleSided = true;  ///< else the camera does not see its back; shadows it casts anyway
 };
 
 /// Numbers of all its textures, -1 for none.
-inline std::array<int*, 5> texturesOf(Material& m) {
+inline std::array<int*, 6> texturesOf(Material& m) {
     Finish& finish = m.finish;
-    return {&m.texture, &finish.metallicRoughness.texture, &finish.specular.texture,
-            &finish.specularColor.texture, &finish.emissionTexture.texture};
+    return {&m.texture,
+            &m.normal.texture,
+            &finish.metallicRoughness.texture,
+            &finish.specular.texture,
+            &finish.specularColor.texture,
+            &finish.emissionTexture.texture};
 }
 
 /// Linear colour at texture coordinates (s, t).
