@@ -28,7 +28,8 @@ public:
         for (auto& buffer : model_.buffers) out_.storage.push_back(std::move(buffer.data));
         for (std::size_t i = 0; i < model_.accessors.size(); ++i) addAccessor(i);
         for (const auto& texture : model_.textures) addTexture(texture);
-        for (const auto& material : model_.materials) addMaterial(material);
+        for (const auto& material : model_.materials)
+            out_.materials.push_back(gltfMaterial(path_, material, out_.textures.size()));
         for (const auto& mesh : model_.meshes) addMesh(mesh);
         for (const auto& camera : model_.cameras) addCamera(camera);
         for (const auto& node : model_.nodes) addNode(node);
@@ -154,50 +155,6 @@ private:
             }
         }
         out_.textures.push_back(to);
-    }
-
-    void placeTexture(const tinygltf::TextureInfo& info, GltfMaterial& to) const {
-        requireIndex("texture", info.index, out_.textures);
-        to.material.texture = info.index;
-        to.texcoordSet = info.texCoord;
-        const auto found = info.extensions.find("KHR_texture_transform");
-        if (found == info.extensions.end()) return;
-        const tinygltf::Value& transform = found->second;
-        const auto pair = [&](const char* name, double fallback) {
-            const tinygltf::Value& list = transform.Get(name);
-            if (list.ArrayLen() < 2) return std::array{fallback, fallback};
-            return std::array{list.Get(0).GetNumberAsDouble(), list.Get(1).GetNumberAsDouble()};
-        };
-        const auto offset = pair("offset", 0), scale = pair("scale", 1);
-        const double angle =
-            transform.Has("rotation") ? transform.Get("rotation").GetNumberAsDouble() : 0;
-        if (transform.Has("texCoord")) to.texcoordSet = transform.Get("texCoord").GetNumberAsInt();
-        // Counter-clockwise in the picture, whose t points down.
-        const double c = std::cos(angle), s = std::sin(angle);
-        to.toS = Vec3f(Vec3d(c * scale[0], s * scale[1], offset[0]));
-        to.toT = Vec3f(Vec3d(-s * scale[0], c * scale[1], offset[1]));
-        requireFinite("KHR_texture_transform", {offset[0], offset[1], scale[0], scale[1], angle});
-    }
-
-    void addMaterial(const tinygltf::Material& from) {
-        GltfMaterial to;
-        const auto& factor = from.pbrMetallicRoughness.baseColorFactor;
-        if (factor.size() != 4)
-            fail("material " + from.name + ": baseColorFactor of " + std::to_string(factor.size()) +
-                 " numbers, expected 4");
-        const auto share = [&](std::size_t k) {
-            return static_cast<float>(std::isfinite(factor[k]) ? std::clamp(factor[k], 0.0, 1.0)
-                                                               : 0.0);
-        };
-        to.material.albedo = Rgb(share(0), share(1), share(2));
-        to.material.opacity = share(3);
-        to.material.cutoff = static_cast<float>(from.alphaCutoff);
-        to.material.cutOut = from.alphaMode == "MASK";
-        to.material.doubleSided = from.doubleSided;
-        to.blends = from.alphaMode == "BLEND";
-        if (from.pbrMetallicRoughness.baseColorTexture.index >= 0)
-            placeTexture(from.pbrMetallicRoughness.baseColorTexture, to);
-        out_.materials.push_back(to);
     }
 
     void addMesh(const tinygltf::Mesh& from) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/import/gltf_accessor.h"
+#include "common/import/gltf_material.h"
 #include "common/math/affine.h"
 #include "common/mesh/material.h"
 
@@ -62,15 +63,6 @@ struct GltfChannel {
 struct GltfAnimation {
     std::string name;
     std::vector<GltfChannel> channels;
-};
-
-/// A material, and where on the surface its base colour's texture lies.
-struct GltfMaterial {
-    Material material;  ///< its texture is an index into GltfDocument::textures
-    bool blends = false;
-    int texcoordSet = 0;
-    Vec3f toS{1, 0, 0};  ///< texture coordinate s is the dot product of this and (u, v, 1)
-    Vec3f toT{0, 1, 0};
 };
 
 /// A texture's sampler, and its encoded picture.

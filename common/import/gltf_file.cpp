@@ -13,16 +13,15 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
+#include "common/import/gltf_material.h"
 
 namespace shadowcache {
 
 namespace {
 
 /// Extensions of which nothing is needed here, or all is done.
-constexpr const char* kKnownExtensions[] = {
-    "KHR_mesh_quantization",   "KHR_texture_transform",           "KHR_lights_punctual",
-    "KHR_materials_clearcoat", "KHR_materials_emissive_strength", "KHR_materials_ior",
-    "KHR_materials_sheen",     "KHR_materials_specular",          "KHR_materials_unlit"};
+constexpr const char* kKnownExtensions[] = {"KHR_mesh_quantization", "KHR_texture_transform",
+                                            "KHR_lights_punctual"};
 
 std::string firstLine(const std::string& text) {
     return text.substr(0, text.find('\n'));
@@ -73,8 +72,9 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path) {
     if (!model.asset.version.starts_with("2."))
         throwFileError(path, "glTF version " + model.asset.version + ", expected 2.0");
     for (const std::string& name : model.extensionsRequired)
-        if (std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) ==
-            std::end(kKnownExtensions))
+        if (!isMaterialExtension(name) &&
+            std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) ==
+                std::end(kKnownExtensions))
             throwFileError(path, "requires the extension " + name + ", which is not supported");
     return model;
 }

@@ -8,6 +8,7 @@
 #include "common/base/error.h"
 #include "common/image/image.h"
 #include "common/import/gltf_nodes.h"
+#include "common/import/tangents.h"
 #include "common/import/texture_decoder.h"
 
 namespace shadowcache {
@@ -38,10 +39,15 @@ public:
     }
 
     RawMesh finish() {
+        if (!out_.tangents.empty()) out_.tangents.resize(out_.vertices.size());
+        for (std::vector<Vec2f>& more : out_.moreTexcoords)
+            more.resize(out_.vertices.size(), Vec2f(0.0f));
         for (std::size_t i = 0; i < used_.size(); ++i) {
             if (!used_[i]) continue;
-            out_.blended += document_.materials[i].blends ? 1 : 0;
-            if (const int texture = out_.materials[i].texture; texture >= 0) decodePicture(texture);
+            out_.blended += out_.materials[i].blends ? 1 : 0;
+            for (const std::string& name : document_.materials[i].leftOut) ++out_.leftOut[name];
+            for (const int* texture : texturesOf(out_.materials[i]))
+                if (*texture >= 0) decodePicture(*texture);
         }
         return std::move(out_);
     }
@@ -79,7 +85,9 @@ private:
         addNormals(mesh, p, first, place);
         addColors(mesh, p, first, opacities);
         addTexcoords(mesh, p, first, opacities);
+        const std::size_t firstCorner = out_.faceVertices.size();
         addFaces(mesh, p, first, count, place.mirrors());
+        addTangents(mesh, p, first, firstCorner, place);
         const std::size_t faces = out_.faceSizes.size() - facesDone_;
         facesDone_ = out_.faceSizes.size();
         out_.parts.push_back({faces, p.material, group});
@@ -127,32 +135,108 @@ private:
         const std::size_t vertices = out_.vertices.size();
         const GltfMaterial* material =
             p.material < 0 ? nullptr : &document_.materials[static_cast<std::size_t>(p.material)];
-        const bool textured = material && material->material.texture >= 0;
-        const bool cutOut = material && material->material.cutOut && !opacities.empty();
+        const bool textured = material && !material->places.empty();
+        const bool pierced = material && !opacities.empty() &&
+                             (material->material.cutOut || material->material.blends);
         constexpr Vec3f kNone(0, 0, 1);
-        if (!textured && !cutOut) {
+        if (!textured && !pierced) {
             if (!out_.texcoords.empty()) out_.texcoords.resize(vertices, kNone);
             return;
         }
         out_.texcoords.resize(first, kNone);
-        std::vector<double> values;
-        std::size_t components = 2;
-        if (textured)
-            values =
-                attribute(mesh, p, "TEXCOORD_" + std::to_string(material->texcoordSet), components);
-        if (!values.empty() && (components != 2 || values.size() != 2 * (vertices - first)))
-            fail(mesh, "texture coordinates do not match the positions, expected a pair for each");
-        for (std::size_t i = 0; i < vertices - first; ++i) {
-            Vec3f at = kNone;
-            if (!values.empty()) {
-                const Vec3f uv1(static_cast<float>(values[2 * i]),
-                                static_cast<float>(values[2 * i + 1]), 1.0f);
-                at.x = material->toS.dot(uv1);
-                at.y = material->toT.dot(uv1);
-            }
-            if (!opacities.empty()) at.z = opacities[i];
-            out_.texcoords.push_back(at);
+        std::vector<Vec2f> places(vertices - first, Vec2f(0.0f));
+        if (textured) places = texturePlaces(mesh, p, first, material->places.front());
+        for (std::size_t i = 0; i < places.size(); ++i)
+            out_.texcoords.emplace_back(places[i].x, places[i].y,
+                                        opacities.empty() ? 1.0f : opacities[i]);
+        for (std::size_t layer = 1; textured && layer < material->places.size(); ++layer) {
+            if (out_.moreTexcoords.size() < layer) out_.moreTexcoords.resize(layer);
+            std::vector<Vec2f>& more = out_.moreTexcoords[layer - 1];
+            more.resize(first, Vec2f(0.0f));
+            places = texturePlaces(mesh, p, first, material->places[layer]);
+            more.insert(more.end(), places.begin(), places.end());
         }
+    }
+
+    /// Texture coordinates of a primitive's vertices, those from `first` on; 0 where it has none.
+    std::vector<Vec2f> texturePlaces(int mesh, const GltfPrimitive& p, std::size_t first,
+                                     const GltfTexturePlace& place) const {
+        std::size_t components = 2;
+        const std::vector<double> values =
+            attribute(mesh, p, "TEXCOORD_" + std::to_string(place.texcoordSet), components);
+        std::vector<Vec2f> places(out_.vertices.size() - first, Vec2f(0.0f));
+        if (values.empty()) return places;
+        if (components != 2 || values.size() != 2 * places.size())
+            fail(mesh, "texture coordinates do not match the positions, expected a pair for each");
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const Vec3f uv1(static_cast<float>(values[2 * i]),
+                            static_cast<float>(values[2 * i + 1]), 1.0f);
+            places[i] = {place.toS.dot(uv1), place.toT.dot(uv1)};
+        }
+        return places;
+    }
+
+    /// The file's, or, where it has none and there is a normal map, some of the texture
+    /// coordinates.
+    void addTangents(int mesh, const GltfPrimitive& p, std::size_t first, std::size_t firstCorner,
+                     const Affine& place) {
+        const std::size_t count = out_.vertices.size() - first;
+        const GltfMaterial* material =
+            p.material < 0 ? nullptr : &document_.materials[static_cast<std::size_t>(p.material)];
+        std::vector<Tangent> tangents;
+        if (material && material->material.normal.texture >= 0)
+            tangents = tangentsOf(mesh, p, first, firstCorner, material->material.normal, place);
+        if (tangents.empty() && out_.tangents.empty()) return;
+        out_.tangents.resize(first);
+        tangents.resize(count);
+        for (Tangent& tangent : tangents)
+            tangent.direction = Vec3f(place.vector(Vec3d(tangent.direction)));
+        out_.tangents.insert(out_.tangents.end(), tangents.begin(), tangents.end());
+    }
+
+    /// In the mesh's own space, but for their sides, which are the world's.
+    std::vector<Tangent> tangentsOf(int mesh, const GltfPrimitive& p, std::size_t first,
+                                    std::size_t firstCorner, const TextureSlot& slot,
+                                    const Affine& place) const {
+        std::size_t components = 0;
+        const std::size_t count = out_.vertices.size() - first;
+        const std::vector<double> values = attribute(mesh, p, "TANGENT", components);
+        if (!values.empty()) {
+            if (components != 4 || values.size() != 4 * count)
+                fail(mesh, "TANGENT does not match the positions, expected four numbers for each");
+            std::vector<Tangent> tangents;
+            for (std::size_t i = 0; i < values.size(); i += 4)
+                tangents.push_back({Vec3f(Vec3d(values[i], values[i + 1], values[i + 2])),
+                                    (values[i + 3] < 0) != place.mirrors() ? -1.0f : 1.0f});
+            return tangents;
+        }
+        const std::vector<Vec3d> normals = vectors(mesh, p, "NORMAL");
+        std::vector<std::uint32_t> corners(
+            out_.faceVertices.begin() + static_cast<std::ptrdiff_t>(firstCorner),
+            out_.faceVertices.end());
+        for (std::uint32_t& corner : corners) corner -= static_cast<std::uint32_t>(first);
+        // A mirrored mesh has its corners the other way round, and so the sides of the world.
+        return deriveTangents(vectors(mesh, p, "POSITION"), normals,
+                              placesInLayer(first, slot.layer), corners);
+    }
+
+    std::vector<Vec3d> vectors(int mesh, const GltfPrimitive& p, const char* name) const {
+        std::size_t components = 0;
+        const std::vector<double> values = attribute(mesh, p, name, components);
+        std::vector<Vec3d> result;
+        for (std::size_t i = 0; i + 2 < values.size(); i += 3)
+            result.emplace_back(values[i], values[i + 1], values[i + 2]);
+        return result;
+    }
+
+    /// Texture coordinates that were added, of vertices from `first` on.
+    std::vector<Vec2f> placesInLayer(std::size_t first, int layer) const {
+        std::vector<Vec2f> places;
+        for (std::size_t i = first; i < out_.vertices.size(); ++i)
+            places.push_back(layer == 0
+                                 ? Vec2f(out_.texcoords[i].x, out_.texcoords[i].y)
+                                 : out_.moreTexcoords[static_cast<std::size_t>(layer - 1)][i]);
+        return places;
     }
 
     void addFaces(int mesh, const GltfPrimitive& p, std::size_t first, std::size_t vertices,

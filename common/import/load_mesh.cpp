@@ -141,6 +141,7 @@ TriangleMesh compact(const Vec3d& origin, MeshSoup& soup) {
 
     constexpr int kUnused = -1;
     std::vector<int> number(soup.vertices.size(), kUnused);
+    mesh.moreTexcoords.resize(soup.moreTexcoords.size());
     for (const Corners& t : soup.triangles) {
         for (const std::uint32_t corner : t) number[corner] = 0;
     }
@@ -150,6 +151,10 @@ TriangleMesh compact(const Vec3d& origin, MeshSoup& soup) {
         mesh.positions.push_back(soup.position(v, origin));
         if (!soup.colors.empty()) mesh.colors.push_back(soup.colors[v]);
         if (!soup.texcoords.empty()) mesh.texcoords.push_back(soup.texcoords[v]);
+        if (!soup.tangents.empty()) mesh.tangents.push_back(soup.tangents[v]);
+        for (std::size_t k = 0; k < soup.moreTexcoords.size(); ++k)
+            if (!soup.moreTexcoords[k].empty())
+                mesh.moreTexcoords[k].push_back(soup.moreTexcoords[k][v]);
     }
     mesh.triangles.reserve(soup.triangles.size());
     for (const Corners& t : soup.triangles) {

@@ -12,6 +12,7 @@ struct MeshOptions {
     double scale = 1.0;             ///< files' unit in metres, > 0
     std::optional<Vec3d> origin{};  ///< of the mesh; else its middle
     bool shadingNormals = false;    ///< reads the files' shading normals
+    bool gloss = false;             ///< reads gloss and emission; else surfaces are Lambertian
     /// Crease angle in degrees, 0 to 180: triangles without shading normals get some, averaged over
     /// neighbours whose normals differ by at most this. 0: none.
     double smoothDegrees = 0;

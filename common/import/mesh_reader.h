@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "common/math/affine.h"
 #include "common/math/vec.h"
-#include "common/mesh/material.h"
+#include "common/mesh/mesh.h"
 
 namespace shadowcache {
 
@@ -31,7 +33,10 @@ struct RawMesh {
     std::vector<std::uint32_t> faceSizes;     ///< corners of each face; may be below 3
     std::vector<Rgb> colors;                  ///< linear, one for each vertex, or empty
     std::vector<Vec3f> texcoords;             ///< s, t and opacity, one for each vertex, or empty
-    std::vector<Vec3d> normals;               ///< shading normals, of any length, or empty
+    /// Further texture coordinates, by layer (TextureSlot); each one for each vertex, or empty.
+    std::vector<std::vector<Vec2f>> moreTexcoords;
+    std::vector<Tangent> tangents;  ///< one for each vertex, of any length, or empty
+    std::vector<Vec3d> normals;     ///< shading normals, of any length, or empty
     /// Index into normals of each of faceVertices, kNoVertex for none; empty: normals has one for
     /// each vertex.
     std::vector<std::uint32_t> faceNormals;
@@ -41,7 +46,8 @@ struct RawMesh {
     std::size_t firstLocalVertex = std::numeric_limits<std::size_t>::max();
     std::vector<Material> materials;
     std::vector<Texture> textures;
-    std::size_t blended = 0;  ///< materials that blend with what is behind
+    std::size_t blended = 0;                     ///< materials that blend with what is behind
+    std::map<std::string, std::size_t> leftOut;  ///< as MeshReport::leftOut
 };
 
 /// Corner that names no vertex of the file.

@@ -115,6 +115,28 @@ void appendVertices(const std::filesystem::path& path, const RawMesh& raw,
     if (firstVertex + direct < vertices) soup.local.emplace_back(firstVertex + direct, vertices);
     appendAttribute(firstVertex, vertices, raw.colors, kUncolored, soup.colors);
     appendAttribute(firstVertex, vertices, raw.texcoords, Vec3f(0, 0, 1), soup.texcoords);
+    soup.moreTexcoords.resize(std::max(soup.moreTexcoords.size(), raw.moreTexcoords.size()));
+    static const std::vector<Vec2f> kNone;
+    for (std::size_t k = 0; k < soup.moreTexcoords.size(); ++k)
+        appendAttribute(firstVertex, vertices,
+                        k < raw.moreTexcoords.size() ? raw.moreTexcoords[k] : kNone, Vec2f(0.0f),
+                        soup.moreTexcoords[k]);
+}
+
+/// Appends a file's tangents, and makes them unit vectors.
+void appendTangents(const RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
+    const Affine world = worldOf(options);
+    const std::size_t first = soup.vertices.size() - raw.vertices.size();
+    std::vector<Tangent> tangents = raw.tangents;
+    for (std::size_t i = 0; i < tangents.size(); ++i) {
+        Tangent& tangent = tangents[i];
+        const Vec3d direction(tangent.direction);
+        const Vec3d unit =
+            (i < raw.firstLocalVertex ? world.vector(direction) : direction).normalized();
+        tangent.direction = Vec3f(unit);
+        if (!(unit.length2() > 0.5)) tangent = {};
+    }
+    appendAttribute(first, soup.vertices.size(), tangents, Tangent{}, soup.tangents);
 }
 
 /// Appends a file's shading normals, and makes them unit vectors.
@@ -150,10 +172,19 @@ std::vector<std::uint32_t> appendNormals(const RawMesh& raw, const MeshOptions& 
 /// Materials, textures and instances of a file, renumbered behind those of the files before.
 void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     const Affine world = worldOf(options);
+    std::vector<bool> used(raw.textures.size(), false);
     for (Material material : raw.materials) {
-        if (material.texture >= 0) material.texture += static_cast<int>(soup.textures.size());
+        if (!options.gloss) material.finish = {};
+        if (!options.shadingNormals) material.normal = {};
+        for (int* texture : texturesOf(material)) {
+            if (*texture < 0) continue;
+            used[static_cast<std::size_t>(*texture)] = true;
+            *texture += static_cast<int>(soup.textures.size());
+        }
         soup.materials.push_back(material);
     }
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (!used[i]) raw.textures[i].rgba = {};
     for (Texture& texture : raw.textures) soup.textures.push_back(std::move(texture));
     int groups = 0;
     for (const RawInstance& instance : raw.instances) {
@@ -162,6 +193,7 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     }
     soup.groups += groups;
     soup.report.blended += raw.blended;
+    for (const auto& [name, count] : raw.leftOut) soup.report.leftOut[name] += count;
 }
 
 }  // namespace
@@ -179,6 +211,7 @@ void append(const std::filesystem::path& path, RawMesh raw, const MeshOptions& o
     const auto firstMaterial = static_cast<int>(soup.materials.size());
     const int firstGroup = soup.groups;
     appendVertices(path, raw, options, soup);
+    if (options.shadingNormals) appendTangents(raw, options, soup);
     const std::vector<std::uint32_t> normals = appendNormals(raw, options, soup);
     constexpr Corners kNoNormals{kNoVertex, kNoVertex, kNoVertex};
     if (!normals.empty()) soup.cornerNormals.resize(soup.triangles.size(), kNoNormals);

@@ -24,6 +24,8 @@ struct MeshSoup {
     std::vector<Corners> triangles;
     std::vector<Rgb> colors;
     std::vector<Vec3f> texcoords;
+    std::vector<Tangent> tangents;                  ///< those of the groups in their own space
+    std::vector<std::vector<Vec2f>> moreTexcoords;  ///< by layer; each may be empty
     std::vector<Vec3f> normals;           ///< unit; those of the groups in their own space
     std::vector<Corners> cornerNormals;   ///< by triangle, kNoVertex: none; empty if normals is
     std::vector<PartKey> parts{{0, -1}};  ///< group, material

@@ -68,6 +68,15 @@ Rgb textureColor(const Texture& texture, float s, float t) noexcept {
     return color;
 }
 
+std::array<float, 4> textureValue(const Texture& texture, float s, float t) noexcept {
+    const Footprint around = footprint(texture, s, t);
+    std::array<float, 4> value{};
+    for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t c = 0; c < 4; ++c)
+            value[c] += static_cast<float>(around.texel[k][c]) * (around.weight[k] / 255.0f);
+    return value;
+}
+
 float textureOpacity(const Texture& texture, float s, float t) noexcept {
     const Footprint around = footprint(texture, s, t);
     float sum = 0;

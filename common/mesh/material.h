@@ -1,13 +1,19 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/math/vec.h"
+#include "common/surface/surface.h"
 
 namespace shadowcache {
 
-/// Picture on surfaces: 8 bits a channel, colour sRGB-encoded, opacity linear; row 0 at t = 0.
+/// Place on a picture.
+using Vec2f = Imath::V2f;
+
+/// Picture on surfaces: 8 bits a channel, colour sRGB-encoded, all else linear; row 0 at t = 0.
 struct Texture {
     enum class Wrap { repeat, mirror, clamp };
 
@@ -19,18 +25,53 @@ struct Texture {
     bool smooth = true;  ///< bilinear; else the nearest texel
 };
 
+/// A texture, and the texture coordinates that place it.
+struct TextureSlot {
+    int texture = -1;  ///< of TriangleMesh::textures; -1: none
+    int layer = 0;     ///< 0: TriangleMesh::texcoords, else one less of moreTexcoords
+};
+
+/// What a material has besides its base colour; nothing makes a Lambertian surface.
+struct Finish {
+    std::optional<Gloss> gloss;
+    TextureSlot metallicRoughness;   ///< green times the roughness, blue times metallic
+    TextureSlot specular;            ///< opacity times the specular strength
+    TextureSlot specularColor;       ///< colour times the specular colour
+    Rgb emission{0.0f, 0.0f, 0.0f};  ///< [radiance]
+    TextureSlot emissionTexture;     ///< colour times the emission
+    bool unlit = false;              ///< emits its base colour and reflects nothing
+};
+
 /// How the triangles of a part look, and where they are holes.
 struct Material {
-    Rgb albedo{1.0f, 1.0f, 1.0f};
-    int texture = -1;      ///< of TriangleMesh::textures, times the albedo; -1: none
+    Rgb albedo{1.0f, 1.0f, 1.0f};  ///< base colour
+    int texture = -1;              ///< as a slot's, of layer 0; times the albedo
+    TextureSlot normal;            ///< of a normal map
+    float normalScale = 1;         ///< of its parts along the surface
+    Finish finish;
     bool cutOut = false;   ///< holes where the opacity is below `cutoff`
+    bool blends = false;   ///< lets light and looks pass with probability 1 - opacity
     float opacity = 1.0f;  ///< times the texture's
     float cutoff = 0.5f;
     bool doubleSided = true;  ///< else the camera does not see its back; shadows it casts anyway
 };
 
+/// Numbers of all its textures, -1 for none.
+inline std::array<int*, 6> texturesOf(Material& m) {
+    Finish& finish = m.finish;
+    return {&m.texture,
+            &m.normal.texture,
+            &finish.metallicRoughness.texture,
+            &finish.specular.texture,
+            &finish.specularColor.texture,
+            &finish.emissionTexture.texture};
+}
+
 /// Linear colour at texture coordinates (s, t).
 Rgb textureColor(const Texture& texture, float s, float t) noexcept;
+
+/// The four channels at texture coordinates (s, t) as they are stored, 0 to 1.
+std::array<float, 4> textureValue(const Texture& texture, float s, float t) noexcept;
 
 /// Opacity at texture coordinates (s, t), 0 to 1.
 float textureOpacity(const Texture& texture, float s, float t) noexcept;

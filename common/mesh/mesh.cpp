@@ -16,7 +16,10 @@ std::string describe(const MeshReport& report) {
     add(report.mixedWinding, "edges of mixed winding");
     add(report.unreferenced, "vertices without a face");
     add(report.badNormals, "shading normals that are zero, not finite or out of range");
-    add(report.blended, "blending materials taken as opaque");
+    add(report.blended, "blending materials, which let rays pass by chance");
+    for (const auto& [name, count] : report.leftOut)
+        add(count, (count == 1 ? "material without its " : "materials without their ") + name +
+                       ", which is left out");
     add(report.instances,
         "instances, with which " + std::to_string(report.placed) + " triangles are in the world");
     return text;

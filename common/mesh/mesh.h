@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,17 @@ struct MeshReport {
     std::size_t instances = 0;         ///< copies of triangles that are kept once
     std::size_t placed = 0;            ///< triangles in the world, each copy counted
     std::size_t badNormals = 0;  ///< shading normals that are zero, not finite or out of range
-    std::size_t blended = 0;     ///< materials that blend with what is behind, taken as opaque
+    std::size_t blended = 0;     ///< materials that blend with what is behind
+    /// Parts of the files' materials that are not supported: name and number of materials.
+    std::map<std::string, std::size_t> leftOut;
+};
+
+/// Where the texture coordinate s grows at a vertex.
+struct Tangent {
+    Vec3f direction{0, 0, 0};  ///< unit
+    /// 1 if up in the picture, where t falls, is normal x direction; -1 if it is the opposite; 0:
+    /// there is none.
+    float side = 0;
 };
 
 /// A run of triangles of one material.
@@ -54,7 +65,11 @@ struct TriangleMesh {
     std::vector<Vec3i> triangles;  ///< three indices into positions each
     std::vector<Rgb> colors;       ///< linear albedo per vertex, or empty
     std::vector<Vec3f> texcoords;  ///< s, t and opacity of each vertex, or empty
-    std::vector<Vec3f> normals;    ///< unit shading normals, or empty
+    /// Further texture coordinates of each vertex, by layer (TextureSlot); each may be empty.
+    std::vector<std::vector<Vec2f>> moreTexcoords;
+    /// Tangents of the vertices for normal maps, in the space of the positions; or empty.
+    std::vector<Tangent> tangents;
+    std::vector<Vec3f> normals;  ///< unit shading normals, or empty
     /// Three indices into normals for each triangle, -1 where a corner has none; empty if normals
     /// is.
     std::vector<Vec3i> cornerNormals;

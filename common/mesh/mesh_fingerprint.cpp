@@ -29,10 +29,14 @@ std::uint64_t hashFloat(float value) {
     return std::bit_cast<std::uint32_t>(value + 0.0f);
 }
 
+/// In place of the cutoff of a material that blends; no cutoff is below 0.
+constexpr float kBlends = -1;
+
 /// Of what decides where a material has holes; 0 if it has none.
 std::uint64_t hashCutOut(const TriangleMesh& mesh, const Material& material) {
-    if (!material.cutOut) return 0;
-    std::uint64_t hash = hashWords(hashFloat(material.opacity), hashFloat(material.cutoff));
+    if (!material.cutOut && !material.blends) return 0;
+    std::uint64_t hash = hashWords(hashFloat(material.opacity),
+                                   hashFloat(material.blends ? kBlends : material.cutoff));
     if (material.texture < 0) return hash;
     const Texture& texture = mesh.textures[static_cast<std::size_t>(material.texture)];
     hash = hashWords(hash, static_cast<std::uint64_t>(texture.width),
@@ -47,7 +51,7 @@ std::uint64_t hashCutOut(const TriangleMesh& mesh, const Material& material) {
 std::uint64_t hashHoles(const TriangleMesh& mesh, const std::vector<std::uint64_t>& cutOuts,
                         std::uint32_t triangle) {
     const Material* material = materialOf(mesh, triangle);
-    if (!material || !material->cutOut) return 0;
+    if (!material || !(material->cutOut || material->blends)) return 0;
     std::uint64_t hash = cutOuts[static_cast<std::size_t>(material - mesh.materials.data())];
     if (mesh.texcoords.empty()) return hash;
     for (int k = 0; k < 3; ++k) {

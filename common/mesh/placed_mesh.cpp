@@ -4,17 +4,6 @@
 
 namespace shadowcache {
 
-namespace {
-
-/// Value at barycentric coordinates of what each corner has.
-template <class T>
-T interpolate(const std::vector<T>& values, const Vec3i& t, float u, float v) {
-    const auto at = [&](int corner) { return values[static_cast<std::size_t>(corner)]; };
-    return at(t.x) * (1 - u - v) + at(t.y) * u + at(t.z) * v;
-}
-
-}  // namespace
-
 std::size_t directCount(const TriangleMesh& mesh) {
     return mesh.instances.empty() ? mesh.triangles.size()
                                   : mesh.parts[mesh.firstSharedPart].firstTriangle;
@@ -88,34 +77,6 @@ const Material* materialOf(const TriangleMesh& mesh, std::uint32_t triangle) noe
         [](std::uint32_t t, const MeshPart& part) { return t < part.firstTriangle; });
     const int material = (next - 1)->material;
     return material < 0 ? nullptr : &mesh.materials[static_cast<std::size_t>(material)];
-}
-
-Rgb albedoAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
-             const Rgb& fallback) noexcept {
-    const Material* material = materialOf(mesh, triangle);
-    if (!material && mesh.colors.empty()) return fallback;
-    const Vec3i& t = mesh.triangles[triangle];
-    Rgb albedo = material ? material->albedo : Rgb(1.0f);
-    if (!mesh.colors.empty()) albedo *= interpolate(mesh.colors, t, u, v);
-    if (material && material->texture >= 0) {
-        const Vec3f at = interpolate(mesh.texcoords, t, u, v);
-        albedo *=
-            textureColor(mesh.textures[static_cast<std::size_t>(material->texture)], at.x, at.y);
-    }
-    return albedo;
-}
-
-bool isHole(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
-            float v) noexcept {
-    float opacity = material.opacity;
-    if (!mesh.texcoords.empty()) {
-        const Vec3f at = interpolate(mesh.texcoords, mesh.triangles[triangle], u, v);
-        opacity *= at.z;
-        if (material.texture >= 0)
-            opacity *= textureOpacity(mesh.textures[static_cast<std::size_t>(material.texture)],
-                                      at.x, at.y);
-    }
-    return opacity < material.cutoff;
 }
 
 }  // namespace shadowcache

@@ -40,13 +40,4 @@ Box3d instanceBounds(const TriangleMesh& mesh, const MeshInstance& instance);
 /// Material of TriangleMesh::triangles[triangle], or null where it has none.
 const Material* materialOf(const TriangleMesh& mesh, std::uint32_t triangle) noexcept;
 
-/// Linear albedo at barycentric coordinates of TriangleMesh::triangles[triangle]; `fallback` where
-/// the files give no colour.
-Rgb albedoAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
-             const Rgb& fallback) noexcept;
-
-/// Whether a cut-out material has a hole there.
-bool isHole(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
-            float v) noexcept;
-
 }  // namespace shadowcache

@@ -40,6 +40,8 @@ enum class RenderSalt : std::uint64_t {
     shareRounding = 82,   ///< rounds the samples of a cluster's points
     clusterJitter = 83,   ///< numbers of a point's samples in a cluster
     clusterOrder = 85,    ///< the sequence that orders the samples of a cluster
+    gloss = 86,           ///< a pixel's seed for the samples of its glossy surfaces
+    glossTurn = 87,       ///< which of their strategies has the first sample
     domePilotTile = 90,   ///< tiles of the map that `dome`'s pilot rays go to
     domePilotTexel = 91,  ///< places of these rays in their texels
     domeTurn = 92,        ///< which of `dome`'s samples is the first drawn by the cosine

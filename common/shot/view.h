@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/mesh/normal_map.h"
 #include "common/mesh/shading_normal.h"
 #include "common/shot/camera.h"
 #include "common/trace/scene.h"
@@ -17,8 +18,10 @@ struct View {
     }
     /// Unit shading normal there, on the same side of the surface.
     Vec3f shadingNormal() const {
-        return shadowcache::shadingNormal(hit.scene->mesh(), hit.triangle, hit.u, hit.v,
-                                          geometricNormal());
+        const TriangleMesh& mesh = hit.scene->mesh();
+        const Vec3f side = geometricNormal();
+        return mappedNormal(mesh, hit.triangle, hit.u, hit.v, side,
+                            shadowcache::shadingNormal(mesh, hit.triangle, hit.u, hit.v, side));
     }
 };
 

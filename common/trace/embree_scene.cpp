@@ -4,7 +4,9 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "common/base/hash.h"
 #include "common/base/parallel.h"
+#include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {
@@ -66,8 +68,9 @@ void EmbreeScene::attachPart(RTCScene scene, unsigned id, const MeshPart& part) 
     Part& filtered = filtered_[static_cast<std::size_t>(&part - parts_.data())];
     if (const Material* material = filtered.material) {
         rtcSetGeometryUserData(geometry, &filtered);
-        if (material->cutOut) rtcSetGeometryOccludedFilterFunction(geometry, filterHoles);
-        if (material->cutOut || !material->doubleSided)
+        const bool pierced = material->cutOut || material->blends;
+        if (pierced) rtcSetGeometryOccludedFilterFunction(geometry, filterHoles);
+        if (pierced || !material->doubleSided)
             rtcSetGeometryIntersectFilterFunction(geometry, filterUnseen);
     }
     rtcCommitGeometry(geometry);
@@ -113,9 +116,14 @@ std::uint32_t EmbreeScene::placedNumber(const RTCHit& hit) const noexcept {
 }
 
 bool EmbreeScene::inHole(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray) {
-    return isHole(*part.mesh, *part.material,
-                  part.firstTriangle + RTCHitN_primID(hits.hit, hits.N, ray),
-                  RTCHitN_u(hits.hit, hits.N, ray), RTCHitN_v(hits.hit, hits.N, ray));
+    const std::uint32_t triangle = part.firstTriangle + RTCHitN_primID(hits.hit, hits.N, ray);
+    float chance = 0;
+    if (part.material->blends)
+        chance = toUnitFloat(
+            static_cast<std::uint32_t>(hashWords(RTCRayN_id(hits.ray, hits.N, ray), triangle,
+                                                 RTCHitN_instID(hits.hit, hits.N, ray, 0))));
+    return isHole(*part.mesh, *part.material, triangle, RTCHitN_u(hits.hit, hits.N, ray),
+                  RTCHitN_v(hits.hit, hits.N, ray), chance);
 }
 
 void EmbreeScene::filterHoles(const RTCFilterFunctionNArguments* hits) {
@@ -130,7 +138,8 @@ void EmbreeScene::filterUnseen(const RTCFilterFunctionNArguments* hits) {
                        reinterpret_cast<const QueryContext*>(hits->context)->fromCamera;
     for (unsigned i = 0; i < hits->N; ++i) {
         if (hits->valid[i] != -1) continue;
-        if (part.material->cutOut && inHole(part, *hits, i)) hits->valid[i] = 0;
+        if ((part.material->cutOut || part.material->blends) && inHole(part, *hits, i))
+            hits->valid[i] = 0;
         if (!culls) continue;
         // In the geometry's own space, so that a mirroring instance turns no side around.
         const Vec3i& t =

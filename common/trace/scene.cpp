@@ -1,10 +1,12 @@
 #include "common/trace/scene.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "common/base/hash.h"
 #include "common/base/tuned.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/trace/embree_scene.h"
@@ -22,7 +24,22 @@ SHADOWCACHE_TUNED(std::size_t, kManyTriangles, 300000);
 /// Moving sets of more instances are one ball: every ball costs every shading point a little.
 SHADOWCACHE_TUNED(std::size_t, kMostBalls, 16);
 
-void fillRays(const RayPacket& rays, RTCRay8& out) {
+/// Number of a ray, of which surfaces that blend make its chance to pass: the same ray, asked
+/// again, passes again.
+unsigned rayNumber(const Vec3f& origin, const Vec3f& direction) {
+    const auto pair = [](float a, float b) {
+        return std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 |
+               std::bit_cast<std::uint32_t>(b);
+    };
+    return static_cast<unsigned>(hashWords(pair(origin.x, origin.y), pair(origin.z, direction.x),
+                                           pair(direction.y, direction.z)));
+}
+
+/// @param numbered  whether the set has surfaces that blend
+void fillRays(const RayPacket& rays, bool numbered, RTCRay8& out) {
+    for (int i = 0; numbered && i < RayPacket::kSize; ++i)
+        out.id[i] = rayNumber({rays.originX[i], rays.originY[i], rays.originZ[i]},
+                              {rays.directionX[i], rays.directionY[i], rays.directionZ[i]});
     constexpr std::size_t kBytes = sizeof(float) * RayPacket::kSize;
     std::memcpy(out.org_x, rays.originX, kBytes);
     std::memcpy(out.org_y, rays.originY, kBytes);
@@ -75,6 +92,7 @@ Ball ballAround(const Box3d& box) {
 Scene::Scene(const TriangleMesh& mesh)
     : mesh_(mesh),
       // Embree 3.13 sometimes never returns from streams of coherent rays that meet instances.
+      blends_(std::ranges::any_of(mesh.materials, &Material::blends)),
       many_(placedCount(mesh) >= kManyTriangles || !mesh.instances.empty()),
       embree_(std::make_unique<EmbreeScene>(mesh)) {}
 
@@ -136,6 +154,7 @@ Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept
     query.ray.dir_z = direction.z;
     query.ray.tfar = kInfinity;
     query.ray.mask = ~0u;
+    if (blends_) query.ray.id = rayNumber(origin, direction);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(embree_->root(), &context.base, &query);
@@ -155,7 +174,7 @@ void Scene::intersect(const RayPacket& rays, int count, Hit* hits) const noexcep
     QueryContext context(true);
     context.base.flags = packetFlags(mesh_);
     alignas(32) RTCRayHit8 query;
-    fillRays(rays, query.ray);
+    fillRays(rays, blends_, query.ray);
     for (int i = 0; i < RayPacket::kSize; ++i)
         query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     const Lanes lanes(count);
@@ -192,6 +211,7 @@ bool Scene::isFree(const Vec3f& origin, const Vec3f& way) const noexcept {
     query.dir_z = way.z;
     query.tfar = 1.0f;
     query.mask = ~0u;
+    if (blends_) query.id = rayNumber(origin, way);
     rtcOccluded1(embree_->root(), &context, &query);
     return query.tfar >= 0.0f && (!moving_ || moving_->isFree(origin, way));
 }
@@ -201,7 +221,7 @@ std::uint32_t Scene::visibility(const RayPacket& rays, int count) const noexcept
     rtcInitIntersectContext(&context);
     context.flags = packetFlags(mesh_);
     alignas(32) RTCRay8 query;
-    fillRays(rays, query);
+    fillRays(rays, blends_, query);
     const Lanes lanes(count);
     rtcOccluded8(lanes.valid, embree_->root(), &context, &query);
     std::uint32_t bits = 0;
@@ -221,6 +241,11 @@ void Scene::trace(RayStream& rays, std::size_t count) const noexcept {
     query.dir_z = rays.direction[2];
     query.tnear = const_cast<float*>(kNearest);  // only read
     query.tfar = rays.reach;
+    unsigned numbers[RayStream::kSize];
+    for (std::size_t i = 0; blends_ && i < count; ++i)
+        numbers[i] = rayNumber({rays.origin[0][i], rays.origin[1][i], rays.origin[2][i]},
+                               {rays.direction[0][i], rays.direction[1][i], rays.direction[2][i]});
+    if (blends_) query.id = numbers;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     // Rays of a packet stay together among large triangles and part among small ones.
@@ -232,7 +257,7 @@ void Scene::trace(RayStream& rays, std::size_t count) const noexcept {
 void Scene::distances(const RayPacket& rays, int count, float* out) const noexcept {
     QueryContext context(false);
     alignas(32) RTCRayHit8 query;
-    fillRays(rays, query.ray);
+    fillRays(rays, blends_, query.ray);
     for (unsigned& id : query.hit.geomID) id = RTC_INVALID_GEOMETRY_ID;
     const Lanes lanes(count);
     rtcIntersect8(lanes.valid, embree_->root(), &context.base, &query);

@@ -53,7 +53,9 @@ struct Ball {
     float radius;
 };
 
-/// The set's triangles in an acceleration structure. Queries are thread-safe.
+/// The set's triangles in an acceleration structure. A surface that blends stops a ray with the
+/// probability of its opacity there; the same ray meets the same in every query. Queries are
+/// thread-safe.
 class Scene {
 public:
     /// Keeps a reference to `mesh`, which must outlive the scene.
@@ -109,6 +111,7 @@ private:
               const Hit& byEmbree) const noexcept;
 
     const TriangleMesh& mesh_;
+    bool blends_;  ///< some surface does
     bool many_;
     std::unique_ptr<EmbreeScene> embree_;
     const Scene* moving_ = nullptr;

@@ -52,6 +52,28 @@ FilmRectangle parseCrop(const std::string& text) {
     return {std::stoi(match[1]), std::stoi(match[2]), std::stoi(match[3]), std::stoi(match[4])};
 }
 
+/// "KEY=VALUE,...".
+Gloss parseMaterial(const std::string& text) {
+    Gloss gloss;
+    const std::array<std::pair<const char*, float*>, 4> keys{{{"roughness", &gloss.roughness},
+                                                              {"metallic", &gloss.metallic},
+                                                              {"ior", &gloss.ior},
+                                                              {"specular", &gloss.specular}}};
+    std::istringstream parts(text);
+    std::string part;
+    while (std::getline(parts, part, ',')) {
+        const std::size_t sign = std::min(part.find('='), part.size());
+        const auto key =
+            std::ranges::find(keys, part.substr(0, sign), &decltype(keys)::value_type::first);
+        if (key == keys.end() || sign == part.size())
+            throw Error("--material " + part +
+                        ": expected roughness=, metallic=, ior= or specular= and a number");
+        *key->second = static_cast<float>(
+            parseNumbers("--material", part.substr(sign + 1), 1, "a number behind each =")[0]);
+    }
+    return gloss;
+}
+
 std::ptrdiff_t placeOf(const std::string& name, const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), name) - names.begin();
 }
@@ -95,9 +117,15 @@ RenderJob jobOf(const Arguments& arguments) {
         job.render.samples = 1;
     }
     const bool grey = arguments.albedo.find(',') == std::string::npos;
-    job.render.albedo =
+    job.render.plain.albedo =
         Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])
                  : parseVector("--albedo", arguments.albedo, "one value, or R,G,B"));
+    job.mesh.gloss = arguments.surfaces == "glossy";
+    if (!arguments.material.empty()) job.render.plain.gloss = parseMaterial(arguments.material);
+    if (!arguments.material.empty() && !job.mesh.gloss)
+        throw Error(
+            "--material makes surfaces glossy, --surfaces diffuse leaves gloss out: "
+            "expected one of them");
     if (!arguments.debug.empty())
         job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
     job.mesh.zUp = arguments.up == "z";

@@ -12,7 +12,8 @@ namespace shadowcache {
 struct Arguments {
     RenderJob job;
     std::string up = "y", frames, size = "960x540", sequence = "sobol", budget = "adaptive",
-                normals = "shading", albedo = "0.5", memory, crop, filter = "blackman-harris";
+                normals = "shading", albedo = "0.5", surfaces = "glossy", material, memory, crop,
+                filter = "blackman-harris";
     std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
     std::vector<std::string> dynamic;
     bool samplesGiven = false, cameraRaysGiven = false;

@@ -49,6 +49,17 @@ void defineScene(CLI::App& app, Arguments& arguments) {
                    "Albedo of surfaces without vertex colours: one value, or R,G,B, 0 to 1")
         ->capture_default_str()
         ->group(group);
+    app.add_option("--surfaces", arguments.surfaces,
+                   "glossy: the files' materials, which in glTF reflect like metal, varnish or "
+                   "chalk; diffuse: their base colours alone, all chalk")
+        ->check(CLI::IsMember({"glossy", "diffuse"}))
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--material", arguments.material,
+                   "Gloss of surfaces without material, as in roughness=0.3,metallic=0: roughness "
+                   "[1] and metallic [0], 0 to 1; ior [1.5], at least 1; specular [1], 0 to 1")
+        ->type_name("KEY=VALUE,...")
+        ->group(group);
 }
 
 void defineCamera(CLI::App& app, Arguments& arguments) {

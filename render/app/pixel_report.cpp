@@ -68,7 +68,14 @@ void reportPixel(const FrameRequest& frame, int x, int y) {
             "  irradiance: %s; variance %.6g; %u shadow rays of its own, %u that reuse "
             "samples of others; albedo: %s\n",
             text(sample.estimate.irradiance).c_str(), static_cast<double>(sample.estimate.variance),
-            sample.estimate.rays, sample.estimate.reused, text(sample.albedo).c_str());
+            sample.estimate.rays, sample.estimate.reused, text(sample.surface.baseColor).c_str());
+        if (sample.surface.glossy)
+            std::printf("  glossy: %s; variance %.6g; %u shadow rays; roughness %.4g\n",
+                        text(sample.gloss.radiance).c_str(),
+                        static_cast<double>(sample.gloss.variance), sample.gloss.rays,
+                        static_cast<double>(sample.surface.roughness));
+        if (sample.surface.emission != Rgb(0.0f))
+            std::printf("  emission: %s\n", text(sample.surface.emission).c_str());
     };
     const Pixel pixel = renderPixel(frame, x, y, report);
     if (pixel.depth == 0) std::printf("  sees the environment\n");

@@ -5,8 +5,8 @@
 
 #include "common/random/sequence.h"
 #include "render/estimators/basic_estimators.h"
-#include "render/estimators/full_precision.h"
 #include "render/estimators/hemisphere.h"
+#include "render/estimators/map_samples.h"
 
 namespace shadowcache {
 
@@ -44,24 +44,14 @@ public:
 protected:
     void addEnvironmentSamples(const ShadingPoint& point, const SampleSlice& slice, float samples,
                                Workspace& w) const {
-        const Environment& environment = context_.environment;
-        const auto u =
-            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
-        const auto v =
-            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
-        for (std::size_t k = 0; k < u.size(); ++k) {
-            const std::uint64_t number = slice.first + k;
-            const auto jitter = static_cast<std::uint32_t>(
-                hashWords(point.seed, RenderSalt::texelPlace, number) >> 32);
-            const EnvironmentSample s = environment.sample(fullPrecision(u[k], point.seed, number),
-                                                           toUnitFloat(v[k]), toUnitFloat(jitter));
+        drawFromMap(context_, point.seed, slice, w, [&](const EnvironmentSample& s) {
             const float cosine = s.direction.dot(point.normal);
             if (cosine > 0)
                 w.samples.add(s.direction,
                               s.radiance * (cosine / density(s.density, cosine, samples)));
             else
                 w.samples.addZero();
-        }
+        });
         w.samples.endGroup();
     }
 
@@ -128,14 +118,6 @@ private:
         addEnvironmentSamples(point, everySecond(slice, turn), samples, w);
         addCosineSamples(point, everySecond(slice, 1 - turn), samples, w);
         return {0, 0, 0};
-    }
-
-    /// Those of a slice whose numbers are `turn` (0 or 1) more than an even number.
-    static SampleSlice everySecond(const SampleSlice& slice, std::uint32_t turn) {
-        const std::uint32_t first = (slice.first + 1 - turn) / 2;
-        const std::uint32_t end =
-            (slice.first + static_cast<std::uint32_t>(slice.count) + 1 - turn) / 2;
-        return {first, static_cast<int>(end - first), slice.total / 2 + 1};
     }
 };
 

@@ -88,11 +88,7 @@ void PointEstimator::estimate(const PointBatch& batch, Workspace& workspace,
         const ShadingPoint& point = batch.points[i];
         workspace.samples.clear();
         estimates[i] = {};
-        estimates[i].irradiance =
-            prepare(point,
-                    {point.cameraRay * static_cast<std::uint32_t>(batch.samples), batch.samples,
-                     batch.pixelSamples},
-                    workspace);
+        estimates[i].irradiance = prepare(point, sliceOf(batch, point), workspace);
         workspace.setupNanoseconds += watch.sinceLast();
         if (workspace.samples.size() == 0) continue;
         for (std::size_t j = 0; workspace.watchedPixel && j < workspace.samples.size(); ++j)

@@ -10,6 +10,7 @@
 #include "common/cache/shadow_cache.h"
 #include "common/light/environment.h"
 #include "common/random/sequence.h"
+#include "common/surface/surface.h"
 #include "common/trace/scene.h"
 
 namespace shadowcache {
@@ -54,6 +55,12 @@ struct SampleSlice {
     std::uint32_t total = 1;  ///< of the pixel
 };
 
+/// That of a point of a batch.
+inline SampleSlice sliceOf(const PointBatch& batch, const ShadingPoint& point) {
+    return {point.cameraRay * static_cast<std::uint32_t>(batch.samples), batch.samples,
+            batch.pixelSamples};
+}
+
 /// Irradiance from the environment and what it took.
 struct Estimate {
     Rgb irradiance{0, 0, 0};
@@ -61,6 +68,19 @@ struct Estimate {
     float variance = 0;  ///< of the irradiance's luminance, estimated from the samples themselves
     std::uint32_t rays = 0;    ///< traced for this point's own samples
     std::uint32_t reused = 0;  ///< traced to reuse what other points found
+};
+
+/// A place on a glossy surface, and what it reflects to the viewer.
+struct GlossyPoint {
+    const ShadingPoint& point;
+    GlossyLobe lobe;
+};
+
+/// Radiance that a lobe reflects to the viewer, and what it took.
+struct GlossEstimate {
+    Rgb radiance{0, 0, 0};
+    float variance = 0;  ///< of its luminance, estimated from the samples themselves
+    std::uint32_t rays = 0;
 };
 
 /// Directions to test for occlusion, and what each adds to the irradiance if it is visible or
@@ -176,6 +196,12 @@ public:
                   std::span<Estimate> estimates) const;
     /// The same at one point.
     Estimate estimate(const ShadingPoint& point, int samples, Workspace& workspace) const;
+
+    /// What the lobes of glossy points reflect, with as many samples of each point as the batch
+    /// wants for the irradiance: from the map and from the lobe, weighted by the balance heuristic.
+    /// @param points  of a batch's, in its order
+    virtual void estimateGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
+                               Workspace& workspace, std::span<GlossEstimate> estimates) const;
 
     /// Null where frames need no pilot.
     virtual FramePilot* pilot() { return nullptr; }

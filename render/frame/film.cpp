@@ -40,7 +40,11 @@ const std::vector<Aov>& aovTable() {
     static const std::vector<std::string> rgb{"R", "G", "B"}, xyz{"X", "Y", "Z"};
     static const std::vector<Aov> table{
         {"irradiance", rgb, [](const Pixel& p, int k) { return p.irradiance[k]; }},
+        {"diffuse", rgb, [](const Pixel& p, int k) { return p.diffuse[k]; }},
+        {"glossy", rgb, [](const Pixel& p, int k) { return p.glossy[k]; }},
+        {"emission", rgb, [](const Pixel& p, int k) { return p.emission[k]; }},
         {"albedo", rgb, [](const Pixel& p, int k) { return p.albedo[k]; }},
+        {"roughness", {"Y"}, [](const Pixel& p, int) { return p.roughness; }},
         {"normal", xyz, [](const Pixel& p, int k) { return p.normal[k]; }},
         {"position", xyz, [](const Pixel& p, int k) { return p.position[k]; }},
         {"depth", {"Z"}, [](const Pixel& p, int) { return p.depth; }},

@@ -11,16 +11,23 @@ namespace shadowcache {
 
 /// What the renderer found at one pixel, averaged over its camera rays.
 struct Pixel {
-    Rgb color{0, 0, 0};      ///< outgoing radiance, or the sky's
-    Rgb predicted{0, 0, 0};  ///< the colour predicted without rays, if RenderOptions::preview
+    Rgb color{0, 0, 0};      ///< outgoing radiance, or the sky's: the sum of the next three
+    Rgb diffuse{0, 0, 0};    ///< irradiance times diffuseAlbedo / pi
+    Rgb glossy{0, 0, 0};     ///< reflected besides: GlossyLobe
+    Rgb emission{0, 0, 0};   ///< of surfaces, and the sky
+    Rgb predicted{0, 0, 0};  ///< the colour with its diffuse part predicted without rays, if
+                             ///< RenderOptions::preview
     Rgb irradiance{0, 0, 0};
-    Rgb albedo{0, 0, 0};
+    Rgb albedo{0, 0, 0};         ///< base colour
+    Rgb diffuseAlbedo{0, 0, 0};  ///< of the diffuse part
+    float roughness = 0;
     Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
     Vec3f position{0, 0, 0};  ///< world space
     float depth = 0;          ///< distance from the camera; 0: the sky
     float variance = 0;  ///< of the irradiance's luminance, from the spread of the camera rays;
                          ///< of one camera ray, from its samples
     float colorVariance = 0;   ///< of the colour's luminance: edges, albedo and sky included
+    float glossVariance = 0;   ///< of the luminance of glossy, from the samples alone
     float rays = 0;            ///< shadow rays traced
     float reusedRays = 0;      ///< those of them that reuse what other pixels found
     float sampleVariance = 0;  ///< of the luminance of the irradiance over the set, from the

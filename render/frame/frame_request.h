@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/shot/camera.h"
+#include "common/surface/surface.h"
 #include "render/estimators/estimator.h"
 #include "render/frame/options.h"
 
@@ -45,8 +46,9 @@ struct FrameRequest {
 /// zero one has no ray.
 struct CameraSample {
     const ShadingPoint& point;
-    const Rgb& albedo;
+    const Surface& surface;
     const Estimate& estimate;
+    const GlossEstimate& gloss;
     const std::vector<Vec3f>& directions;
 };
 using CameraSampleObserver = std::function<void(const CameraSample&)>;

@@ -43,7 +43,12 @@ void validate(const RenderOptions& options) {
                     std::to_string(kMostPixelSamples) + " samples a pixel");
     requireRange("pass-rays", options.passRays, 1, kMostCameraRays);
     requireRange("filter-width", options.filterWidth, 0.0, 16.0);
-    for (int k = 0; k < 3; ++k) requireRange("albedo", options.albedo[k], 0.0f, 1.0f);
+    for (int k = 0; k < 3; ++k) requireRange("albedo", options.plain.albedo[k], 0.0f, 1.0f);
+    const Gloss gloss = options.plain.gloss.value_or(Gloss{});
+    requireRange("material roughness", gloss.roughness, 0.0f, 1.0f);
+    requireRange("material metallic", gloss.metallic, 0.0f, 1.0f);
+    requireRange("material ior", gloss.ior, 1.0f, 1e6f);
+    requireRange("material specular", gloss.specular, 0.0f, 1.0f);
 }
 
 }  // namespace shadowcache

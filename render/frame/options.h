@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/math/vec.h"
+#include "common/mesh/looks.h"
 
 namespace shadowcache {
 
@@ -32,8 +32,8 @@ struct RenderOptions {
     std::uint64_t seed = 1;
     bool preview = false;  ///< filter what the estimate adds to the prediction: biased
     bool insight =
-        false;  ///< keep what the cache predicts at each place, for the AOVs that show it
-    Rgb albedo{0.5f, 0.5f, 0.5f};  ///< where the set has no vertex colours
+        false;          ///< keep what the cache predicts at each place, for the AOVs that show it
+    PlainLook plain{};  ///< of what has no material and no vertex colours
 
     /// What is rendered of the frame.
     FilmRectangle region() const { return crop.value_or(FilmRectangle{0, 0, width, height}); }

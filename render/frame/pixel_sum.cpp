@@ -23,9 +23,14 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     Pixel pixel = sum.sum;
     const float scale = 1.0f / static_cast<float>(std::max(1, sum.cameraRays));
     pixel.color *= scale;
+    pixel.diffuse *= scale;
+    pixel.glossy *= scale;
+    pixel.emission *= scale;
     pixel.predicted *= scale;
     pixel.irradiance *= scale;
     pixel.albedo *= scale;
+    pixel.diffuseAlbedo *= scale;
+    pixel.roughness *= scale;
     pixel.normal *= scale;
     pixel.position *= scale;
     pixel.depth *= scale;
@@ -40,9 +45,11 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     const auto hits = static_cast<float>(std::max(1, sum.hits));
     pixel.sampleVariance = sum.sum.variance / (hits * hits);
     if (sum.cameraRays < 2) {
-        const double reflectance = static_cast<double>(pixel.albedo.dot(luminanceWeights)) / kPi;
+        const double reflectance =
+            static_cast<double>(pixel.diffuseAlbedo.dot(luminanceWeights)) / kPi;
         pixel.colorVariance =
-            static_cast<float>(reflectance * reflectance * static_cast<double>(pixel.variance));
+            static_cast<float>(reflectance * reflectance * static_cast<double>(pixel.variance)) +
+            pixel.glossVariance;
     } else {
         pixel.variance =
             static_cast<float>(sum.irradiance.varianceOfMean(runLength, sum.cameraRays));

@@ -26,9 +26,9 @@ float pixelWidth(const Camera& camera, const RenderOptions& options, float depth
 Rgb addedIrradiance(const Pixel& pixel) {
     Rgb added(0, 0, 0);
     for (int k = 0; k < 3; ++k)
-        if (pixel.albedo[k] > 0)
-            added[k] =
-                static_cast<float>(kPi) * (pixel.color[k] - pixel.predicted[k]) / pixel.albedo[k];
+        if (pixel.diffuseAlbedo[k] > 0)
+            added[k] = static_cast<float>(kPi) * (pixel.color[k] - pixel.predicted[k]) /
+                       pixel.diffuseAlbedo[k];
     return added;
 }
 
@@ -91,10 +91,12 @@ Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats) {
         if (!(residual.width > 0)) return;
         pixel.irradiance += pixel.coverage * (residual.residual - addedIrradiance(pixel));
         pixel.variance = residual.variance;
-        const Rgb reflectance = pixel.albedo * static_cast<float>(1 / kPi);
+        const Rgb reflectance = pixel.diffuseAlbedo * static_cast<float>(1 / kPi);
+        pixel.diffuse -= pixel.color;
         pixel.color = pixel.predicted + reflectance * residual.residual;
+        pixel.diffuse += pixel.color;
         const float luminance = environment.luminance(reflectance);
-        pixel.colorVariance = luminance * luminance * residual.variance;
+        pixel.colorVariance = luminance * luminance * residual.variance + pixel.glossVariance;
     });
     const FilmRectangle region = frame.options.region();
     if (region.width == film.width && region.height == film.height) return film;

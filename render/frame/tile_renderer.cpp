@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/mesh/shading_normal.h"
 #include "common/random/sequence.h"
@@ -126,7 +127,7 @@ void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int co
                             TileScratch& scratch, Workspace& workspace,
                             std::span<PixelSum> sums) const {
     sendCameraRays(places, first, count, scratch, sums);
-    scratch.estimates.resize(scratch.points.size());
+    findPoints(scratch);
     const PointBatch batch = batchOf(scratch.points, places.size(), first, count);
     workspace.watchedPixel.reset();
     workspace.watched.clear();
@@ -134,12 +135,14 @@ void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int co
         if (places[p].x == observed_.x && places[p].y == observed_.y)
             workspace.watchedPixel = static_cast<std::uint32_t>(p);
     estimator_.estimate(batch, workspace, scratch.estimates);
+    if (!scratch.glossyPoints.empty())
+        estimator_.estimateGloss(batch, scratch.glossyPoints, workspace, scratch.glossEstimates);
     std::size_t i = 0;
     for (const TileScratch::Ray& ray : scratch.rays) {
         PixelSum& sum = sums[ray.pixel];
         ++sum.cameraRays;
         if (ray.view.hit.found) {
-            addToPixel(scratch.points[i], ray.view.hit, scratch.estimates[i], workspace, sum);
+            addToPixel(scratch, scratch.places[i], ray.view.hit, workspace, sum);
             ++i;
         } else {
             sum.color.add(ray.skyLuminance, runLength_);
@@ -155,45 +158,83 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
         for (int k = first; k < first + count; ++k)
             scratch.rays.push_back({static_cast<std::uint32_t>(i), k, {}, 0});
     intersect(scratch.rays, places);
-    scratch.points.clear();
+    scratch.places.clear();
     for (TileScratch::Ray& ray : scratch.rays) {
         if (!ray.view.hit.found) {
             const Rgb radiance = context_.environment.radiance(ray.view.direction);
             ray.skyLuminance = static_cast<double>(context_.environment.luminance(radiance));
             sums[ray.pixel].sum.color += radiance;
+            sums[ray.pixel].sum.emission += radiance;
             sums[ray.pixel].sum.predicted += radiance;
             continue;
         }
         const auto [x, y] = places[ray.pixel];
-        ShadingPoint& point = scratch.points.emplace_back(
-            shadingPoint(ray.view, pixelSeed(options_.seed, number_, x, y, 0), x, y));
-        point.cameraRay = static_cast<std::uint32_t>(ray.number);
-        point.pixel = ray.pixel;
+        TileScratch::Place& place = scratch.places.emplace_back();
+        place.point = shadingPoint(ray.view, pixelSeed(options_.seed, number_, x, y, 0), x, y);
+        place.point.cameraRay = static_cast<std::uint32_t>(ray.number);
+        place.point.pixel = ray.pixel;
+        const Hit& hit = ray.view.hit;
+        const TriangleMesh& mesh = hit.scene->mesh();
+        place.surface = surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v,
+                                  options_.plain);
+        place.diffuseAlbedo =
+            diffuseAlbedo(place.surface, -place.point.normal.dot(ray.view.direction));
+        if (place.surface.glossy) place.toViewer = -ray.view.direction;
     }
 }
 
-void TileRenderer::addToPixel(const ShadingPoint& point, const Hit& hit, const Estimate& e,
-                              Workspace& workspace, PixelSum& pixel) const {
-    const TriangleMesh& mesh = hit.scene->mesh();
-    const Rgb albedo =
-        albedoAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v, options_.albedo);
+void TileRenderer::findPoints(TileScratch& scratch) const {
+    scratch.points.clear();
+    scratch.glossyPoints.clear();
+    for (TileScratch::Place& place : scratch.places) {
+        const Surface& surface = place.surface;
+        // Of a Lambertian surface the irradiance is told, however black it is.
+        if (place.diffuseAlbedo != Rgb(0.0f) || !(surface.glossy || surface.unlit)) {
+            place.diffuse = static_cast<std::uint32_t>(scratch.points.size());
+            scratch.points.push_back(place.point);
+        }
+        if (surface.glossy) {
+            place.glossy = static_cast<std::uint32_t>(scratch.glossyPoints.size());
+            scratch.glossyPoints.push_back(
+                {place.point, GlossyLobe(surface, place.point.normal, place.toViewer)});
+        }
+    }
+    scratch.estimates.resize(scratch.points.size());
+    scratch.glossEstimates.resize(scratch.glossyPoints.size());
+}
+
+void TileRenderer::addToPixel(const TileScratch& scratch, const TileScratch::Place& place,
+                              const Hit& hit, Workspace& workspace, PixelSum& pixel) const {
+    const ShadingPoint& point = place.point;
+    const Surface& surface = place.surface;
+    const Estimate e = place.diffuse ? scratch.estimates[*place.diffuse] : Estimate{};
+    const GlossEstimate gloss =
+        place.glossy ? scratch.glossEstimates[*place.glossy] : GlossEstimate{};
     if (observer_ && point.filmX == observed_.x && point.filmY == observed_.y) {
         std::vector<Vec3f> directions;
         for (const WatchedSample& sample : workspace.watched)
             if (sample.cameraRay == point.cameraRay) directions.push_back(sample.direction);
-        (*observer_)({point, albedo, e, directions});
+        (*observer_)({point, surface, e, gloss, directions});
     }
-    const Rgb color = albedo * e.irradiance * static_cast<float>(1 / kPi);
+    const Rgb diffuse = place.diffuseAlbedo * e.irradiance * static_cast<float>(1 / kPi);
+    const Rgb color = diffuse + gloss.radiance + surface.emission;
     Pixel& sum = pixel.sum;
     sum.color += color;
-    sum.predicted += albedo * e.predicted * static_cast<float>(1 / kPi);
+    sum.diffuse += diffuse;
+    sum.glossy += gloss.radiance;
+    sum.emission += surface.emission;
+    sum.predicted += place.diffuseAlbedo * e.predicted * static_cast<float>(1 / kPi) +
+                     (gloss.radiance + surface.emission);
     sum.irradiance += e.irradiance;
-    sum.albedo += albedo;
+    sum.albedo += surface.baseColor;
+    sum.diffuseAlbedo += place.diffuseAlbedo;
+    sum.roughness += surface.roughness;
     sum.normal += point.normal;
     sum.position += Vec3f(point.position);
     sum.depth += hit.distance;
     sum.variance += e.variance;
-    sum.rays += static_cast<float>(e.rays + e.reused);
+    sum.glossVariance += gloss.variance;
+    sum.rays += static_cast<float>(e.rays + e.reused + gloss.rays);
     sum.reusedRays += static_cast<float>(e.reused);
     const Environment& environment = context_.environment;
     pixel.color.add(static_cast<double>(environment.luminance(color)), runLength_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,9 +22,21 @@ struct TileScratch {
         View view;                ///< no hit: the sky
         double skyLuminance = 0;
     };
+    /// What one of them meets on the set.
+    struct Place {
+        ShadingPoint point;
+        Surface surface;
+        Vec3f toViewer;  ///< of glossy surfaces
+        Rgb diffuseAlbedo;
+        std::optional<std::uint32_t> diffuse;  ///< number in `points`; none: nothing is diffuse
+        std::optional<std::uint32_t> glossy;   ///< number in `glossyPoints`
+    };
     std::vector<Ray> rays;
-    std::vector<ShadingPoint> points;  ///< of the rays that meet the set
+    std::vector<Place> places;         ///< of the rays that meet the set
+    std::vector<ShadingPoint> points;  ///< those to estimate the irradiance of
     std::vector<Estimate> estimates;
+    std::vector<GlossyPoint> glossyPoints;
+    std::vector<GlossEstimate> glossEstimates;
 };
 
 /// Renders the pixels of one tile: sends their camera rays and has the places that these meet lit
@@ -64,7 +77,9 @@ private:
     Vec3f shadowOrigin(const View& view) const;
     PointBatch batchOf(std::span<const ShadingPoint> points, std::size_t pixels, int first,
                        int count) const;
-    void addToPixel(const ShadingPoint& point, const Hit& hit, const Estimate& estimate,
+    /// Sorts the places by what light is to be estimated of them.
+    void findPoints(TileScratch& scratch) const;
+    void addToPixel(const TileScratch& scratch, const TileScratch::Place& place, const Hit& hit,
                     Workspace& workspace, PixelSum& pixel) const;
 
     const Estimator& estimator_;

@@ -52,7 +52,7 @@ public:
             double found = 0, truth = 0;
             for (const Pixel& pixel : render({*estimator, camera_, 1, options}, stats).pixels) {
                 // Pixels at the edge of the ball are only partly of it.
-                const double seen = static_cast<double>(pixel.albedo.y / options.albedo.y);
+                const double seen = static_cast<double>(pixel.albedo.y / options.plain.albedo.y);
                 const double wanted = seen > 0 ? truth_(Vec3d(pixel.normal) / seen) * seen : -1;
                 if (wanted < 0) continue;
                 found += static_cast<double>(pixel.irradiance.y);

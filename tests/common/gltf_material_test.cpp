@@ -1,0 +1,238 @@
+// What glTF's materials become.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/image/image.h"
+#include "common/image/png.h"
+#include "common/import/load_mesh.h"
+#include "common/mesh/looks.h"
+#include "tests/support/gltf_builder.h"
+#include "tests/support/temporary_folder.h"
+
+namespace shadowcache::test {
+namespace {
+
+using Json = nlohmann::json;
+
+TriangleMesh load(const GltfBuilder& file, bool gloss = true) {
+    const TemporaryFolder folder;
+    const auto path = folder.write("a.glb", file.glb());
+    MeshOptions options;
+    options.gloss = gloss;
+    return loadMesh({&path, 1}, options);
+}
+
+/// The square with two sets of texture coordinates: (x, y), and the same halved.
+GltfBuilder squareWith(const Json& material) {
+    GltfBuilder file;
+    const int positions = file.vectors(kSquare);
+    const int uv = file.accessor(std::vector<float>{0, 0, 1, 0, 1, 1, 0, 1}, "VEC2", 2);
+    const int half =
+        file.accessor(std::vector<float>{0, 0, 0.5f, 0, 0.5f, 0.5f, 0, 0.5f}, "VEC2", 2);
+    file.append("materials", material);
+    file.mesh({{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", uv}, {"TEXCOORD_1", half}}},
+               {"indices", file.accessor(kSquareIndices, "SCALAR", 1)},
+               {"material", 0}});
+    file.root({{"mesh", 0}});
+    return file;
+}
+
+/// A picture of 2 x 1 texels that is not filtered; texture number `n` is image `n`.
+void addPicture(GltfBuilder& file, const Rgb& left, const Rgb& right) {
+    const TemporaryFolder folder;
+    writePng(folder.path() / "a.png", {2, 1, {left, right}}, 0);
+    const int image = file.append(
+        "images",
+        {{"bufferView", file.view(readBytes(folder.path() / "a.png"))}, {"mimeType", "image/png"}});
+    if (!file.json.contains("samplers")) file.append("samplers", {{"magFilter", 9728}});
+    file.append("textures", {{"source", image}, {"sampler", 0}});
+}
+
+/// At (x, y) of the square.
+Surface at(const TriangleMesh& mesh, float x, float y) {
+    // Of the triangles (0,0) (1,0) (1,1) and (0,0) (1,1) (0,1).
+    return y <= x ? surfaceAt(mesh, 0, x - y, y, {}) : surfaceAt(mesh, 1, x, y - x, {});
+}
+
+TEST(GltfMaterial, FactorsAreTheSpecifications) {
+    const TriangleMesh mesh =
+        load(squareWith({{"pbrMetallicRoughness",
+                          {{"baseColorFactor", {0.5, 0.25, 1, 1}},
+                           {"metallicFactor", 0.2},
+                           {"roughnessFactor", 0.3}}},
+                         {"emissiveFactor", {0.1, 0.2, 0.4}},
+                         {"extensions",
+                          {{"KHR_materials_ior", {{"ior", 2}}},
+                           {"KHR_materials_specular",
+                            {{"specularFactor", 0.5}, {"specularColorFactor", {1, 0.5, 100}}}},
+                           {"KHR_materials_emissive_strength", {{"emissiveStrength", 10}}}}}}));
+    const Surface s = at(mesh, 0.6f, 0.2f);
+    EXPECT_TRUE(s.glossy);
+    EXPECT_FLOAT_EQ(s.roughness, 0.3f);
+    EXPECT_FLOAT_EQ(s.diffuse.x, 0.8f * 0.5f);
+    EXPECT_FLOAT_EQ(s.f0.x, 0.8f * 0.5f / 9 + 0.2f * 0.5f);
+    EXPECT_FLOAT_EQ(s.f0.y, 0.8f * 0.25f / 9 + 0.2f * 0.25f);
+    EXPECT_FLOAT_EQ(s.f0.z, 0.8f * 0.5f + 0.2f);  // no more than the strength
+    EXPECT_FLOAT_EQ(s.f90.x, 0.8f * 0.5f + 0.2f);
+    EXPECT_FLOAT_EQ(s.loss0, 0.5f);
+    EXPECT_FLOAT_EQ(s.loss90, 0.5f);
+    EXPECT_FLOAT_EQ(s.emission.z, 4.0f);
+    EXPECT_TRUE(mesh.report.leftOut.empty());
+}
+
+TEST(GltfMaterial, WithoutFactorsIsARoughMetal) {
+    const Surface s = at(load(squareWith(Json::object())), 0.6f, 0.2f);
+    EXPECT_TRUE(s.glossy);
+    EXPECT_EQ(s.roughness, 1);
+    EXPECT_EQ(s.diffuse, Rgb(0.0f));
+    EXPECT_EQ(s.f0, Rgb(1.0f));
+}
+
+TEST(GltfMaterial, IsLambertianWhereGlossIsNotRead) {
+    const GltfBuilder file = squareWith(
+        {{"emissiveFactor", {1, 1, 1}}, {"pbrMetallicRoughness", {{"metallicFactor", 0.5}}}});
+    const Surface s = at(load(file, false), 0.6f, 0.2f);
+    EXPECT_FALSE(s.glossy);
+    EXPECT_EQ(s.diffuse, Rgb(1.0f));
+    EXPECT_EQ(s.emission, Rgb(0.0f));
+}
+
+TEST(GltfMaterial, FactorsOutOfRangeAreBroughtIntoIt) {
+    const TriangleMesh mesh = load(
+        squareWith({{"pbrMetallicRoughness", {{"metallicFactor", -3}, {"roughnessFactor", 1e9}}},
+                    {"emissiveFactor", {-1, 1e300, 0}},
+                    {"extensions",
+                     {{"KHR_materials_ior", {{"ior", 0.2}}},
+                      {"KHR_materials_specular", {{"specularFactor", 7}}}}}}));
+    const Surface s = at(mesh, 0.6f, 0.2f);
+    EXPECT_EQ(s.roughness, 1);
+    EXPECT_EQ(s.diffuse, Rgb(1.0f));
+    EXPECT_EQ(s.f0, Rgb(0.0f));  // an index of refraction of 1
+    EXPECT_EQ(s.f90, Rgb(1.0f));
+    EXPECT_EQ(s.emission.x, 0);
+    EXPECT_TRUE(std::isfinite(s.emission.y));
+}
+
+TEST(GltfMaterial, AnIndexOfRefractionOfZeroReflectsEverything) {
+    const TriangleMesh mesh =
+        load(squareWith({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+                         {"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}}));
+    EXPECT_EQ(at(mesh, 0.6f, 0.2f).f0, Rgb(1.0f));
+}
+
+TEST(GltfMaterial, UnlitEmitsItsColor) {
+    const TriangleMesh mesh =
+        load(squareWith({{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 1, 1}}}},
+                         {"emissiveFactor", {1, 1, 1}},
+                         {"extensions", {{"KHR_materials_unlit", Json::object()}}}}));
+    const Surface s = at(mesh, 0.6f, 0.2f);
+    EXPECT_TRUE(s.unlit);
+    EXPECT_FALSE(s.glossy);
+    EXPECT_EQ(s.emission, Rgb(0.5f, 0.25f, 1));
+    EXPECT_EQ(s.diffuse, Rgb(0.0f));
+}
+
+// Green is roughness, blue metalness, both linear; colours are sRGB.
+TEST(GltfMaterial, TexturesOfEverySlot) {
+    GltfBuilder file = squareWith({{"pbrMetallicRoughness",
+                                    {{"metallicFactor", 0.5},
+                                     {"roughnessFactor", 0.8},
+                                     {"metallicRoughnessTexture", {{"index", 0}}}}},
+                                   {"emissiveFactor", {1, 1, 1}},
+                                   {"emissiveTexture", {{"index", 1}}}});
+    // Written as sRGB: 0.5 is stored as 188 of 255.
+    addPicture(file, Rgb(1, 0.5f, 0), Rgb(0, 0, 1));
+    addPicture(file, Rgb(0.5f, 0.25f, 0), Rgb(0, 0, 1));
+    const TriangleMesh mesh = load(file);
+    const Surface left = at(mesh, 0.3f, 0.2f), right = at(mesh, 0.7f, 0.2f);
+    EXPECT_FLOAT_EQ(left.roughness, 0.8f * 188 / 255);
+    EXPECT_EQ(left.f90, Rgb(1.0f));
+    EXPECT_EQ(left.diffuse, Rgb(1.0f));
+    EXPECT_EQ(right.roughness, 0);
+    EXPECT_FLOAT_EQ(right.diffuse.x, 0.5f);
+    EXPECT_NEAR(left.emission.x, 0.5, 0.005);
+    EXPECT_EQ(right.emission, Rgb(0, 0, 1));
+}
+
+// The base colour by the first set of coordinates, roughness by the second, emission by the first
+// and shifted.
+TEST(GltfMaterial, SlotsHaveTexturePlacesOfTheirOwn) {
+    const Json moved{{"index", 0},
+                     {"extensions", {{"KHR_texture_transform", {{"offset", {0.5, 0}}}}}}};
+    GltfBuilder file =
+        squareWith({{"pbrMetallicRoughness",
+                     {{"metallicFactor", 0},
+                      {"baseColorTexture", {{"index", 0}}},
+                      {"metallicRoughnessTexture", {{"index", 0}, {"texCoord", 1}}}}},
+                    {"emissiveFactor", {1, 1, 1}},
+                    {"emissiveTexture", moved}});
+    addPicture(file, Rgb(1, 0, 0), Rgb(0, 1, 0));
+    // A mesh without such a material comes after it.
+    file.json["meshes"].push_back(file.json["meshes"][0]);
+    file.json["meshes"][1]["primitives"][0].erase("material");
+    file.root({{"mesh", 1}, {"translation", {5, 0, 0}}});
+    const TriangleMesh mesh = load(file);
+    ASSERT_EQ(mesh.moreTexcoords.size(), 2u);
+    for (const auto& layer : mesh.moreTexcoords) EXPECT_EQ(layer.size(), mesh.positions.size());
+    // The square without material comes first.
+    const auto surface = [&](float x, float y) { return surfaceAt(mesh, 2, x - y, y, {}); };
+    EXPECT_EQ(surface(0.7f, 0.2f).baseColor, Rgb(0, 1, 0));
+    EXPECT_EQ(surface(0.7f, 0.2f).roughness, 0);  // at 0.35: the left texel
+    EXPECT_EQ(surface(0.7f, 0.2f).emission, Rgb(1, 0, 0));
+    EXPECT_EQ(surface(0.3f, 0.2f).emission, Rgb(0, 1, 0));
+}
+
+TEST(GltfMaterial, SpecularTextures) {
+    const Json both{{"specularTexture", {{"index", 0}}}, {"specularColorTexture", {{"index", 0}}}};
+    GltfBuilder file = squareWith({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+                                   {"extensions", {{"KHR_materials_specular", both}}}});
+    addPicture(file, Rgb(1, 0, 0), Rgb(0, 1, 0));
+    const Surface s = at(load(file), 0.3f, 0.2f);
+    EXPECT_FLOAT_EQ(s.f0.x, 0.04f);
+    EXPECT_EQ(s.f0.y, 0);
+    EXPECT_EQ(s.f90.y, 1);
+}
+
+TEST(GltfMaterial, WhatIsLeftOutIsCounted) {
+    const Json material{{"extensions",
+                         {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}},
+                          {"KHR_materials_transmission", {{"transmissionFactor", 1}}}}}};
+    GltfBuilder file = squareWith(material);
+    file.append("materials", material);
+    file.append("materials", material);  // which nothing has
+    file.json["meshes"].push_back(file.json["meshes"][0]);
+    file.json["meshes"][1]["primitives"][0]["material"] = 1;
+    file.root({{"mesh", 1}, {"translation", {5, 0, 0}}});
+    file.json["extensionsRequired"] = {"KHR_materials_transmission"};
+    const TriangleMesh mesh = load(file);
+    const std::map<std::string, std::size_t> wanted{{"KHR_materials_clearcoat", 2},
+                                                    {"KHR_materials_transmission", 2}};
+    EXPECT_EQ(mesh.report.leftOut, wanted);
+    EXPECT_NE(describe(mesh.report)
+                  .find("2 materials without their KHR_materials_clearcoat, which is left out"),
+              std::string::npos);
+}
+
+TEST(GltfMaterial, MissingTexturesAreRefused) {
+    const TemporaryFolder folder;
+    const auto refuse = [&](const Json& material, const char* cause) {
+        const auto path = folder.write("a.glb", squareWith(material).glb());
+        expectError([&] { loadMesh({&path, 1}, {}); }, "a.glb", cause);
+    };
+    refuse({{"name", "brass"},
+            {"pbrMetallicRoughness", {{"metallicRoughnessTexture", {{"index", 3}}}}}},
+           "material brass: texture 3, but the file has none");
+    refuse({{"extensions", {{"KHR_materials_specular", {{"specularTexture", {{"texCoord", 1}}}}}}}},
+           "texture -1");
+    GltfBuilder file =
+        squareWith({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", {{"index", 0}}}});
+    file.append("images", {{"uri", "lamp.png"}});
+    file.append("textures", {{"source", 0}});
+    const auto path = folder.write("b.glb", file.glb());
+    expectError([&] { loadMesh({&path, 1}, {}); }, "b.glb", "lamp.png");
+}
+
+}  // namespace
+}  // namespace shadowcache::test
