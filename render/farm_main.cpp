@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <sstream>
 #include <string>
@@ -11,6 +12,7 @@
 #include "common/base/option_checks.h"
 #include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
+#include "common/import/mesh_options.h"
 #include "common/shot/frames.h"
 #include "render/farm/farm_files.h"
 
@@ -105,12 +107,14 @@ void refuseOurOptions(const std::vector<std::string>& words, const char* where) 
 std::string numberText(double value) {
     std::ostringstream text;
     text << value;
-    return std::stod(text.str()) == value
+    return std::strtod(text.str().c_str(), nullptr) == value
                ? text.str()
                : (text.precision(17), text.str(""), text << value, text.str());
 }
 
 FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
+    requireScale(a.scale);
+    requireRange("fps", a.fps, 1e-3, 1e6);
     FarmJob job = a.job;
     for (const auto& file : a.files) job.set.push_back(file.string());
     const auto add = [&](const char* option, const std::string& value) {

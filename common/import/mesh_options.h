@@ -17,6 +17,9 @@ struct MeshOptions {
     double smoothDegrees = 0;
 };
 
+/// @throws Error if a --scale is not a finite number above 0
+void requireScale(double scale);
+
 /// From the files' axes and unit to the world's.
 Affine worldOf(const MeshOptions& options);
 
