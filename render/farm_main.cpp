@@ -27,11 +27,12 @@ struct Arguments {
     FarmJob job;
     std::filesystem::path folder;
     int threads = 0;
+    bool allowExternal = false;
 };
 
 void define(CLI::App& app, Arguments& a) {
     const std::string shot = "Shot";
-    addSetOptions(app, a.files, a.up, a.scale, shot);
+    addSetOptions(app, a.files, a.up, a.scale, a.allowExternal, shot);
     app.add_option("--camera", a.camera,
                    "Camera file (JSON), or the name of a camera in a glTF set")
         ->required()
@@ -91,9 +92,9 @@ constexpr const char* kFooter =
 
 /// Options of the renderer that the plan sets.
 constexpr const char* kOurs[] = {
-    "--camera", "--frames", "--fps",     "--size",    "--dynamic", "--cache",
-    "--output", "-o",       "--check",   "--threads", "--up",      "--scale",
-    "--resume", "--list",   "--explain", "--debug",   "--stats",   "--write-config"};
+    "--camera", "--frames",  "--fps",   "--size",    "--dynamic",     "--cache", "--allow-external",
+    "--output", "-o",        "--check", "--threads", "--up",          "--scale", "--resume",
+    "--list",   "--explain", "--debug", "--stats",   "--write-config"};
 
 void refuseOurOptions(const std::vector<std::string>& words, const char* where) {
     for (const std::string& word : words)
@@ -122,6 +123,7 @@ FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
     };
     if (a.up != "y") add("--up", a.up);
     if (a.scale != 1) add("--scale", numberText(a.scale));
+    if (a.allowExternal) job.set.emplace_back("--allow-external");
     add("--camera", a.camera);
     if (a.fps != 24) add("--fps", numberText(a.fps));
     if (!a.size.empty()) {

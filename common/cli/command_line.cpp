@@ -155,7 +155,7 @@ void beginCommandLine(CLI::App& app) {
 }
 
 void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std::string& up,
-                   double& scale, const std::string& group) {
+                   double& scale, bool& allowExternal, const std::string& group) {
     app.add_option("SET", files,
                    "Geometry files (glTF, OBJ, PLY, STL, OFF, OM); several files form one set")
         ->required()
@@ -166,6 +166,9 @@ void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std
         ->group(group);
     app.add_option("--scale", scale, "Metres per unit of the files, above 0")
         ->capture_default_str()
+        ->group(group);
+    app.add_flag("--allow-external", allowExternal,
+                 "Let glTF files name buffers and pictures outside of their folders")
         ->group(group);
 }
 

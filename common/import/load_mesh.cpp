@@ -187,7 +187,8 @@ TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOp
     if (files.empty()) throw Error("no geometry file given, expected at least one");
     requireScale(options.scale);
     MeshSoup soup;
-    for (const auto& path : files) append(path, readMeshFile(path), options, soup);
+    for (const auto& path : files)
+        append(path, readMeshFile(path, options.references), options, soup);
     return finish(files.front(), options, std::move(soup));
 }
 

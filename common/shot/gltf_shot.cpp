@@ -43,7 +43,7 @@ Vec3d unit(const Vec3d& v) {
 }  // namespace
 
 GltfShot::GltfShot(const std::filesystem::path& path, const MeshOptions& options, double fps)
-    : document_(std::make_unique<GltfDocument>(readGltfDocument(path))),
+    : document_(std::make_unique<GltfDocument>(readGltfDocument(path, options.references))),
       nodes_(std::make_unique<GltfNodes>(*document_)),
       world_(worldOf(options)),
       fps_(fps) {}

@@ -120,7 +120,7 @@ void MovingSet::addNodes(const GltfShot& shot, std::vector<int> nodes, DynamicFi
 }
 
 void MovingSet::addFile(const DynamicFile& file, const MeshOptions& options) {
-    RawMesh raw = readMeshFile(file.mesh);
+    RawMesh raw = readMeshFile(file.mesh, options.references);
     makeMovable(raw);
     Source source;
     source.path = file.mesh;
