@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <sstream>
 #include <string>
@@ -11,6 +12,7 @@
 #include "common/base/option_checks.h"
 #include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
+#include "common/import/mesh_options.h"
 #include "common/shot/frames.h"
 #include "render/farm/farm_files.h"
 
@@ -25,11 +27,12 @@ struct Arguments {
     FarmJob job;
     std::filesystem::path folder;
     int threads = 0;
+    bool allowExternal = false;
 };
 
 void define(CLI::App& app, Arguments& a) {
     const std::string shot = "Shot";
-    addSetOptions(app, a.files, a.up, a.scale, shot);
+    addSetOptions(app, a.files, a.up, a.scale, a.allowExternal, shot);
     app.add_option("--camera", a.camera,
                    "Camera file (JSON), or the name of a camera in a glTF set")
         ->required()
@@ -89,9 +92,9 @@ constexpr const char* kFooter =
 
 /// Options of the renderer that the plan sets.
 constexpr const char* kOurs[] = {
-    "--camera", "--frames", "--fps",     "--size",    "--dynamic", "--cache",
-    "--output", "-o",       "--check",   "--threads", "--up",      "--scale",
-    "--resume", "--list",   "--explain", "--debug",   "--stats",   "--write-config"};
+    "--camera", "--frames",  "--fps",   "--size",    "--dynamic",     "--cache", "--allow-external",
+    "--output", "-o",        "--check", "--threads", "--up",          "--scale", "--resume",
+    "--list",   "--explain", "--debug", "--stats",   "--write-config"};
 
 void refuseOurOptions(const std::vector<std::string>& words, const char* where) {
     for (const std::string& word : words)
@@ -105,12 +108,14 @@ void refuseOurOptions(const std::vector<std::string>& words, const char* where) 
 std::string numberText(double value) {
     std::ostringstream text;
     text << value;
-    return std::stod(text.str()) == value
+    return std::strtod(text.str().c_str(), nullptr) == value
                ? text.str()
                : (text.precision(17), text.str(""), text << value, text.str());
 }
 
 FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
+    requireScale(a.scale);
+    requireRange("fps", a.fps, 1e-3, 1e6);
     FarmJob job = a.job;
     for (const auto& file : a.files) job.set.push_back(file.string());
     const auto add = [&](const char* option, const std::string& value) {
@@ -118,6 +123,7 @@ FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
     };
     if (a.up != "y") add("--up", a.up);
     if (a.scale != 1) add("--scale", numberText(a.scale));
+    if (a.allowExternal) job.set.emplace_back("--allow-external");
     add("--camera", a.camera);
     if (a.fps != 24) add("--fps", numberText(a.fps));
     if (!a.size.empty()) {

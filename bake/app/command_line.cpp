@@ -129,10 +129,10 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     CLI::App app("Bakes the visibility of a static set into a sparse OpenVDB file.",
                  "shadowcache-bake");
     std::string up = "y", shard;
-    bool uniform = false;
+    bool uniform = false, allowExternal = false;
     ShotArguments shot;
     beginCommandLine(app);
-    addSetOptions(app, job.files, up, job.mesh.scale, "Set");
+    addSetOptions(app, job.files, up, job.mesh.scale, allowExternal, "Set");
     defineBake(app, job, shard, uniform);
     defineShot(app, job, shot);
     defineOutput(app, job);
@@ -146,6 +146,7 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     job.shot.size = parsePair("--size", shot.size, "WxH, as in 960x540");
     for (const std::string& text : shot.dynamic) job.shot.dynamic.push_back(parseDynamic(text));
     job.mesh.zUp = up == "z";
+    if (allowExternal) job.mesh.references = References::anywhere;
     job.settings = settingsOf(app);
     return std::nullopt;
 }

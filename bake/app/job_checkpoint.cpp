@@ -20,7 +20,8 @@ constexpr std::string_view kNotOfTheItems[] = {"SET",     "output",  "stats",   
 
 /// All that the items of the job's cache depend on.
 BakeIdentity identityOf(const BakeJob& job) {
-    BakeIdentity identity{{"version", kVersion}, {"set", contentHashOf(job.files)}};
+    BakeIdentity identity{{"version", kVersion},
+                          {"set", contentHashOf(job.files, job.mesh.references)}};
     // Where things are read from and written to is no part of it; what is read is.
     for (const auto& [name, value] : job.settings)
         if (std::ranges::find(kNotOfTheItems, name) == std::end(kNotOfTheItems))
@@ -32,8 +33,9 @@ BakeIdentity identityOf(const BakeJob& job) {
         moving.push_back(file.mesh);
         moving.push_back(file.track);
     }
-    identity.emplace_back("shot's files", contentHashOf(moving));
-    identity.emplace_back("extended cache", contentHashOf(std::vector{job.extend}));
+    identity.emplace_back("shot's files", contentHashOf(moving, job.mesh.references));
+    identity.emplace_back("extended cache",
+                          contentHashOf(std::vector{job.extend}, job.mesh.references));
     return identity;
 }
 

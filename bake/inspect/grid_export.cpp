@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <regex>
+#include <string_view>
 
 #include "bake/inspect/sky_light.h"
 #include "common/base/error.h"
@@ -236,12 +237,21 @@ const std::vector<std::string>& gridKinds() {
 }
 
 GridRequest parseGridRequest(const std::string& spec) {
-    static const std::regex wanted(R"((?:(\w+):)?([\w-]+)(?:=(.*))?)");
-    std::smatch match;
-    if (!std::regex_match(spec, match, wanted))
+    const std::size_t equals = spec.find('=');
+    const std::string words = spec.substr(0, equals);
+    const std::size_t colon = words.find(':');
+    const std::string name = colon == words.npos ? "" : words.substr(0, colon);
+    const std::string kind = colon == words.npos ? words : words.substr(colon + 1);
+    const auto isWord = [](const std::string& word, const char* also) {
+        return std::ranges::all_of(word, [&](char c) {
+            return std::isalnum(static_cast<unsigned char>(c)) ||
+                   std::string_view(also).find(c) != std::string_view::npos;
+        });
+    };
+    if (kind.empty() || !isWord(kind, "_-") || colon == 0 || !isWord(name, "_"))
         throw Error("--export-grid " + spec + ": expected [NAME:]KIND[=ARGUMENT]");
-    const Kind& kind = findKind(match[2]);
-    return {match[1].matched ? match[1].str() : kind.gridName, match[2], match[3]};
+    const char* usual = findKind(kind).gridName;
+    return {name.empty() ? usual : name, kind, equals == spec.npos ? "" : spec.substr(equals + 1)};
 }
 
 VolumeGrid makeVolumeGrid(const GridRequest& request, double environmentRotation,

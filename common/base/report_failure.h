@@ -1,8 +1,13 @@
 #pragma once
 
 #include <exception>
+#include <string>
 
 namespace shadowcache {
+
+/// A message as a terminal may show it: control characters, which a file's name may hold, become
+/// question marks, and what is longer than 8192 bytes loses its middle.
+std::string oneLine(std::string text);
 
 /// Prints "PROGRAM: message" on standard error.
 ///

@@ -26,6 +26,8 @@ std::size_t distance(const std::string& a, const std::string& b) {
 
 std::string nearestWord(const std::string& typed, std::span<const std::string> known) {
     std::string best;
+    constexpr std::size_t kLongestWord = 64;
+    if (typed.size() > kLongestWord) return best;
     // Further away than a third of its letters, a word is another one; a beginning is near.
     std::size_t least = std::max<std::size_t>(1, typed.size() / 3) + 1;
     for (const std::string& word : known) {

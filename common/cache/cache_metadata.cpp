@@ -10,6 +10,9 @@ namespace shadowcache {
 
 namespace {
 
+/// Largest spacing: the bake accepts no more.
+constexpr double kMostMetadata = 1e12;
+
 template <class T>
 T metaValue(const openvdb::MetaMap& meta, const char* key, const std::filesystem::path& path) {
     const auto value = meta.getMetadata<openvdb::TypedMetadata<T>>(key);
@@ -79,8 +82,13 @@ CacheHeader fromMetadata(const openvdb::MetaMap& meta, const std::filesystem::pa
     if (header.level < 0 || header.level > kMaxCacheLevel)
         throwFileError(path,
                        "direction level " + std::to_string(header.level) + ", expected 0 to 5");
-    if (!(header.spacing > 0))
-        throwFileError(path, "spacing " + std::to_string(header.spacing) + ", expected above 0");
+    const auto requirePositive = [&](const char* key, double value) {
+        if (!(value > 0 && value <= kMostMetadata))
+            throwFileError(path, std::string(key) + " " + std::to_string(value) +
+                                     ", expected above 0 and at most 1e12");
+    };
+    requirePositive("spacing", header.spacing);
+    requirePositive("unit", header.unit);
     return header;
 }
 

@@ -42,7 +42,7 @@ std::uint64_t tableSum(std::span<const std::uint64_t> sums, const Footer& footer
 
 /// 32 hexadecimal digits as a UUID has them.
 std::string asUuid(std::string digits) {
-    for (const std::size_t place : {8, 13, 18, 23}) digits.insert(place, 1, '-');
+    for (const std::size_t place : {8u, 13u, 18u, 23u}) digits.insert(place, 1, '-');
     return digits;
 }
 

@@ -227,6 +227,8 @@ void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& norm
     const Vec3d p = position / cache.header.spacing;
     const Vec3d low(std::floor(p.x), std::floor(p.y), std::floor(p.z));
     const Vec3d f = p - low;
+    // No voxel has coordinates beyond 2^31. Written so that NaN finds nothing, too.
+    if (!(std::max({std::abs(low.x), std::abs(low.y), std::abs(low.z)}) < 2e9)) return;
     const openvdb::Coord corner(static_cast<int>(low.x), static_cast<int>(low.y),
                                 static_cast<int>(low.z));
     for (int k = 0; k < 8; ++k) {

@@ -11,6 +11,7 @@
 #include "common/base/exit_status.h"
 #include "common/base/option_checks.h"
 #include "common/base/progress.h"
+#include "common/base/report_failure.h"
 #include "common/base/suggestion.h"
 #include "common/base/version.h"
 #include "common/cli/command_help.h"
@@ -66,35 +67,59 @@ std::string meantOption(const CLI::App& app, const std::string& word) {
     return name.empty() ? "" : (dashes > 0 ? "--" : "") + name;
 }
 
+/// What stands between literals: of "A1B2" with {"A", "B", ""} it is {"1", "2"}; empty if the text
+/// is not of that form. The first and the last literal begin and end the text. Texts hold what a
+/// user typed, of any length: std::regex would overflow the stack.
+std::vector<std::string> partsBetween(std::string_view text,
+                                      const std::vector<std::string_view>& literals) {
+    if (!text.starts_with(literals.front()) || !text.ends_with(literals.back())) return {};
+    std::vector<std::string> parts;
+    std::size_t at = literals.front().size();
+    for (std::size_t i = 1; i < literals.size(); ++i) {
+        const bool last = i + 1 == literals.size();
+        const std::size_t end =
+            last ? text.size() - literals[i].size() : text.find(literals[i], at);
+        if (end == text.npos || end < at) return {};
+        parts.emplace_back(text.substr(at, end - at));
+        at = end + literals[i].size();
+    }
+    return parts;
+}
+
 /// CLI11's message in the form of ours: "--OPTION VALUE: expected ...".
 std::string messageOf(const CLI::App& app, const CLI::ParseError& error) {
     const std::string text = error.what();
-    std::smatch m;
-    static const std::regex unconverted("Could not convert: (\\S+) = (?:.*,)?(.*)");
-    if (std::regex_match(text, m, unconverted)) {
-        const CLI::Option* option = app.get_option_no_throw(m[1]);
+    const auto match = [&](const std::vector<std::string_view>& literals) {
+        auto parts = partsBetween(text, literals);
+        // The first is an option's name.
+        if (!parts.empty() && parts[0].find(' ') != std::string::npos) parts.clear();
+        return parts;
+    };
+    if (const auto m = match({"Could not convert: ", " = ", ""}); !m.empty()) {
+        const CLI::Option* option = app.get_option_no_throw(m[0]);
         const bool whole = option && option->get_type_name().find("INT") != std::string::npos;
-        return m[1].str() + " " + m[2].str() + ": expected a " + (whole ? "whole " : "") + "number";
+        return m[0] + " " + m[1].substr(m[1].rfind(',') + 1) + ": expected a " +
+               (whole ? "whole " : "") + "number";
     }
-    static const std::regex notAChoice("(\\S+): (.*) not in \\{(.*)\\}");
-    if (std::regex_match(text, m, notAChoice)) {
+    if (const auto m = match({"", ": ", " not in {", "}"}); !m.empty()) {
         std::vector<std::string> choices;
-        std::istringstream list(m[3]);
-        for (std::string choice; std::getline(list, choice, ',');) choices.push_back(choice);
-        return m[1].str() + " " + m[2].str() + ": expected one of " +
-               std::regex_replace(m[3].str(), std::regex(","), ", ") +
-               (m[2].length() > 1 ? suggestion(m[2].str(), choices) : "");
+        std::string listed;
+        std::istringstream list(m[2]);
+        for (std::string choice; std::getline(list, choice, ',');) {
+            listed += (listed.empty() ? "" : ", ") + choice;
+            choices.push_back(choice);
+        }
+        return m[0] + " " + m[1] + ": expected one of " + listed +
+               (m[1].size() > 1 ? suggestion(m[1], choices) : "");
     }
-    static const std::regex refused("(--\\S+): (.+), expected (.*)");
-    if (std::regex_match(text, m, refused))
-        return m[1].str() + " " + m[2].str() + ": expected " + m[3].str();
-    static const std::regex noValue("(\\S+): 1 required .* missing");
-    if (std::regex_match(text, m, noValue)) return m[1].str() + ": expected a value";
-    static const std::regex excluded("(\\S+) excludes (\\S+)");
-    if (std::regex_match(text, m, excluded))
-        return m[1].str() + " cannot be combined with " + m[2].str();
-    static const std::regex unreadable("(.*) was not readable \\(missing\\?\\)");
-    if (std::regex_match(text, m, unreadable)) return m[1].str() + ": cannot be read";
+    if (const auto m = match({"--", ": ", ", expected ", ""}); !m.empty())
+        return "--" + m[0] + " " + m[1] + ": expected " + m[2];
+    if (const auto m = match({"", ": 1 required ", " missing"}); !m.empty())
+        return m[0] + ": expected a value";
+    if (const auto m = match({"", " excludes ", ""}); !m.empty())
+        return m[0] + " cannot be combined with " + m[1];
+    if (const auto m = partsBetween(text, {"", " was not readable (missing?)"}); !m.empty())
+        return m[0] + ": cannot be read";
     return text;
 }
 
@@ -106,7 +131,7 @@ int reportWrongUsage(const CLI::App& app, const CLI::ParseError& error) {
             ? messageOf(app, error)
             : word + ": no such option" + (meant.empty() ? "" : ", did you mean " + meant + "?");
     std::fprintf(stderr, "%s: %s\nRun with --help for more information.\n", app.get_name().c_str(),
-                 cause.c_str());
+                 oneLine(cause).c_str());
     return kWrongUsage;
 }
 
@@ -130,7 +155,7 @@ void beginCommandLine(CLI::App& app) {
 }
 
 void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std::string& up,
-                   double& scale, const std::string& group) {
+                   double& scale, bool& allowExternal, const std::string& group) {
     app.add_option("SET", files,
                    "Geometry files (glTF, OBJ, PLY, STL, OFF, OM); several files form one set")
         ->required()
@@ -141,6 +166,9 @@ void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std
         ->group(group);
     app.add_option("--scale", scale, "Metres per unit of the files, above 0")
         ->capture_default_str()
+        ->group(group);
+    app.add_flag("--allow-external", allowExternal,
+                 "Let glTF files name buffers and pictures outside of their folders")
         ->group(group);
 }
 

@@ -23,9 +23,9 @@ namespace shadowcache {
 /// scripts can append to a command line.
 void beginCommandLine(CLI::App& app);
 
-/// Defines SET, --up and --scale, which say what a set is read from.
+/// Defines SET, --up, --scale and --allow-external, which say what a set is read from.
 void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std::string& up,
-                   double& scale, const std::string& group);
+                   double& scale, bool& allowExternal, const std::string& group);
 
 /// Defines --threads.
 void addThreadsOption(CLI::App& app, int& threads, const std::string& group);

@@ -50,6 +50,9 @@ HdrHeader parseHdrHeader(const std::filesystem::path& path, const std::string& c
             const std::string_view value = word.substr(9);
             header.exposure *=
                 static_cast<float>(text.number(value.empty() ? text.wordOnLine() : value));
+            if (!(header.exposure > 0.0f && std::isfinite(header.exposure)))
+                text.fail("EXPOSURE of " + std::to_string(header.exposure) +
+                          " with those before it, expected above 0 and finite");
         }
     }
     text.nextLine();

@@ -283,8 +283,8 @@ private:
 
 }  // namespace
 
-GltfDocument readGltfDocument(const std::filesystem::path& path) {
-    return Converter(path, readGltfFile(path)).run();
+GltfDocument readGltfDocument(const std::filesystem::path& path, References references) {
+    return Converter(path, readGltfFile(path, references)).run();
 }
 
 }  // namespace shadowcache

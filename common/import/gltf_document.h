@@ -9,6 +9,7 @@
 
 #include "common/import/gltf_accessor.h"
 #include "common/import/gltf_material.h"
+#include "common/import/references.h"
 #include "common/math/affine.h"
 #include "common/mesh/material.h"
 
@@ -92,6 +93,7 @@ struct GltfDocument {
 ///
 /// @throws Error naming the file and the cause: missing, truncated, foreign, an index out of range,
 /// an extension that is required and unknown here
-GltfDocument readGltfDocument(const std::filesystem::path& path);
+GltfDocument readGltfDocument(const std::filesystem::path& path,
+                              References references = References::inside);
 
 }  // namespace shadowcache

@@ -35,9 +35,55 @@ bool keepEncoded(tinygltf::Image* image, int, std::string*, std::string*, int, i
     return true;
 }
 
+/// The files beside a glTF file, as tinygltf may read them: only those that exist, are regular, and
+/// may be named.
+class Neighbours {
+public:
+    Neighbours(const std::filesystem::path& set, References references)
+        : set_(set), references_(references) {}
+
+    tinygltf::FsCallbacks callbacks() {
+        return {[](const std::string& file, void* self) { return of(self).mayRead(file); },
+                [](const std::string& file, void* self) { return of(self).place(file); },
+                [](std::vector<unsigned char>* out, std::string*, const std::string& file, void*) {
+                    const std::string bytes = readFileBytes(file);
+                    out->assign(bytes.begin(), bytes.end());
+                    return true;
+                },
+                [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+                    return false;
+                },
+                this};
+    }
+
+    /// The first file that exists and may not be named; empty if there was none.
+    const std::string& refused() const { return refused_; }
+
+private:
+    static Neighbours& of(void* self) { return *static_cast<Neighbours*>(self); }
+
+    /// tinygltf puts the folder in front of every URI, absolute ones included.
+    std::string place(const std::string& file) const {
+        const std::size_t absolute = file.find("//");
+        return absolute == file.npos ? file : file.substr(absolute + 1);
+    }
+
+    bool mayRead(const std::string& file) {
+        std::error_code ignored;
+        if (!std::filesystem::is_regular_file(file, ignored)) return false;
+        if (references_ == References::anywhere || isBeside(set_, file)) return true;
+        if (refused_.empty()) refused_ = file;
+        return false;
+    }
+
+    const std::filesystem::path& set_;
+    References references_;
+    std::string refused_;
+};
+
 }  // namespace
 
-tinygltf::Model readGltfFile(const std::filesystem::path& path) {
+tinygltf::Model readGltfFile(const std::filesystem::path& path, References references) {
     const std::string bytes = readFileBytes(path);
     if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
         throwFileError(path, "larger than 4 GB, expected a smaller glTF file");
@@ -54,11 +100,14 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path) {
 
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(keepEncoded, nullptr);
+    Neighbours neighbours(path, references);
+    loader.SetFsCallbacks(neighbours.callbacks());
     tinygltf::Model model;
     std::string error, warning;
     bool read = false;
     try {
-        const std::string folder = path.parent_path().string();
+        // Without // in it, which place() looks for.
+        const std::string folder = path.parent_path().lexically_normal().string();
         read =
             binary
                 ? loader.LoadBinaryFromMemory(&model, &error, &warning,
@@ -68,6 +117,10 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path) {
     } catch (const std::exception& e) {
         error = e.what();
     }
+    if (!neighbours.refused().empty())
+        throwFileError(path, "names " + neighbours.refused() +
+                                 ", which is outside of its folder: expected a file beside it, or "
+                                 "--allow-external");
     if (!read) throwFileError(path, "is not a complete glTF 2.0 file: " + firstLine(error));
     if (!model.asset.version.starts_with("2."))
         throwFileError(path, "glTF version " + model.asset.version + ", expected 2.0");

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "common/import/references.h"
+
 namespace tinygltf {
 class Model;
 }
@@ -12,7 +14,7 @@ namespace shadowcache {
 /// pictures are still encoded.
 ///
 /// @throws Error naming the file and the cause: missing, truncated, foreign, an extension that is
-/// required and unknown here
-tinygltf::Model readGltfFile(const std::filesystem::path& path);
+/// required and unknown here, a file outside of its folder that it may not name
+tinygltf::Model readGltfFile(const std::filesystem::path& path, References references);
 
 }  // namespace shadowcache

@@ -349,8 +349,8 @@ RawMesh gltfMesh(const GltfDocument& document, std::span<const GltfPlacement> no
     return builder.finish();
 }
 
-RawMesh readGltf(const std::filesystem::path& path) {
-    const GltfDocument document = readGltfDocument(path);
+RawMesh readGltf(const std::filesystem::path& path, References references) {
+    const GltfDocument document = readGltfDocument(path, references);
     const GltfNodes nodes(document);
     std::vector<GltfPlacement> still;
     for (int i = 0; i < static_cast<int>(document.nodes.size()); ++i) {

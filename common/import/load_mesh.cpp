@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <sstream>
 #include <utility>
 
 #include "common/base/error.h"
@@ -14,6 +15,7 @@
 #include "common/mesh/mesh_statistics.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/mesh/smooth_normals.h"
+#include "common/mesh/traceable.h"
 
 namespace shadowcache {
 
@@ -171,9 +173,14 @@ TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& option
                          : soup.triangles.empty() ? Vec3d(0.0)
                                                   : centreOf(soup);
     dropDegenerate(origin, soup);
-    if (soup.triangles.empty()) throwFileError(path, "no triangle left: " + describe(soup.report));
+    if (soup.triangles.empty()) {
+        std::ostringstream scaled;
+        if (options.scale != 1) scaled << "; with --scale " << options.scale;
+        throwFileError(path, "no triangle left: " + describe(soup.report) + scaled.str());
+    }
     TriangleMesh mesh = compact(origin, soup);
     soup = {};
+    requireTraceable(mesh, path.string());
     countDefects(mesh);
     if (options.smoothDegrees > 0) smoothNormals(mesh, options.smoothDegrees);
     return mesh;
@@ -183,11 +190,10 @@ TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& option
 
 TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOptions& options) {
     if (files.empty()) throw Error("no geometry file given, expected at least one");
-    if (!(options.scale > 0.0 && std::isfinite(options.scale))) {
-        throw Error("--scale " + std::to_string(options.scale) + ": expected a number above 0");
-    }
+    requireScale(options.scale);
     MeshSoup soup;
-    for (const auto& path : files) append(path, readMeshFile(path), options, soup);
+    for (const auto& path : files)
+        append(path, readMeshFile(path, options.references), options, soup);
     return finish(files.front(), options, std::move(soup));
 }
 

@@ -1,6 +1,18 @@
 #include "common/import/mesh_options.h"
 
+#include <cmath>
+#include <sstream>
+
+#include "common/base/error.h"
+
 namespace shadowcache {
+
+void requireScale(double scale) {
+    if (scale > 0.0 && std::isfinite(scale)) return;
+    std::ostringstream text;
+    text << "--scale " << scale << ": expected a number above 0";
+    throw Error(text.str());
+}
 
 Affine worldOf(const MeshOptions& options) {
     const double s = options.scale;

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "common/import/references.h"
 #include "common/math/affine.h"
 
 namespace shadowcache {
@@ -16,7 +17,11 @@ struct MeshOptions {
     /// Crease angle in degrees, 0 to 180: triangles without shading normals get some, averaged over
     /// neighbours whose normals differ by at most this. 0: none.
     double smoothDegrees = 0;
+    References references = References::inside;  ///< of glTF files
 };
+
+/// @throws Error if a --scale is not a finite number above 0
+void requireScale(double scale);
 
 /// From the files' axes and unit to the world's.
 Affine worldOf(const MeshOptions& options);

@@ -57,7 +57,8 @@ public:
     }
     VertexHandle add_vertex() override { return add_vertex(OpenMesh::Vec3d(0.0)); }
     void set_point(VertexHandle v, const OpenMesh::Vec3f& p) override {
-        if (known(v)) mesh.vertices[index(v)] = Vec3d(p[0], p[1], p[2]);
+        const OpenMesh::Vec3d q(p);
+        if (known(v)) mesh.vertices[index(v)] = Vec3d(q[0], q[1], q[2]);
     }
 
     FaceHandle add_face(const VHandles& corners) override {
@@ -163,8 +164,8 @@ struct MeshFormat {
 };
 
 constexpr MeshFormat kFormats[] = {
-    {".glb", readGltf}, {".gltf", readGltf}, {".obj", readObj}, {".off", readOff},
-    {".om", readOm},    {".ply", readPly},   {".stl", readStl},
+    {".glb", nullptr}, {".gltf", nullptr}, {".obj", readObj}, {".off", readOff},
+    {".om", readOm},   {".ply", readPly},  {".stl", readStl},
 };
 
 std::string lowerExtension(const std::filesystem::path& path) {
@@ -202,7 +203,8 @@ RawMesh readOm(const std::filesystem::path& path) {
     return std::move(importer.mesh);
 }
 
-RawMesh readMeshFile(const std::filesystem::path& path) {
+RawMesh readMeshFile(const std::filesystem::path& path, References references) {
+    if (isGltf(path)) return readGltf(path, references);
     const std::string extension = lowerExtension(path);
     std::string known;
     for (const MeshFormat& format : kFormats) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/import/references.h"
 #include "common/math/affine.h"
 #include "common/math/vec.h"
 #include "common/mesh/mesh.h"
@@ -61,7 +62,7 @@ inline const Rgb kUncolored{1.0f, 1.0f, 1.0f};
 /// @throws Error naming the file and the cause: empty, truncated, foreign, newer
 using MeshReader = RawMesh (*)(const std::filesystem::path&);
 
-RawMesh readGltf(const std::filesystem::path& path);
+RawMesh readGltf(const std::filesystem::path& path, References references);
 RawMesh readObj(const std::filesystem::path& path);
 RawMesh readOff(const std::filesystem::path& path);
 RawMesh readOm(const std::filesystem::path& path);
@@ -75,6 +76,6 @@ bool isGltf(const std::filesystem::path& path);
 /// the table of mesh_reader.cpp.
 ///
 /// @throws Error as the readers do, and for an unknown extension
-RawMesh readMeshFile(const std::filesystem::path& path);
+RawMesh readMeshFile(const std::filesystem::path& path, References references);
 
 }  // namespace shadowcache

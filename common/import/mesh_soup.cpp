@@ -7,19 +7,11 @@
 
 #include "common/base/error.h"
 #include "common/import/triangulate.h"
+#include "common/math/limits.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// Coordinates beyond this are dropped: Embree ignores primitives beyond 1.8e18 silently.
-constexpr double kMaxCoordinate = 1e18;
-
-bool usable(const Vec3d& v) {
-    // Written so that NaN fails.
-    return std::abs(v.x) <= kMaxCoordinate && std::abs(v.y) <= kMaxCoordinate &&
-           std::abs(v.z) <= kMaxCoordinate;
-}
 
 /// Cuts faces into triangles, at hand for one file after the other.
 class FaceCutter {
@@ -46,7 +38,7 @@ public:
             report.trianglesFromPolygons += triangles;
         }
         if (!std::all_of(corners.begin(), corners.end(), [&](auto corner) {
-                return corner < used_.size() && usable(soup_.vertices[firstVertex_ + corner]);
+                return corner < used_.size() && isInReach(soup_.vertices[firstVertex_ + corner]);
             })) {
             report.badVertexFaces += triangles;
             return;

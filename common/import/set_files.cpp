@@ -48,7 +48,7 @@ std::string decoded(const std::string& uri) {
 
 }  // namespace
 
-std::vector<fs::path> filesOf(const fs::path& file) {
+std::vector<fs::path> filesOf(const fs::path& file, References references) {
     std::vector<fs::path> files{file};
     const std::string json = gltfJson(file);
     // What is wrong with the file is its reader's to say.
@@ -64,8 +64,9 @@ std::vector<fs::path> filesOf(const fs::path& file) {
             std::error_code ignored;
             for (const std::string& name : {uri, decoded(uri)}) {
                 if (uri.starts_with("data:")) break;
-                const fs::path path = file.parent_path() / name;
+                const fs::path path = referencedFile(file, name);
                 if (!fs::is_regular_file(path, ignored)) continue;
+                if (references == References::inside && !isBeside(file, path)) continue;
                 files.push_back(path);
                 break;
             }
@@ -74,12 +75,12 @@ std::vector<fs::path> filesOf(const fs::path& file) {
     return files;
 }
 
-std::string contentHashOf(std::span<const fs::path> files) {
+std::string contentHashOf(std::span<const fs::path> files, References references) {
     ContentHash hash;
     std::error_code ignored;
     for (const fs::path& file : files) {
         if (!fs::is_regular_file(file, ignored)) continue;
-        for (const fs::path& part : filesOf(file)) hash.addText(contentHash(part));
+        for (const fs::path& part : filesOf(file, references)) hash.addText(contentHash(part));
         hash.addText("");  // between a file's parts and the next file
     }
     return hash.text();

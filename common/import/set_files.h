@@ -5,16 +5,19 @@
 #include <string>
 #include <vector>
 
+#include "common/import/references.h"
+
 namespace shadowcache {
 
 /// A file of a set and those that it refers to: buffers and images of a glTF file, as far as they
-/// exist. A file that is no glTF refers to none.
-std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file);
+/// exist and may be read. A file that is no glTF refers to none.
+std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file,
+                                           References references);
 
 /// Hash of what the files, and those that they refer to, contain, in their order: the same for
 /// copies under other names and dates. Paths that are no files are left out.
 ///
 /// @throws Error naming a file that cannot be read
-std::string contentHashOf(std::span<const std::filesystem::path> files);
+std::string contentHashOf(std::span<const std::filesystem::path> files, References references);
 
 }  // namespace shadowcache

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/base/json_depth.h"
+#include "common/math/limits.h"
 
 namespace shadowcache {
 
@@ -81,10 +84,23 @@ Vec3d uprightOf(const Vec3d& forward, const Vec3d& up) {
                                          : Vec3d(0.0);
 }
 
+std::string reachText() {
+    std::ostringstream text;
+    text << kMostCoordinate;
+    return text.str();
+}
+
+std::string placeText(const Vec3d& p) {
+    std::ostringstream text;
+    text << p.x << ',' << p.y << ',' << p.z;
+    return text.str();
+}
+
 Camera parseFrame(const Value& frame, double fovY) {
     Camera camera;
     camera.fovY = fovY;
     camera.origin = frame.vector("origin");
+    if (!isInReach(camera.origin)) frame.at("origin").fail("numbers up to " + reachText());
     camera.forward = unit(frame.vector("forward"));
     if (camera.forward == Vec3d(0.0)) frame.at("forward").fail("a vector that is not zero");
     camera.up = uprightOf(camera.forward, frame.vector("up"));
@@ -94,6 +110,8 @@ Camera parseFrame(const Value& frame, double fovY) {
 
 Json parseJson(const std::filesystem::path& path) {
     const std::string text = readFileBytes(path);
+    if (!isShallowJson(text))
+        throwFileError(path, "JSON nested deeper than 256 levels, expected fewer");
     try {
         return Json::parse(text);
     } catch (const Json::parse_error& e) {
@@ -111,6 +129,10 @@ Camera lookAt(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double fov
     if (!(fovY > 0.0 && fovY < kPi)) {
         throw Error("angle of view " + std::to_string(fovY) + ", expected one in (0, pi)");
     }
+    for (const Vec3d& place : {eye, target})
+        if (!isInReach(place))
+            throw Error("camera or its target at " + placeText(place) +
+                        ", expected coordinates up to " + reachText());
     Camera camera;
     camera.fovY = fovY;
     camera.origin = eye;

@@ -8,6 +8,7 @@
 #include "common/base/error.h"
 #include "common/import/mesh_options.h"
 #include "common/import/mesh_reader.h"
+#include "common/math/limits.h"
 
 namespace shadowcache {
 
@@ -42,7 +43,7 @@ Vec3d unit(const Vec3d& v) {
 }  // namespace
 
 GltfShot::GltfShot(const std::filesystem::path& path, const MeshOptions& options, double fps)
-    : document_(std::make_unique<GltfDocument>(readGltfDocument(path))),
+    : document_(std::make_unique<GltfDocument>(readGltfDocument(path, options.references))),
       nodes_(std::make_unique<GltfNodes>(*document_)),
       world_(worldOf(options)),
       fps_(fps) {}
@@ -80,16 +81,23 @@ Camera GltfShot::camera(int node, int frame) const {
         document_->nodes[static_cast<std::size_t>(node)].camera)];
     Camera camera;
     camera.origin = at.position;
+    const auto fail = [&](const std::string& cause) {
+        throwFileError(document_->path, "camera " + cameraName(node) + ", frame " +
+                                            std::to_string(frame) + ": " + cause);
+    };
+    if (!isInReach(camera.origin))
+        fail(formatted("at %g, %g, %g, expected coordinates up to %g", camera.origin.x,
+                       camera.origin.y, camera.origin.z, kMostCoordinate));
     // A camera looks along its -z; a scale has no say in that, and a shear of parents is undone.
     camera.forward = unit(-at.axis[2]);
     const Vec3d right = camera.forward.cross(unit(at.axis[1]));
     if (camera.forward == Vec3d(0.0) || !(right.length() > 1e-6))
-        throwFileError(document_->path, "camera " + cameraName(node) + ", frame " +
-                                            std::to_string(frame) +
-                                            ": the node's scale leaves no viewing direction");
+        fail("the node's scale leaves no viewing direction");
     camera.up = right.normalized().cross(camera.forward).normalized();
     camera.fovY = from.fovY;
     if (from.orthographic) camera.height = from.height * world_.axis[0].length();
+    if (!(camera.height <= kMostViewHeight))
+        fail(formatted("a view %g high, expected at most %g", camera.height, kMostViewHeight));
     return camera;
 }
 

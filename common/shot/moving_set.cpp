@@ -9,6 +9,7 @@
 #include "common/import/gltf_mesh.h"
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_options.h"
+#include "common/mesh/traceable.h"
 
 namespace shadowcache {
 
@@ -109,6 +110,7 @@ void MovingSet::addNodes(const GltfShot& shot, std::vector<int> nodes, DynamicFi
     std::vector<GltfPlacement> placements;
     for (const int node : nodes) placements.push_back({node, shot.nodes().at(node, 0)});
     Source source;
+    source.path = file.mesh;
     source.mesh = assembleMesh(file.mesh, gltfMesh(shot.document(), placements, true), options);
     source.shot = &shot;
     source.nodes = std::move(nodes);
@@ -118,9 +120,10 @@ void MovingSet::addNodes(const GltfShot& shot, std::vector<int> nodes, DynamicFi
 }
 
 void MovingSet::addFile(const DynamicFile& file, const MeshOptions& options) {
-    RawMesh raw = readMeshFile(file.mesh);
+    RawMesh raw = readMeshFile(file.mesh, options.references);
     makeMovable(raw);
     Source source;
+    source.path = file.mesh;
     source.mesh = assembleMesh(file.mesh, std::move(raw), options);
     for (const MeshInstance& instance : source.mesh.instances) {
         Affine atRest = instance.toWorld;
@@ -163,6 +166,7 @@ const Scene* MovingSet::pose(int frame) {
             instance.toWorld = compose(track, place);
             instance.toWorld.position -= source.mesh.origin;
         }
+        requireTraceable(source.mesh, source.path.string() + ", frame " + std::to_string(frame));
         scenes_.push_back(std::make_unique<Scene>(source.mesh));
         if (scenes_.size() > 1) scenes_.back()->setMoving(scenes_[scenes_.size() - 2].get());
     }

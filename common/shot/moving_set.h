@@ -44,12 +44,13 @@ public:
     /// Puts everything where it is in a frame.
     ///
     /// @return its scene, valid until the next call; null if nothing moves
-    /// @throws Error if a track has no such frame
+    /// @throws Error if a track has no such frame, or puts something out of reach
     const Scene* pose(int frame);
 
 private:
     /// A mesh whose instances all move.
     struct Source {
+        std::filesystem::path path;
         TriangleMesh mesh;
         const GltfShot* shot = nullptr;  ///< whose node i is instance i's source, or null
         std::vector<int> nodes;

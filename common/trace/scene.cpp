@@ -75,7 +75,7 @@ float maxAbs(const Vec3f& v) {
 /// Largest number that takes part in placing `p`, and in bringing rays back to it: what is rounded
 /// off is in proportion.
 float roundingScale(const Affine& map, const Vec3f& p) {
-    double scale = maxAbs(Vec3f(map.position));
+    double scale = static_cast<double>(maxAbs(Vec3f(map.position)));
     for (int k = 0; k < 3; ++k)
         scale +=
             map.axis[static_cast<std::size_t>(k)].length() * std::abs(static_cast<double>(p[k]));

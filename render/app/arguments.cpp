@@ -129,6 +129,7 @@ RenderJob jobOf(const Arguments& arguments) {
     if (!arguments.debug.empty())
         job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
     job.mesh.zUp = arguments.up == "z";
+    if (arguments.allowExternal) job.mesh.references = References::anywhere;
     job.sequence = static_cast<Sequence>(placeOf(arguments.sequence, sequenceNames()));
     job.estimatorOptions.paper.exactConvolution = arguments.convolution == "exact";
     const auto [pixelWidth, pixelHeight] =

@@ -17,8 +17,9 @@ struct Arguments {
     std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
     std::vector<std::string> dynamic;
     bool samplesGiven = false, cameraRaysGiven = false;
-    int spp = 0;        ///< shadow rays a pixel; 0: given by camera rays and samples
-    bool list = false;  ///< print what the set has, do not render
+    int spp = 0;                 ///< shadow rays a pixel; 0: given by camera rays and samples
+    bool allowExternal = false;  ///< files of glTF sets outside of their folders
+    bool list = false;           ///< print what the set has, do not render
 };
 
 /// As --sequence has them, in the order of Sequence.

@@ -32,12 +32,12 @@ std::string withoutFolder(const std::string& name, const std::string& value) {
     return std::filesystem::path(value).filename().string();
 }
 
-std::string hashOf(const std::filesystem::path& file) {
+std::string hashOf(const std::filesystem::path& file, References references) {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) return "none";
     // A cache states its content, which may be more than there is time to read.
     if (const auto cache = CheckedFile::open(file)) return contentName(*cache);
-    return contentHashOf(std::span(&file, 1));
+    return contentHashOf(std::span(&file, 1), references);
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ std::string InputHashes::of(std::span<const std::filesystem::path> files) {
     ContentHash hash;
     for (const auto& file : files) {
         auto& known = known_[file];
-        if (known.empty()) known = hashOf(file);
+        if (known.empty()) known = hashOf(file, references_);
         hash.addText(known);
     }
     return hash.text();

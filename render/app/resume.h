@@ -7,6 +7,7 @@
 
 #include "common/image/exr.h"
 #include "common/image/image.h"
+#include "common/import/references.h"
 
 namespace shadowcache {
 
@@ -29,12 +30,16 @@ FrameState frameState(const std::filesystem::path& path, const Metadata& metadat
 /// frames; a copy under another name and date is the same file.
 class InputHashes {
 public:
+    /// @param references  which files of glTF sets count
+    explicit InputHashes(References references) : references_(references) {}
+
     /// One hash of all files, in their order, with the buffers and images that glTF files refer to.
     ///
     /// @throws Error naming a file that cannot be read
     std::string of(std::span<const std::filesystem::path> files);
 
 private:
+    References references_;
     std::map<std::filesystem::path, std::string> known_;
 };
 

@@ -91,7 +91,8 @@ public:
         : job_(job),
           entry_(validate(job)),
           plan_(job.environment, job.environmentRotation, job.frames),
-          light_(plan_) {
+          light_(plan_),
+          inputs_(job.mesh.references) {
         setThreadCount(job.threads);
         installInterruptHandler();
     }

@@ -7,6 +7,7 @@
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/base/option_checks.h"
 #include "common/image/radiance.h"
 #include "common/shot/frames.h"
 
@@ -15,7 +16,8 @@ namespace shadowcache {
 namespace {
 
 std::vector<std::string> environmentsOf(const std::string& text, std::span<const int> frames) {
-    if (parseRadiance(text) || std::filesystem::exists(text)) return {text};
+    std::error_code ignored;
+    if (parseRadiance(text) || std::filesystem::exists(text, ignored)) return {text};
     static const std::regex sequence("#|%0?\\d?d");
     if (std::regex_search(text, sequence)) {
         std::vector<std::string> all;
@@ -34,13 +36,15 @@ std::vector<std::string> environmentsOf(const std::string& text, std::span<const
 
 /// First and last angle.
 std::pair<double, double> rotationOf(const std::string& text) {
-    static const std::string number = R"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)";
-    static const std::regex wanted("(" + number + ")(?:-(" + number + "))?");
-    std::smatch match;
-    if (!std::regex_match(text, match, wanted))
+    double first = 0, last = 0;
+    int firstEnd = 0, end = 0;
+    const auto length = static_cast<int>(text.size());
+    std::sscanf(text.c_str(), "%lf%n-%lf%n", &first, &firstEnd, &last, &end);
+    if (firstEnd == length) last = first;
+    if (firstEnd == 0 || (firstEnd != length && end != length))
         throw Error("--env-rotate " + text + ": expected degrees, or A-B to turn from A to B");
-    const double first = std::stod(match[1]);
-    return {first, match[2].matched ? std::stod(match[2]) : first};
+    for (const double angle : {first, last}) requireRange("env-rotate", angle, -1e6, 1e6);
+    return {first, last};
 }
 
 }  // namespace

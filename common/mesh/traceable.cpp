@@ -1,0 +1,64 @@
+#include "common/mesh/traceable.h"
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+#include "common/base/error.h"
+#include "common/math/limits.h"
+#include "common/mesh/placed_mesh.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Box of an instance's triangles in their own space.
+Box3d localBounds(const TriangleMesh& mesh, const MeshInstance& instance) {
+    MeshInstance unmoved = instance;
+    unmoved.toWorld = {};
+    return instanceBounds(mesh, unmoved);
+}
+
+/// Whether all of the box's corners are in reach once they are mapped. A sum of NaN and numbers is
+/// NaN, which is not.
+bool staysInReach(const Affine& map, const Box3d& box) {
+    for (int k = 0; k < 8; ++k)
+        if (!isInReach(map.point(Vec3d((k & 1 ? box.max : box.min).x, (k & 2 ? box.max : box.min).y,
+                                       (k & 4 ? box.max : box.min).z))))
+            return false;
+    return true;
+}
+
+/// Largest factor by which the inverse lengthens an axis.
+double inverseScale(const Affine& map) {
+    const auto& [a, b, c] = map.axis;
+    const double determinant = std::abs(map.determinant());
+    return std::max({b.cross(c).length(), c.cross(a).length(), a.cross(b).length()}) / determinant;
+}
+
+}  // namespace
+
+void requireTraceable(const TriangleMesh& mesh, const std::string& owner) {
+    std::map<std::uint32_t, Box3d> boxes;
+    for (const MeshInstance& instance : mesh.instances) {
+        auto found = boxes.find(instance.firstPart);
+        if (found == boxes.end())
+            found = boxes.emplace(instance.firstPart, localBounds(mesh, instance)).first;
+        const auto fail = [&](const std::string& cause) {
+            throw Error(owner + ": instance " + std::to_string(instance.source) + ": " + cause);
+        };
+        std::ostringstream cause;
+        if (!staysInReach(instance.toWorld, found->second)) {
+            cause << "out of reach, expected coordinates within " << kMostCoordinate
+                  << " of the set";
+            fail(cause.str());
+        }
+        if (!instance.toWorld.invertible()) continue;
+        const double inverse = inverseScale(instance.toWorld);
+        if (inverse <= kMostInverse) continue;
+        cause << "scaled by " << 1 / inverse << ", expected at least " << 1 / kMostInverse;
+        fail(cause.str());
+    }
+}
+
+}  // namespace shadowcache
