@@ -19,9 +19,6 @@ SHADOWCACHE_TUNED(double, kMostGroupPoints, 256);
 /// Clusters that are asked how likely a misprediction is.
 SHADOWCACHE_TUNED(std::size_t, kAskedClusters, 32);
 
-/// Chance of a misprediction where none of these clusters offers the direction.
-SHADOWCACHE_TUNED(double, kUnknownChance, 0.3);
-
 }  // namespace
 
 NeighborReuse::NeighborReuse(const Environment& environment, const DirectionTiers& tiers)
@@ -129,7 +126,7 @@ NeighborReuse::Offered NeighborReuse::offered(const ClusterOffers& cluster,
 /// over the batch, so that all points that may find one there agree about their groups.
 std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
     if (sizeBatch_[found.cell] == batchNumber_) return sizes_[found.cell];
-    double weight = 0, chance = 0;
+    double weight = 0, chance = 0;  // where no cluster that is asked offers it: as if certain
     const std::size_t step = std::max<std::size_t>(1, count_ / kAskedClusters);
     for (std::size_t c = step / 2; c < count_; c += step) {
         const Offered offer = offered(offers_[c], found);
@@ -137,9 +134,8 @@ std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
         weight += samples;
         chance += samples * static_cast<double>(offer.chance);
     }
-    if (!(weight > 0)) weight = 1, chance = kUnknownChance;
-    const double most =
-        std::clamp(kGroupPerFind * weight / std::max(chance, 1e-12), 1.0, kMostGroupPoints);
+    const double mean = weight > 0 ? std::max(chance / weight, 1e-12) : 1.0;
+    const double most = std::clamp(kGroupPerFind / mean, 1.0, kMostGroupPoints);
     sizeBatch_[found.cell] = batchNumber_;
     return sizes_[found.cell] = std::max(1u, std::bit_floor(static_cast<std::uint32_t>(most)));
 }
