@@ -35,8 +35,8 @@ constexpr float kBlends = -1;
 /// Of what decides where a material has holes; 0 if it has none.
 std::uint64_t hashCutOut(const TriangleMesh& mesh, const Material& material) {
     if (!material.cutOut && !material.blends) return 0;
-    std::uint64_t hash = hashWords(hashFloat(material.opacity),
-                                   hashFloat(material.blends ? kBlends : material.cutoff));
+    const float cutoff = material.blends ? kBlends : material.cutoff;
+    std::uint64_t hash = hashWords(hashFloat(material.opacity), hashFloat(cutoff));
     if (material.texture < 0) return hash;
     const Texture& texture = mesh.textures[static_cast<std::size_t>(material.texture)];
     hash = hashWords(hash, static_cast<std::uint64_t>(texture.width),

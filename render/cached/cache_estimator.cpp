@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <optional>
 
@@ -19,7 +20,9 @@
 #include "render/cached/cache_pilot.h"
 #include "render/cached/cluster_lighting.h"
 #include "render/cached/control_variate.h"
+#include "render/cached/glossy_regions.h"
 #include "render/cached/sample_budget.h"
+#include "render/estimators/gloss_samples.h"
 
 namespace shadowcache {
 
@@ -50,7 +53,8 @@ struct CacheWorkspace final : Workspace {
           itemIrradiance(preview),
           regionBuilder(environment, cache.header().tiers()),
           sampler(environment),
-          reuse(environment, cache.header().tiers()) {}
+          reuse(environment, cache.header().tiers()),
+          glossyRegions(environment) {}
 
     ShadowCache::Reader reader;
     std::vector<ItemView> items;
@@ -65,6 +69,8 @@ struct CacheWorkspace final : Workspace {
     ClusterSampler sampler;
     NeighborReuse reuse;
     ClusterLighting lighting;
+    std::vector<ShadingPoint> glossyPoints;
+    GlossyRegions glossyRegions;
 };
 
 class CacheEstimator final : public Estimator, private FramePilot, private InsightSource {
@@ -111,8 +117,45 @@ public:
         w.traceNanoseconds += watch.sinceLast();
     }
 
+    /// Light is drawn from the regions of clusters, by the visibility that is predicted.
+    void estimateGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
+                       Workspace& workspace, std::span<GlossEstimate> estimates) const override {
+        auto& w = static_cast<CacheWorkspace&>(workspace);
+        std::fill(estimates.begin(), estimates.end(), GlossEstimate{});
+        if (batch.samples == 0 || context_.environment.luminanceIntegral() <= 0) return;
+        std::call_once(texelCellsMade_, [&] { texelCells_.emplace(context_.environment); });
+        Stopwatch watch;
+        w.glossyPoints.clear();
+        for (const GlossyPoint& glossy : points) w.glossyPoints.push_back(glossy.point);
+        w.clusters.build(w.glossyPoints, context_.cache->header().spacing);
+        for (const PointCluster& cluster : w.clusters.clusters()) {
+            const ShadingPoint& centre = w.glossyPoints[cluster.centre];
+            pool(centre, cluster.radius, w);
+            const Regions& regions =
+                w.regionBuilder.build(w.pooled, centre.normal, cluster.tilt, calibration_);
+            // A lobe whose normal was turned to the viewer may see light where no region is.
+            const bool lit =
+                w.glossyRegions.build(regions, points[cluster.centre].lobe, *texelCells_);
+            w.setupNanoseconds += watch.sinceLast();
+            for (std::uint32_t k = cluster.begin; k < cluster.end; ++k) {
+                const std::uint32_t i = w.clusters.order()[k];
+                w.samples.clear();
+                const SampleSlice slice = sliceOf(batch, points[i].point);
+                if (lit)
+                    queueGloss(context_, points[i], slice, w.glossyRegions, w);
+                else
+                    queueGloss(context_, points[i], slice, WholeMap{context_.environment}, w);
+                w.setupNanoseconds += watch.sinceLast();
+                estimates[i] = traceGloss(context_, points[i].point, w);
+                w.traceNanoseconds += watch.sinceLast();
+            }
+        }
+    }
+
 private:
     const CacheOptions options_;
+    mutable std::once_flag texelCellsMade_;
+    mutable std::optional<TexelCells> texelCells_;
     const OpennessMeter openness_{context_.cache->header().tiers()};
     Calibration calibration_;
     std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out

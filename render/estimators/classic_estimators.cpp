@@ -44,7 +44,8 @@ public:
 protected:
     void addEnvironmentSamples(const ShadingPoint& point, const SampleSlice& slice, float samples,
                                Workspace& w) const {
-        drawFromMap(context_, point.seed, slice, w, [&](const EnvironmentSample& s) {
+        const WholeMap map{context_.environment};
+        drawFromMap(context_, point.seed, slice, w, map, [&](const EnvironmentSample& s) {
             const float cosine = s.direction.dot(point.normal);
             if (cosine > 0)
                 w.samples.add(s.direction,

@@ -5,19 +5,29 @@
 
 namespace shadowcache {
 
-/// Draws a slice of a sequence's samples in proportion to the map's luminance, which must be above
-/// 0 somewhere, and hands each to `use`. Takes dimensions 0 and 1 of the sequence of `seed`.
-template <class Use>
+/// The map, drawn from in proportion to its luminance, which must be above 0 somewhere.
+struct WholeMap {
+    const Environment& environment;
+
+    EnvironmentSample sample(double u, float jitterX, float jitterY) const {
+        return environment.sample(u, jitterX, jitterY);
+    }
+    float density(const EnvironmentSample& s) const { return s.density; }
+};
+
+/// Draws a slice of a sequence's samples from `light`, such as WholeMap, and hands each to `use`.
+/// Takes dimensions 0 and 1 of the sequence of `seed`.
+template <class Light, class Use>
 void drawFromMap(const EstimatorContext& context, std::uint64_t seed, const SampleSlice& slice,
-                 Workspace& w, const Use& use) {
+                 Workspace& w, const Light& light, const Use& use) {
     const auto u = w.numbers(context.sequence, seed, 0, slice.first, slice.count, slice.total);
     const auto v = w.numbers(context.sequence, seed, 1, slice.first, slice.count, slice.total);
     for (std::size_t k = 0; k < u.size(); ++k) {
         const std::uint64_t number = slice.first + k;
         const auto jitter =
             static_cast<std::uint32_t>(hashWords(seed, RenderSalt::texelPlace, number) >> 32);
-        use(context.environment.sample(fullPrecision(u[k], seed, number), toUnitFloat(v[k]),
-                                       toUnitFloat(jitter)));
+        use(light.sample(fullPrecision(u[k], seed, number), toUnitFloat(v[k]),
+                         toUnitFloat(jitter)));
     }
 }
 
