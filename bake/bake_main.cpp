@@ -3,6 +3,7 @@
 #include "common/base/report_failure.h"
 
 int main(int argc, char** argv) try {
+    shadowcache::installFailureHandler();
     shadowcache::BakeJob job;
     if (const auto status = shadowcache::parseArguments(argc, argv, job)) return *status;
     shadowcache::run(job);

@@ -155,6 +155,7 @@ void run(const Arguments& a) {
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
+    installFailureHandler();
     CLI::App app("Inspects a shadow cache.", "shadowcache-info");
     Arguments arguments;
     beginCommandLine(app);

@@ -15,6 +15,7 @@
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
+    installFailureHandler();
     CLI::App app("Merges several bakes of one set into one cache.", "shadowcache-merge");
     std::vector<std::filesystem::path> inputs;
     std::filesystem::path output;

@@ -167,6 +167,7 @@ void run(const Arguments& a, std::vector<std::string> forRenderer) {
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
+    installFailureHandler();
     CLI::App app("Writes a job that bakes and renders a shot on many machines.",
                  "shadowcache-farm");
     Arguments arguments;

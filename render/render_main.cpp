@@ -7,6 +7,7 @@
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
+    installFailureHandler();
     Arguments arguments;
     if (const auto status = parseArguments(argc, argv, arguments)) return *status;
     const RenderJob job = jobOf(arguments);

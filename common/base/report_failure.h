@@ -12,6 +12,10 @@ std::string oneLine(std::string text);
 /// Prints "PROGRAM: message" on standard error.
 ///
 /// @return the status to exit with: kTryAgain for Interrupted, else kFailed
-int reportFailure(const char* program, const std::exception& error);
+int reportFailure(const char* program, const std::exception& error) noexcept;
+
+/// Makes an exception that nothing can catch, as of a thread that a library cannot start, end the
+/// program like any other failure: one line, status kFailed.
+void installFailureHandler() noexcept;
 
 }  // namespace shadowcache

@@ -36,6 +36,28 @@ struct FileHead {
     std::vector<openvdb::io::GridDescriptor> grids;  ///< in the file's order
 };
 
+/// Fails the stream where the texts from here on do not fit into the file's `size`; comes back to
+/// where it was. A text is its length and its characters, for which OpenVDB makes room before it
+/// reads them.
+///
+/// @param strings   texts that follow, of each entry if there are several
+/// @param metadata  entries follow behind their number, each with a value that has its length, too
+void requireFit(std::istream& in, std::uint64_t size, int strings, bool metadata) {
+    const auto begin = in.tellg();
+    const auto skipText = [&] {
+        std::uint32_t length = 0;
+        in.read(reinterpret_cast<char*>(&length), sizeof length);
+        const auto at = static_cast<std::uint64_t>(in.tellg());
+        if (length > size - std::min(at, size)) in.setstate(in.failbit);
+        in.seekg(static_cast<std::streamoff>(at + length));
+    };
+    std::uint32_t count = 1;
+    if (metadata) in.read(reinterpret_cast<char*>(&count), sizeof count);
+    for (; count > 0; --count)
+        for (int i = 0; i < strings + (metadata ? 1 : 0); ++i) skipText();
+    in.seekg(begin);
+}
+
 /// Reads a file's metadata, and refuses a file shorter than its table of grids states, before
 /// OpenVDB takes what lies behind its end for sizes.
 FileHead readHead(std::istream& in, std::uint64_t size, const fs::path& path) {
@@ -58,9 +80,11 @@ FileHead readHead(std::istream& in, std::uint64_t size, const fs::path& path) {
         const auto major = number(std::uint32_t{0}), minor = number(std::uint32_t{0});
         openvdb::io::setVersion(in, {major, minor}, format);
         in.seekg(1 + 36, std::ios::cur);
+        requireFit(in, size, 2, true);
         head.metadata.readMeta(in);
         for (auto count = number(std::int32_t{0}); count > 0; --count) {
             openvdb::io::GridDescriptor& grid = head.grids.emplace_back();
+            requireFit(in, size, 3, false);
             grid.read(in);
             const auto end = static_cast<std::uint64_t>(grid.getEndPos());
             if (end < static_cast<std::uint64_t>(in.tellg()) || end > size) in.setstate(in.failbit);

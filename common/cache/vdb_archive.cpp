@@ -46,8 +46,8 @@ private:
 /// OpenVDB's writer on a stream that may seek; File, which has one too, opens its own stream.
 class SeekableArchive final : public openvdb::io::Archive {
 public:
-    void write(std::ostream& stream, const openvdb::GridCPtrVec& grids,
-               const openvdb::MetaMap& metadata) const {
+    void writeSeekable(std::ostream& stream, const openvdb::GridCPtrVec& grids,
+                       const openvdb::MetaMap& metadata) const {
         Archive::write(stream, grids, /*seekable=*/true, metadata);
     }
 };
@@ -76,7 +76,7 @@ void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gri
     stream.exceptions(std::ios_base::badbit | std::ios_base::failbit);
     SeekableArchive archive;
     archive.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-    archive.write(stream, grids, metadata);
+    archive.writeSeekable(stream, grids, metadata);
     sealFile(file);
     file.commit();
 }

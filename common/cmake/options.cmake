@@ -5,6 +5,8 @@ target_compile_definitions(shadowcache_options INTERFACE
     $<$<BOOL:${SHADOWCACHE_TUNABLE}>:SHADOWCACHE_TUNABLE>)
 target_compile_options(shadowcache_options INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wnon-virtual-dtor
+    # As g++ has -Wconversion in C++.
+    $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>
     # Nobody reads errno or the trap flags of floating point: loops with roots and choices become
     # SIMD code. Results stay those of IEEE 754.
     -fno-math-errno -fno-trapping-math
@@ -12,9 +14,18 @@ target_compile_options(shadowcache_options INTERFACE
     $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
     $<$<BOOL:${SHADOWCACHE_WERROR}>:-Werror>
     $<$<BOOL:${SHADOWCACHE_ARCH}>:-march=${SHADOWCACHE_ARCH}>)
+# What is linked is found once, before main(), and read-only from then on (docs/security.md). Debian's
+# compilers make position-independent programs.
+target_link_options(shadowcache_options INTERFACE -Wl,-z,relro,-z,now)
+if(SHADOWCACHE_FUZZ)
+    # A fault found by any sanitizer ends the run.
+    target_compile_options(shadowcache_options INTERFACE
+        -fsanitize=fuzzer-no-link -fno-sanitize-recover=all)
+endif()
 if(SHADOWCACHE_SANITIZE)
     # GCC's analysis is at a loss in instrumented code: <regex> (bug 105562).
     target_compile_options(shadowcache_options INTERFACE
-        -fsanitize=${SHADOWCACHE_SANITIZE} -fno-omit-frame-pointer -Wno-maybe-uninitialized)
+        -fsanitize=${SHADOWCACHE_SANITIZE} -fno-omit-frame-pointer
+        $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
     target_link_options(shadowcache_options INTERFACE -fsanitize=${SHADOWCACHE_SANITIZE})
 endif()

@@ -19,6 +19,7 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/image/exr_error.h"
+#include "common/image/exr_header.h"
 #include "common/image/exr_radiance.h"
 #include "common/image/image.h"
 
@@ -29,7 +30,6 @@ namespace {
 /// Bounds that keep a hostile header from asking for all memory.
 constexpr int kMaxSide = 1 << 17;
 constexpr double kMaxPixels = 0x1p29;
-constexpr double kMaxPixelsPerByte = 65536.0;
 
 constexpr int kNewestVersion = 2;
 
@@ -83,19 +83,17 @@ Imath::Box2i checkedWindow(const std::filesystem::path& path, const Imf::MultiPa
     const Imath::Box2i window = file.header(part).dataWindow();
     const double width = static_cast<double>(window.max.x) - window.min.x + 1.0;
     const double height = static_cast<double>(window.max.y) - window.min.y + 1.0;
-    const auto bytes = static_cast<double>(std::filesystem::file_size(path));
-    if (width * height > std::min(kMaxPixels, kMaxPixelsPerByte * bytes)) {
+    if (width * height > kMaxPixels) {
         throwFileError(path, "data window of " + std::to_string(static_cast<long long>(width)) +
                                  " x " + std::to_string(static_cast<long long>(height)) +
-                                 " pixels in a file of " +
-                                 std::to_string(static_cast<long long>(bytes)) +
-                                 " bytes, damaged or too large");
+                                 " pixels, expected at most 2^29");
     }
     return window;
 }
 
 Imf::MultiPartInputFile openFile(const std::filesystem::path& path) {
     requireKnownVersion(path);
+    requireSoundExrHeader(path);
     Imf::Header::setMaxImageSize(kMaxSide, kMaxSide);
     Imf::Header::setMaxTileSize(kMaxSide, kMaxSide);
     return Imf::MultiPartInputFile(path.c_str());

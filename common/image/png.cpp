@@ -2,9 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <new>
 #include <vector>
 
+namespace shadowcache {
+namespace {
+
+/// stb writes to what it is given, null or not.
+void* allocated(void* block) {
+    if (!block) throw std::bad_alloc();
+    return block;
+}
+
+}  // namespace
+}  // namespace shadowcache
+
 #ifndef __clang_analyzer__  // which finds what is not ours to mend
+#define STBIW_MALLOC(size) shadowcache::allocated(std::malloc(size))
+#define STBIW_REALLOC(old, size) shadowcache::allocated(std::realloc(old, size))
+#define STBIW_FREE(block) std::free(block)
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #endif
 #define STB_IMAGE_WRITE_STATIC

@@ -1,5 +1,6 @@
 #include "common/import/texture_decoder.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <memory>
@@ -15,20 +16,97 @@
 
 namespace shadowcache {
 
+namespace {
+
+/// Texels that a byte of a file stands for, at most: deflate makes 1032 bytes of one, each of eight
+/// texels of one bit.
+constexpr double kMostTexelsPerByte = 8256;
+/// Small pictures may be as empty as they like: 16 MB.
+constexpr double kAlwaysAllowed = 0x1p22;
+
+constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
+
+bool isPng(std::string_view bytes) {
+    return bytes.starts_with(kPngSignature);
+}
+
+/// Whether a PNG's chunks end where their lengths say. stb allocates such a length before it reads.
+bool hasSoundChunks(std::string_view png) {
+    if (!isPng(png)) return true;  // a JPEG, or what stb refuses
+    png.remove_prefix(kPngSignature.size());
+    constexpr std::size_t kHead = 8, kChecksum = 4;
+    while (png.size() >= kHead) {
+        std::size_t length = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+            length = length << 8 | static_cast<unsigned char>(png[k]);
+        if (length > png.size() - kHead) return false;
+        png.remove_prefix(std::min(png.size(), kHead + length + kChecksum));
+    }
+    return true;
+}
+
+/// Whether the Huffman tables of a JPEG's segment, from its length on, have at most 256 codes each:
+/// stb writes beyond its array if not.
+bool hasSoundTables(std::string_view segment) {
+    const auto byte = [&](std::size_t i) -> std::size_t {
+        return i < segment.size() ? static_cast<unsigned char>(segment[i]) : 0;  // as stb reads on
+    };
+    constexpr std::size_t kHead = 17;
+    const std::size_t end = byte(0) * 256 + byte(1);
+    for (std::size_t at = 2; at < end;) {
+        std::size_t codes = 0;
+        for (std::size_t k = 1; k < kHead; ++k) codes += byte(at + k);
+        if (codes > 256) return false;
+        at += kHead + codes;
+    }
+    return true;
+}
+
+/// The same of all that stb may take for tables in a JPEG: it looks for markers anywhere. Only the
+/// segments of other programs that a sound file begins with may hold what looks like one.
+bool hasSoundHuffmanTables(std::string_view jpeg) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(jpeg[i]); };
+    std::size_t i = jpeg.starts_with("\xff\xd8") ? 2 : 0;
+    while (i >= 2 && i + 3 < jpeg.size() && byte(i) == 0xff &&
+           (byte(i + 1) == 0xfe || (byte(i + 1) & 0xf0) == 0xe0))
+        i += std::size_t{2} + byte(i + 2) * 256u + byte(i + 3);
+    for (; i + 1 < jpeg.size(); ++i)
+        if (byte(i) == 0xff && byte(i + 1) == 0xc4 && !hasSoundTables(jpeg.substr(i + 2)))
+            return false;
+    return true;
+}
+
+}  // namespace
+
 Texture decodeTexture(std::string_view bytes, std::string& cause) {
     Texture texture;
     if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
         cause = "larger than 2 GB";
         return texture;
     }
+    if (!hasSoundChunks(bytes) || (!isPng(bytes) && !hasSoundHuffmanTables(bytes))) {
+        cause = "cut short or damaged";
+        return texture;
+    }
+    const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+    const auto size = static_cast<int>(bytes.size());
     int channels = 0;
+    // stb allocates what the header states.
+    if (stbi_info_from_memory(data, size, &texture.width, &texture.height, &channels) != 0) {
+        const double texels =
+            static_cast<double>(texture.width) * static_cast<double>(texture.height);
+        if (texels > std::max(kAlwaysAllowed, kMostTexelsPerByte * static_cast<double>(size))) {
+            cause = std::to_string(texture.width) + " x " + std::to_string(texture.height) +
+                    " pixels in " + std::to_string(size) + " bytes";
+            return {};
+        }
+    }
     const std::unique_ptr<stbi_uc, decltype(&std::free)> texels(
-        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
-                              static_cast<int>(bytes.size()), &texture.width, &texture.height,
-                              &channels, 4),
+        stbi_load_from_memory(data, size, &texture.width, &texture.height, &channels, 4),
         &std::free);
     if (!texels) {
-        cause = stbi_failure_reason();
+        const char* reason = stbi_failure_reason();
+        cause = reason && *reason ? reason : "damaged";
         return {};
     }
     texture.rgba.assign(texels.get(), texels.get() + 4 * static_cast<std::size_t>(texture.width) *

@@ -10,6 +10,7 @@
 #include "common/image/png.h"
 #include "common/image/radiance.h"
 #include "common/import/load_mesh.h"
+#include "common/import/texture_decoder.h"
 #include "common/mesh/mesh.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/mesh_files.h"
@@ -222,6 +223,41 @@ TEST(HostileInput, CountsThatNoFileBacks) {
     exr.replace(window + 8, 4, bytesOf(100000));
     exr.replace(window + 12, 4, bytesOf(100000));
     expectError([&] { readRadiance(folder.write("a.exr", exr)); }, "a.exr", "");
+}
+
+/// OpenEXR and stb allocate what a header states before they read it.
+TEST(HostileInput, SizesThatNoFileBacks) {
+    const TemporaryFolder folder;
+    const MemoryLimit limit;
+    const std::string good = squareExr();
+    const auto refuses = [&](const std::string& name, std::size_t place, const std::string& bytes,
+                             const std::string& cause) {
+        std::string exr = good;
+        exr.replace(exr.find(name) + place, bytes.size(), bytes);
+        expectError([&] { readRadiance(folder.write("a.exr", exr)); }, "a.exr", cause);
+    };
+    // Behind a name and a type, each with its end, is the length.
+    refuses("compression", 24, bytesOf(0x7fffff00), "attribute 'compression' of 2147483392 bytes");
+    refuses("compression", 24, bytesOf(2), "of type compression with 2 bytes");
+    refuses("channels", 16, bytesOf(36), "of type chlist with 36 bytes");
+    refuses("dataWindow", 17 + 12, bytesOf(1 << 30), "pixels in a file of");
+
+    writePng(folder.path() / "a.png", {2, 2, std::vector<Rgb>(4, Rgb(0.5f))}, 0);
+    std::string cause, png = readBytes(folder.path() / "a.png");
+    EXPECT_EQ(decodeTexture(png, cause).width, 2) << cause;
+    std::string wide = png;
+    wide.replace(wide.find("IHDR") + 4, 8, std::string("\0\0\x40\0\0\0\x40\0", 8));
+    EXPECT_TRUE(decodeTexture(wide, cause).rgba.empty());
+    EXPECT_NE(cause.find("16384 x 16384 pixels"), std::string::npos) << cause;
+    png.replace(png.find("IDAT") - 4, 1, "\x3f");
+    EXPECT_TRUE(decodeTexture(png, cause).rgba.empty());
+    EXPECT_EQ(cause, "cut short or damaged");
+
+    // A Huffman table of more than 256 codes, for which stb has no room.
+    const std::string jpeg = "\xff\xd8\xff\xc4" + std::string("\x07\0\0", 3) +
+                             std::string(7, '\0') + "\x10\x20" + std::string(200, '\xff');
+    EXPECT_TRUE(decodeTexture(jpeg, cause).rgba.empty());
+    EXPECT_EQ(cause, "cut short or damaged");
 }
 
 /// Whatever bytes change, a file is read or refused with an Error; never a crash or a hang.
