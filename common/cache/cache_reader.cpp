@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
@@ -36,27 +38,56 @@ struct FileHead {
     std::vector<openvdb::io::GridDescriptor> grids;  ///< in the file's order
 };
 
-/// Fails the stream where the texts from here on do not fit into the file's `size`; comes back to
-/// where it was. A text is its length and its characters, for which OpenVDB makes room before it
-/// reads them.
-///
-/// @param strings   texts that follow, of each entry if there are several
-/// @param metadata  entries follow behind their number, each with a value that has its length, too
-void requireFit(std::istream& in, std::uint64_t size, int strings, bool metadata) {
-    const auto begin = in.tellg();
-    const auto skipText = [&] {
-        std::uint32_t length = 0;
-        in.read(reinterpret_cast<char*>(&length), sizeof length);
-        const auto at = static_cast<std::uint64_t>(in.tellg());
-        if (length > size - std::min(at, size)) in.setstate(in.failbit);
-        in.seekg(static_cast<std::streamoff>(at + length));
-    };
-    std::uint32_t count = 1;
-    if (metadata) in.read(reinterpret_cast<char*>(&count), sizeof count);
-    for (; count > 0; --count)
-        for (int i = 0; i < strings + (metadata ? 1 : 0); ++i) skipText();
-    in.seekg(begin);
+/// Bytes of a metadata value of a type; none if its length says.
+std::optional<std::uint32_t> fixedLength(const std::string& type) {
+    static const std::map<std::string, std::uint32_t, std::less<>> kLengths{
+        {"bool", 1},   {"int32", 4},  {"int64", 8},   {"float", 4},  {"double", 8}, {"vec2d", 16},
+        {"vec2i", 8},  {"vec2s", 8},  {"vec3d", 24},  {"vec3i", 12}, {"vec3s", 12}, {"vec4d", 32},
+        {"vec4i", 16}, {"vec4s", 16}, {"mat4d", 128}, {"mat4s", 64}};
+    const auto found = kLengths.find(type);
+    return found == kLengths.end() ? std::nullopt : std::optional(found->second);
 }
+
+/// Fails the stream where metadata, or the texts of a grid, do not fit into the file's `size`;
+/// comes back to where it was. OpenVDB makes room for a text before it reads it.
+class FitCheck {
+public:
+    FitCheck(std::istream& in, std::uint64_t size) : in_(in), size_(size), begin_(in.tellg()) {}
+
+    void metadata() {
+        for (auto count = number(); count > 0; --count) {
+            skip(number());
+            std::string type(room(number()), '\0');
+            in_.read(type.data(), static_cast<std::streamsize>(type.size()));
+            const std::uint32_t length = number();
+            // OpenVDB goes by the type.
+            if (length != fixedLength(type).value_or(length)) in_.setstate(in_.failbit);
+            skip(length);
+        }
+        in_.seekg(begin_);
+    }
+    void grid() {
+        for (int text = 0; text < 3; ++text) skip(number());
+        in_.seekg(begin_);
+    }
+
+private:
+    std::uint32_t number() {
+        std::uint32_t value = 0;
+        in_.read(reinterpret_cast<char*>(&value), sizeof value);
+        return value;
+    }
+    std::uint32_t room(std::uint32_t length) {
+        const auto at = static_cast<std::uint64_t>(in_.tellg());
+        if (length > size_ - std::min(at, size_)) in_.setstate(in_.failbit);
+        return length;
+    }
+    void skip(std::uint32_t length) { in_.seekg(room(length), std::ios::cur); }
+
+    std::istream& in_;
+    std::uint64_t size_;
+    std::istream::pos_type begin_;
+};
 
 /// Reads a file's metadata, and refuses a file shorter than its table of grids states, before
 /// OpenVDB takes what lies behind its end for sizes.
@@ -80,11 +111,11 @@ FileHead readHead(std::istream& in, std::uint64_t size, const fs::path& path) {
         const auto major = number(std::uint32_t{0}), minor = number(std::uint32_t{0});
         openvdb::io::setVersion(in, {major, minor}, format);
         in.seekg(1 + 36, std::ios::cur);
-        requireFit(in, size, 2, true);
+        FitCheck(in, size).metadata();
         head.metadata.readMeta(in);
         for (auto count = number(std::int32_t{0}); count > 0; --count) {
             openvdb::io::GridDescriptor& grid = head.grids.emplace_back();
-            requireFit(in, size, 3, false);
+            FitCheck(in, size).grid();
             grid.read(in);
             const auto end = static_cast<std::uint64_t>(grid.getEndPos());
             if (end < static_cast<std::uint64_t>(in.tellg()) || end > size) in.setstate(in.failbit);
