@@ -6,7 +6,7 @@ Exported are Blender's own materials (Principled BSDF). Cycles then renders the 
 them, built from nodes: a dielectric whose reflectance is the same at all angles is a mix of Diffuse and Glossy by that
 share, and a white metal is Glossy alone. The glTF file asks for that reflectance through KHR_materials_specular, which
 is added to it. Direct light of the map only. Cycles 3.4 multiplies masking and shadowing, which the specification
-correlates; below a roughness of 0.6 and away from grazing angles the difference is within half a per cent.
+correlates; below a roughness of 0.6 and away from grazing angles that is hardly seen.
 """
 
 import json
@@ -17,8 +17,9 @@ import sys
 import bpy
 
 SIZE = (160, 90)
-#Name, metallic, reflectance of the dielectric, roughness; the first has textures and a normal map.
-LOOKS = (("floor", 0, 0.3, 0.5), ("smooth", 0, 0.5, 0.1), ("satin", 0, 0.5, 0.3), ("rough", 0, 0.5, 0.5),
+# Name, metallic, reflectance of the dielectric, roughness. The first has a normal map and nothing diffuse: where a
+# normal map bends the normal, Cycles darkens the diffuse part alone (Chiang et al. 2019).
+LOOKS = (("floor", 0, 1, 0.5), ("smooth", 0, 0.5, 0.1), ("satin", 0, 0.5, 0.3), ("rough", 0, 0.5, 0.5),
          ("chrome", 1, 1, 0.1), ("steel", 1, 1, 0.25), ("lead", 1, 1, 0.5))
 
 
@@ -59,8 +60,9 @@ def add_material(name, metallic, roughness):
     inputs["Base Color"].default_value = (1, 1, 1, 1) if metallic else (0.6, 0.3, 0.2, 1)
     inputs["Metallic"].default_value = metallic
     inputs["Roughness"].default_value = roughness
-    if name == "floor":
+    if name == "satin":
         tree.links.new(add_texture(tree, picture("check", "sRGB", check)).outputs["Color"], inputs["Base Color"])
+    if name == "floor":
         channels = tree.nodes.new("ShaderNodeSeparateColor")
         tree.links.new(add_texture(tree, picture("rough", "Non-Color", rough)).outputs["Color"], channels.inputs[0])
         tree.links.new(channels.outputs["Green"], inputs["Roughness"])
@@ -97,7 +99,7 @@ def add_reflectance(path):
     document = json.loads(data[20 : 20 + size])
     for material in document["materials"]:
         look = next(look for look in LOOKS if look[0] == material["name"])
-#More than 1 / 0.04 : reflects everything head on, too, before the factor.
+# More than 1 / 0.04: reflects everything head on, too, before the factor.
         material["extensions"] = {
     "KHR_materials_specular" : {
         "specularFactor" : look[2], "specularColorFactor" : [ 100, 100, 100 ]
@@ -150,7 +152,7 @@ def render(sky, picture_path, samples):
     world.use_nodes = True
     texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = bpy.data.images.load(sky)
-#The centre of the map is at - y of Blender, which the export makes + z.
+# The centre of the map is at -y of Blender, which the export makes +z.
     mapping = world.node_tree.nodes.new("ShaderNodeMapping")
     mapping.inputs["Rotation"].default_value = (0, 0, math.radians(90))
     place = world.node_tree.nodes.new("ShaderNodeTexCoord")

@@ -137,7 +137,7 @@ TEST_F(GlossInCycles, IsTheSamePicture) {
     const Comparison same = compare(render(options));
     EXPECT_GT(same.tiles, 150);
     EXPECT_NEAR(same.ratio, 1, 0.01);
-    EXPECT_LT(same.worstTile, 0.05);
+    EXPECT_LT(same.worstTile, 0.03);
     // Controls: without gloss, and without the normals of vertices and maps.
     options.gloss = false;
     EXPECT_GT(compare(render(options)).worstTile, 0.1);
