@@ -156,8 +156,7 @@ private:
         if (const tinygltf::Value& color = extension.Get("specularColorFactor");
             color.ArrayLen() == 3)
             for (int k = 0; k < 3; ++k)
-                gloss.specularColor[k] =
-                    bounded(color.Get(static_cast<std::size_t>(k)).GetNumberAsDouble(), 0, 1e6);
+                gloss.specularColor[k] = bounded(color.Get(k).GetNumberAsDouble(), 0, 1e6);
         finish_.specular = slotOf(extension, "specularTexture");
         finish_.specularColor = slotOf(extension, "specularColorTexture");
     }
