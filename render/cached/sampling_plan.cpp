@@ -16,7 +16,7 @@ SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
 
 /// Part of the irradiance from which on a sample is heavy enough to be reused: what its rays to the
 /// neighbours cost is then well spent.
-SHADOWCACHE_TUNED(double, kHeavy, 0.06);
+SHADOWCACHE_TUNED(double, kHeavy, 0.045);
 
 /// Regions whose mispredictions are reused need this much of the samples that they would need
 /// alone.

@@ -99,10 +99,6 @@ std::map<std::string, std::vector<std::string>> formsOf(const Subject& subject,
 struct Part {
     Subject subject;
     int number;
-
-    friend void PrintTo(const Part& part, std::ostream* out) {
-        *out << part.subject.program << ' ' << part.number;
-    }
 };
 
 std::vector<Part> parts() {
@@ -167,7 +163,9 @@ TEST_P(OptionNumbers, AreInRangeOrRefused) {
     EXPECT_TRUE(tried > 100 || subject.program == "merge") << tried;
 }
 
-INSTANTIATE_TEST_SUITE_P(Programs, OptionNumbers, testing::ValuesIn(parts()));
+INSTANTIATE_TEST_SUITE_P(Programs, OptionNumbers, testing::ValuesIn(parts()), [](const auto& test) {
+    return test.param.subject.program + std::to_string(test.param.number);
+});
 
 /// Words longer than any parser's stack.
 TEST_F(CliTest, LongWordsAreRefused) {

@@ -41,7 +41,8 @@ protected:
         const int side = kSide * nodes;
         Rgb sum(0.0f);
         for (int k = 0; k < side * side; ++k) {
-            const FilmPosition at{(k % side + 0.5) / side, (k / side + 0.5) / side};
+            const int column = k % side, row = k / side;
+            const FilmPosition at{(column + 0.5) / side, (row + 0.5) / side};
             const Vec3d direction = rays.direction(at);
             const Vec3d from = rays.start(at) - world_.mesh.origin;
             const ShadingPoint point =
