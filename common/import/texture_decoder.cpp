@@ -69,7 +69,7 @@ bool hasSoundHuffmanTables(std::string_view jpeg) {
     std::size_t i = jpeg.starts_with("\xff\xd8") ? 2 : 0;
     while (i >= 2 && i + 3 < jpeg.size() && byte(i) == 0xff &&
            (byte(i + 1) == 0xfe || (byte(i + 1) & 0xf0) == 0xe0))
-        i += std::size_t{2} + byte(i + 2) * 256u + byte(i + 3);
+        i += std::size_t{2} + byte(i + 2) * std::size_t{256} + byte(i + 3);
     for (; i + 1 < jpeg.size(); ++i)
         if (byte(i) == 0xff && byte(i + 1) == 0xc4 && !hasSoundTables(jpeg.substr(i + 2)))
             return false;

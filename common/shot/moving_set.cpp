@@ -105,9 +105,10 @@ MovingSet::MovingSet(std::span<const GltfShot> shots, std::span<const DynamicFil
 
 MovingSet::~MovingSet() = default;
 
-void MovingSet::addNodes(const GltfShot& shot, std::vector<int> nodes, DynamicFile file,
+void MovingSet::addNodes(const GltfShot& shot, std::vector<int> nodes, const DynamicFile& file,
                          const MeshOptions& options) {
     std::vector<GltfPlacement> placements;
+    placements.reserve(nodes.size());
     for (const int node : nodes) placements.push_back({node, shot.nodes().at(node, 0)});
     Source source;
     source.path = file.mesh;

@@ -59,7 +59,7 @@ private:
         std::vector<Affine> atRest;  ///< by instance, in the file's world
     };
 
-    void addNodes(const GltfShot& shot, std::vector<int> nodes, DynamicFile file,
+    void addNodes(const GltfShot& shot, std::vector<int> nodes, const DynamicFile& file,
                   const MeshOptions& options);
     void addFile(const DynamicFile& file, const MeshOptions& options);
     static Affine trackAt(const Source& source, int frame);
