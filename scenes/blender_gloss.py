@@ -99,11 +99,9 @@ def add_reflectance(path):
     document = json.loads(data[20 : 20 + size])
     for material in document["materials"]:
         look = next(look for look in LOOKS if look[0] == material["name"])
-# More than 1 / 0.04: reflects everything head on, too, before the factor.
+        # More than 1 / 0.04: reflects everything head on, too, before the factor.
         material["extensions"] = {
-    "KHR_materials_specular" : {
-        "specularFactor" : look[2], "specularColorFactor" : [ 100, 100, 100 ]
-    }}
+            "KHR_materials_specular": {"specularFactor": look[2], "specularColorFactor": [100, 100, 100]}}
     used = set(document.get("extensionsUsed", [])) | {"KHR_materials_specular"}
     document["extensionsUsed"] = sorted(used)
     text = json.dumps(document).encode()
@@ -152,7 +150,7 @@ def render(sky, picture_path, samples):
     world.use_nodes = True
     texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = bpy.data.images.load(sky)
-# The centre of the map is at -y of Blender, which the export makes +z.
+    # The centre of the map is at -y of Blender, which the export makes +z.
     mapping = world.node_tree.nodes.new("ShaderNodeMapping")
     mapping.inputs["Rotation"].default_value = (0, 0, math.radians(90))
     place = world.node_tree.nodes.new("ShaderNodeTexCoord")

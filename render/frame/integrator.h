@@ -11,8 +11,8 @@ namespace shadowcache {
 /// Lets the estimator's pilot look at the frame before it is rendered, through a few of its pixels.
 void runPilot(const FrameRequest& frame, RenderStats& stats);
 
-/// Renders one frame: direct light of the environment on Lambertian surfaces, the sky where nothing
-/// is hit. The same bits for any number of threads, and for a crop as for the whole frame. Shows
+/// Renders one frame: what surfaces reflect of the environment, and emit; the sky where nothing is
+/// hit. The same bits for any number of threads, and for a crop as for the whole frame. Shows
 /// progress; Ctrl-C ends it with Error.
 ///
 /// @throws Error on non-finite estimates, with their number and the options that replay the first
