@@ -35,6 +35,36 @@ bool keepEncoded(tinygltf::Image* image, int, std::string*, std::string*, int, i
     return true;
 }
 
+/// The objects of an array of a glTF document; empty where it has none.
+const nlohmann::json& objects(const nlohmann::json& document, const char* array) {
+    static const nlohmann::json kNone = nlohmann::json::array();
+    const auto at = document.find(array);
+    return at != document.end() && at->is_array() ? *at : kNone;
+}
+
+/// A number of an object of a glTF document; 0 where it is none that tinygltf would take.
+std::size_t number(const nlohmann::json& object, const char* name) {
+    const auto at = object.is_object() ? object.find(name) : object.end();
+    return at != object.end() && at->is_number_integer() ? at->get<std::size_t>() : 0;
+}
+
+/// tinygltf takes the address of a picture's first byte without a look at the buffer's size.
+void requireViewsInBuffers(const std::filesystem::path& path, std::string_view json) {
+    const auto document = nlohmann::json::parse(json, nullptr, false);
+    if (!document.is_object()) return;  // tinygltf says what is wrong with it
+    const auto& buffers = objects(document, "buffers");
+    for (const auto& view : objects(document, "bufferViews")) {
+        const auto buffer = static_cast<std::uint32_t>(number(view, "buffer"));
+        const std::size_t first = number(view, "byteOffset");
+        const std::size_t size =
+            buffer < buffers.size() ? number(buffers[buffer], "byteLength") : 0;
+        if (buffer < buffers.size() && first >= size)
+            throwFileError(path, "a buffer view at byte " + std::to_string(first) +
+                                     " of a buffer of " + std::to_string(size) +
+                                     ", expected it within");
+    }
+}
+
 /// The files beside a glTF file, as tinygltf may read them: only those that exist, are regular, and
 /// may be named.
 class Neighbours {
@@ -97,6 +127,7 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path, References refer
     }
     if (!isShallowJson(json))
         throwFileError(path, "JSON nested deeper than 256 levels, expected fewer");
+    requireViewsInBuffers(path, json);
 
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(keepEncoded, nullptr);
