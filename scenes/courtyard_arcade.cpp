@@ -23,7 +23,7 @@ void addCapitalLeaf(SetMesh& mesh, const Placement& at, double y, double radius,
 }
 
 void addColumn(SetMesh& mesh, const Placement& at) {
-    const Paint paint = weathered(kStone, 0.16, 0.5);
+    const Paint paint = weathered(kStone, 0.16, 0.5, Finish::honed);
     addSlab(mesh, at, {-0.25, kFloor, -0.25}, {0.25, kFloor + 0.14, 0.25}, 0.012, paint);
     std::vector<Imath::V2d> profile = {{0.235, 0.44}, {0.25, 0.47},  {0.235, 0.50}, {0.205, 0.515},
                                        {0.20, 0.545}, {0.215, 0.56}, {0.215, 0.59}, {0.185, 0.61}};
@@ -139,12 +139,12 @@ void addClosedDoor(SetMesh& mesh, const Placement& at, double floor, double half
         const double x0 = -w + 2 * w * i / planks;
         addBox(mesh, at, {x0 + 0.006, floor + 0.02, kDepth - 0.04},
                {x0 + 2 * w / planks - 0.006, floor + height, kDepth},
-               plain(tinted(color, 0.18, noise(i, 77))));
+               plain(tinted(color, 0.18, noise(i, 77)), Finish::varnished));
     }
     for (const double y : {0.25, 0.8})
         addBox(mesh, at, {-w + 0.05, floor + y * height - 0.06, kDepth - 0.065},
                {w - 0.05, floor + y * height + 0.06, kDepth - 0.03},
-               plain(tinted(color, 0.2, 0.1)));
+               plain(tinted(color, 0.2, 0.1), Finish::varnished));
 }
 
 /// Paving of the arcade in two tones, with worn joints shown by tint.
@@ -162,7 +162,7 @@ void addPaving(SetMesh& mesh, const Placement& at, double x0, double x1, double 
             const double za = z0 + (z1 - z0) * j / nz;
             const double zb = z0 + (z1 - z0) * (j + 1) / nz;
             addQuad(mesh, {at(xa, y, za), at(xa, y, zb), at(xb, y, zb), at(xb, y, za)},
-                    plain(tinted(base, 0.14, u)));
+                    plain(tinted(base, 0.14, u), Finish::glazed));
         }
     }
 }

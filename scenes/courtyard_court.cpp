@@ -88,21 +88,21 @@ void addFountain(SetMesh& mesh) {
                 return Vec3d(r * std::cos(angle), y + 0.008 * std::sin(r * 22 + 1),
                              r * std::sin(angle));
             },
-            weathered(kWater, 0.3, 0.35));
+            weathered(kWater, 0.3, 0.35, Finish::water));
     };
     water(1.5, 0.66);
     const Imath::V2d pedestal[] = {
         {0.42, 0.3},  {0.42, 0.82}, {0.36, 0.88}, {0.24, 0.95}, {0.17, 1.05}, {0.15, 1.15},
         {0.20, 1.27}, {0.22, 1.33}, {0.16, 1.39}, {0.18, 1.44}, {0.42, 1.52}, {0.66, 1.60},
         {0.80, 1.70}, {0.84, 1.76}, {0.82, 1.79}, {0.76, 1.78}, {0.6, 1.68},  {0.3, 1.62}};
-    addLathe(mesh, {}, pedestal, 40, stone);
+    addLathe(mesh, {}, pedestal, 40, weathered(tinted(kStone, 0.1, 0.7), 0.18, 0.6, Finish::honed));
     water(0.78, 1.735);
     const Imath::V2d stem[] = {{0.16, 1.6},   {0.16, 1.8},  {0.12, 1.84}, {0.08, 1.93},
                                {0.075, 2.02}, {0.11, 2.10}, {0.12, 2.14}, {0.09, 2.19},
                                {0.24, 2.26},  {0.35, 2.34}, {0.36, 2.38}, {0.32, 2.38},
                                {0.12, 2.32},  {0.07, 2.36}, {0.06, 2.44}, {0.10, 2.48},
                                {0.14, 2.58},  {0.12, 2.70}, {0.06, 2.79}, {0, 2.84}};
-    addLathe(mesh, {}, stem, 28, stone);
+    addLathe(mesh, {}, stem, 28, weathered(kBronze, 0.15, 0.3, Finish::bronze));
     for (int i = 0; i < 8; ++i) {  // panels of the basin
         const Placement side = moved({}, 0, 0, 0, i * kPi / 4);
         const double face = 1.55 * std::cos(kPi / 8);

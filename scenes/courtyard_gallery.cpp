@@ -14,7 +14,7 @@ bool isLanding(const Side& side, double x) {
 }
 
 void addColonnette(SetMesh& mesh, const Placement& at) {
-    const Paint paint = weathered(kStone, 0.16, 0.5);
+    const Paint paint = weathered(kStone, 0.16, 0.5, Finish::honed);
     addBox(mesh, at, {-0.17, kUpperFloor - 0.02, -0.17}, {0.17, kRail - 0.09, 0.17}, paint);
     addSlab(mesh, at, {-0.15, kRail, -0.15}, {0.15, kRail + 0.07, 0.15}, 0.01, paint);
     const double y = kRail;
@@ -65,7 +65,7 @@ void addShutters(SetMesh& mesh, const Placement& at, double y0, std::int64_t see
         const Placement leaf = moved(at, s * w, y0, z - 0.06, s * open);
         const auto slat = [&](double x0, double x1, double ya, double yb) {
             addBox(mesh, leaf, {s > 0 ? -x1 : x0, ya, -0.03}, {s > 0 ? -x0 : x1, yb, 0},
-                   plain(kShutter));
+                   plain(kShutter, Finish::varnished));
         };
         slat(0.0, 0.05, 0, h);
         slat(w - 0.05, w, 0, h);

@@ -26,8 +26,8 @@ void addLeaf(SetMesh& mesh, const Vec3d& root, const Vec3d& direction, double le
     const int b = mesh.addVertex(middle + side * (0.27 * length) + fold * (0.1 * length), color);
     const int c = mesh.addVertex(root + direction * length, color);
     const int d = mesh.addVertex(middle - side * (0.27 * length) + fold * (0.1 * length), color);
-    mesh.addTriangle(a, b, c);
-    mesh.addTriangle(a, c, d);
+    mesh.addTriangle(a, b, c, Finish::waxed);
+    mesh.addTriangle(a, c, d, Finish::waxed);
 }
 
 void addSphere(SetMesh& mesh, const Vec3d& center, double radius, int segments, const Rgb& color) {
@@ -38,11 +38,11 @@ void addSphere(SetMesh& mesh, const Vec3d& center, double radius, int segments, 
         const double angle = 2 * kPi * i / segments;
         profile.emplace_back(radius * std::sin(angle), -radius * std::cos(angle));
     }
-    addLathe(mesh, at, profile, segments, plain(color));
+    addLathe(mesh, at, profile, segments, plain(color, Finish::waxed));
 }
 
 void addPot(SetMesh& mesh, const Placement& at) {
-    const Paint clay = weathered(tinted(kTerracotta, 0.1, 0.8), 0.18, 0.3);
+    const Paint clay = weathered(tinted(kTerracotta, 0.1, 0.8), 0.18, 0.3, Finish::glazed);
     const Imath::V2d profile[] = {{0.22, -0.02}, {0.25, 0.02},  {0.23, 0.06},  {0.30, 0.30},
                                   {0.315, 0.31}, {0.315, 0.35}, {0.305, 0.36}, {0.34, 0.52},
                                   {0.375, 0.53}, {0.39, 0.57},  {0.39, 0.63},  {0.36, 0.65},

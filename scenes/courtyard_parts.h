@@ -37,6 +37,8 @@ inline const Rgb kCobble{0.30f, 0.27f, 0.235f};
 inline const Rgb kTerracotta{0.44f, 0.165f, 0.085f};
 inline const Rgb kWood{0.19f, 0.105f, 0.055f};
 inline const Rgb kShutter{0.085f, 0.19f, 0.17f};
+inline const Rgb kBronze{0.50f, 0.34f, 0.20f};
+inline const Rgb kGold{0.86f, 0.60f, 0.24f};
 inline const Rgb kWater{0.04f, 0.115f, 0.125f};
 
 enum class Facing { south, east, north, west };

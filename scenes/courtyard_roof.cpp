@@ -167,7 +167,7 @@ void addTower(SetMesh& mesh) {
     const Imath::V2d finial[] = {{0.13, peak - 0.1},  {0.1, peak + 0.1},   {0.05, peak + 0.16},
                                  {0.12, peak + 0.26}, {0.14, peak + 0.36}, {0.1, peak + 0.47},
                                  {0.03, peak + 0.54}, {0.015, peak + 1.0}, {0, peak + 1.02}};
-    addLathe(mesh, at, finial, 12, stone);
+    addLathe(mesh, at, finial, 12, plain(kGold, Finish::gilded));
 }
 
 }  // namespace shadowcache::scenes::courtyard

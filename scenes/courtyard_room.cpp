@@ -47,7 +47,7 @@ void addShell(SetMesh& mesh, const Placement& at) {
                  at(-kInner + i * 2 * kInner / 22, kFloor, kRoomDepth),
                  at(-kInner + (i + 1) * 2 * kInner / 22, kFloor, kRoomDepth),
                  at(-kInner + (i + 1) * 2 * kInner / 22, kFloor, 0.0)},
-                plain(tinted({0.36f, 0.21f, 0.11f}, 0.2, noise(i, 41))));
+                plain(tinted({0.36f, 0.21f, 0.11f}, 0.2, noise(i, 41)), Finish::varnished));
     addQuad(mesh,
             {at(-kInner, kCeiling, 0), at(kInner, kCeiling, 0), at(kInner, kCeiling, kRoomDepth),
              at(-kInner, kCeiling, kRoomDepth)},
@@ -80,16 +80,17 @@ void addDoorLeaf(SetMesh& mesh, const Placement& hinge, double width, double hei
         const double x0 = width * i / 4 + 0.004;
         const double x1 = width * (i + 1) / 4 - 0.004;
         addBox(mesh, hinge, {side > 0 ? x0 : -x1, 0.01, -0.025},
-               {side > 0 ? x1 : -x0, height, 0.02}, plain(tinted(kShutter, 0.25, noise(i, 31))));
+               {side > 0 ? x1 : -x0, height, 0.02},
+               plain(tinted(kShutter, 0.25, noise(i, 31)), Finish::varnished));
     }
     for (const double y : {0.25, 0.5 * height, height - 0.25})
         addBox(mesh, hinge, {side > 0 ? 0.02 : -width + 0.02, y - 0.05, -0.05},
                {side > 0 ? width - 0.02 : -0.02, y + 0.05, 0.045},
-               plain(tinted(kShutter, 0.2, 0.2)));
+               plain(tinted(kShutter, 0.2, 0.2), Finish::varnished));
 }
 
 void addWindowBars(SetMesh& mesh, const Placement& bay, const Opening& hole) {
-    const Paint paint = plain(kShutter);
+    const Paint paint = plain(kShutter, Finish::varnished);
     const auto bar = [&](double x0, double x1, double y0, double y1) {
         addBox(mesh, bay, {x0, y0, 0.06}, {x1, y1, 0.11}, paint);
     };
@@ -105,7 +106,7 @@ void addWindowBars(SetMesh& mesh, const Placement& bay, const Opening& hole) {
 }
 
 void addTable(SetMesh& mesh, const Placement& at) {
-    const Paint wood = weathered({0.27f, 0.145f, 0.07f}, 0.25, 0.4);
+    const Paint wood = weathered({0.27f, 0.145f, 0.07f}, 0.25, 0.4, Finish::varnished);
     addBox(mesh, at, {-0.95, 0.72, -0.45}, {0.95, 0.77, 0.45}, wood);
     addBox(mesh, at, {-0.82, 0.62, -0.34}, {0.82, 0.72, 0.34}, wood);
     const Imath::V2d leg[] = {{0.035, 0},   {0.05, 0.05}, {0.03, 0.1},   {0.05, 0.3},
@@ -114,7 +115,7 @@ void addTable(SetMesh& mesh, const Placement& at) {
         for (const double z : {-0.3, 0.3}) addLathe(mesh, moved(at, x, 0, z), leg, 12, wood);
     const Imath::V2d bowl[] = {{0.07, 0.77}, {0.08, 0.785}, {0.05, 0.80}, {0.13, 0.85},
                                {0.18, 0.92}, {0.17, 0.92},  {0.11, 0.86}, {0, 0.83}};
-    addLathe(mesh, moved(at, 0.1, 0, 0.05), bowl, 24, plain({0.25f, 0.36f, 0.50f}));
+    addLathe(mesh, moved(at, 0.1, 0, 0.05), bowl, 24, plain({0.25f, 0.36f, 0.50f}, Finish::glazed));
     for (int i = 0; i < 5; ++i) {
         const Placement fruit = moved(at, 0.1 + 0.075 * std::cos(i * 1.3), 0.895 + 0.012 * i,
                                       0.05 + 0.075 * std::sin(i * 1.3));
@@ -125,11 +126,11 @@ void addTable(SetMesh& mesh, const Placement& at) {
     }
     const Imath::V2d jug[] = {{0.07, 0.77},  {0.11, 0.84}, {0.12, 0.92}, {0.08, 1.01}, {0.05, 1.05},
                               {0.055, 1.10}, {0.07, 1.13}, {0.05, 1.12}, {0.035, 1.0}};
-    addLathe(mesh, moved(at, -0.5, 0, -0.1), jug, 20, plain({0.62f, 0.58f, 0.50f}));
+    addLathe(mesh, moved(at, -0.5, 0, -0.1), jug, 20, plain({0.62f, 0.58f, 0.50f}, Finish::glazed));
 }
 
 void addChair(SetMesh& mesh, const Placement& at) {
-    const Paint wood = weathered({0.21f, 0.11f, 0.055f}, 0.25, 0.3);
+    const Paint wood = weathered({0.21f, 0.11f, 0.055f}, 0.25, 0.3, Finish::varnished);
     addBox(mesh, at, {-0.22, 0.43, -0.21}, {0.22, 0.465, 0.21}, plain({0.50f, 0.36f, 0.17f}));
     for (const double x : {-0.2, 0.2}) {
         addBox(mesh, at, {x - 0.02, 0, -0.2}, {x + 0.02, 0.45, -0.16}, wood);
@@ -140,7 +141,7 @@ void addChair(SetMesh& mesh, const Placement& at) {
 }
 
 void addShelf(SetMesh& mesh, const Placement& at) {
-    const Paint wood = weathered({0.17f, 0.09f, 0.045f}, 0.25, 0.5);
+    const Paint wood = weathered({0.17f, 0.09f, 0.045f}, 0.25, 0.5, Finish::varnished);
     constexpr double kWidth = 0.9;
     constexpr double kTop = 2.4;
     for (const double x : {-kWidth, kWidth - 0.05})
@@ -169,7 +170,7 @@ void addShelf(SetMesh& mesh, const Placement& at) {
 }
 
 void addPicture(SetMesh& mesh, const Placement& at, double width, double height) {
-    const Paint gold = plain({0.50f, 0.34f, 0.12f});
+    const Paint gold = plain(kGold, Finish::gilded);
     const double w = width / 2;
     addBox(mesh, at, {-w - 0.07, 0, -0.05}, {w + 0.07, 0.07, 0}, gold);
     addBox(mesh, at, {-w - 0.07, height + 0.07, -0.05}, {w + 0.07, height + 0.14, 0}, gold);
@@ -178,7 +179,7 @@ void addPicture(SetMesh& mesh, const Placement& at, double width, double height)
     addPatch(  // a landscape: sky over hills
         mesh, 24, 16,
         [&](double u, double v) { return at(w - 2 * w * u, 0.06 + (height + 0.02) * v, -0.02); },
-        [&](const Vec3d& p) {
+        Paint{[&](const Vec3d& p) {
             const double v = (p - at.origin).dot(at.y) / height;
             const double x = (p - at.origin).dot(at.x);
             const double hill = 0.35 + 0.12 * std::sin(4 * x) + 0.05 * std::sin(11 * x);
@@ -186,7 +187,7 @@ void addPicture(SetMesh& mesh, const Placement& at, double width, double height)
                 return Rgb(0.28f, 0.38f, 0.48f) +
                        Rgb(0.25f, 0.12f, 0.0f) * static_cast<float>(1 - v);
             return tinted({0.16f, 0.20f, 0.07f}, 0.5, v / hill);
-        });
+        }});
 }
 
 }  // namespace
@@ -225,7 +226,7 @@ void addRoom(SetMesh& mesh) {
     const Imath::V2d vase[] = {{0.07, 0.68}, {0.14, 0.78}, {0.15, 0.9}, {0.08, 1.02},
                                {0.06, 1.08}, {0.09, 1.12}, {0.07, 1.11}};
     addLathe(mesh, moved(floor, -1.8, 0, kRoomDepth - 0.36), vase, 20,
-             plain({0.12f, 0.25f, 0.42f}));
+             plain({0.12f, 0.25f, 0.42f}, Finish::glazed));
 }
 
 }  // namespace shadowcache::scenes::courtyard

@@ -45,30 +45,32 @@ int SetMesh::addVertex(const Vec3d& p, const Rgb& color) {
     return static_cast<int>(positions.size()) - 1;
 }
 
-void SetMesh::addTriangle(int a, int b, int c) {
+void SetMesh::addTriangle(int a, int b, int c, Finish finish) {
     const Vec3d p(positions[static_cast<std::size_t>(a)]);
     const Vec3d q(positions[static_cast<std::size_t>(b)]);
     const Vec3d r(positions[static_cast<std::size_t>(c)]);
     if ((q - p).cross(r - p).length2() < 1e-16) return;
     triangles.emplace_back(a, b, c);
+    finishes.push_back(finish);
 }
 
-Paint plain(const Rgb& color) {
-    return [color](const Vec3d&) { return color; };
+Paint plain(const Rgb& color, Finish finish) {
+    return {[color](const Vec3d&) { return color; }, finish};
 }
 
-Paint weathered(const Rgb& base, double amount, double size) {
-    return [=](const Vec3d& p) {
-        return tinted(base, amount,
-                      0.65 * smoothNoise(p / size) + 0.35 * smoothNoise(p * (3.1 / size)));
-    };
+Paint weathered(const Rgb& base, double amount, double size, Finish finish) {
+    return {[=](const Vec3d& p) {
+                return tinted(base, amount,
+                              0.65 * smoothNoise(p / size) + 0.35 * smoothNoise(p * (3.1 / size)));
+            },
+            finish};
 }
 
 void addQuad(SetMesh& mesh, const std::array<Vec3d, 4>& corners, const Paint& paint) {
     std::array<int, 4> v{};
     for (std::size_t i = 0; i < 4; ++i) v[i] = mesh.addVertex(corners[i], paint(corners[i]));
-    mesh.addTriangle(v[0], v[1], v[2]);
-    mesh.addTriangle(v[0], v[2], v[3]);
+    mesh.addTriangle(v[0], v[1], v[2], paint.finish);
+    mesh.addTriangle(v[0], v[2], v[3], paint.finish);
 }
 
 void addPatch(SetMesh& mesh, int rows, int columns,
@@ -84,8 +86,8 @@ void addPatch(SetMesh& mesh, int rows, int columns,
         for (int j = 0; j < columns; ++j) {
             const int a = first + i * (columns + 1) + j;
             const int b = a + columns + 1;
-            mesh.addTriangle(a, b, b + 1);
-            mesh.addTriangle(a, b + 1, a + 1);
+            mesh.addTriangle(a, b, b + 1, paint.finish);
+            mesh.addTriangle(a, b + 1, a + 1, paint.finish);
         }
     }
 }
@@ -140,7 +142,7 @@ void addPrism(SetMesh& mesh, const Placement& at, std::span<const Imath::V2d> ou
             v.push_back(mesh.addVertex(q, paint(q)));
         }
         for (std::size_t i = 2; i < n; ++i)
-            front ? mesh.addTriangle(v[0], v[i - 1], v[i]) : mesh.addTriangle(v[0], v[i], v[i - 1]);
+            mesh.addTriangle(v[0], v[front ? i - 1 : i], v[front ? i : i - 1], paint.finish);
     };
     cap(0, false);
     cap(depth, true);

@@ -35,25 +35,34 @@ struct Placement {
 /// The frame moved by (x, y, z) and turned by `yaw` radians about its own y.
 Placement moved(const Placement& at, double x, double y, double z, double yaw = 0);
 
+/// How a surface shines: the materials of a set, see finishOf() in glb_writer.cpp.
+enum class Finish { matte, honed, waxed, varnished, glazed, bronze, gilded, water };
+
 /// Triangles with a colour at every corner, in the order in which they were added.
 struct SetMesh {
     std::vector<Vec3f> positions;
-    std::vector<Rgb> colors;  ///< linear albedo
+    std::vector<Rgb> colors;  ///< linear base colour
     std::vector<Vec3i> triangles;
+    std::vector<Finish> finishes;  ///< of each triangle
 
     int addVertex(const Vec3d& p, const Rgb& color);
     /// Adds the triangle unless two corners fall together (the pole of a lathe).
-    void addTriangle(int a, int b, int c);
+    void addTriangle(int a, int b, int c, Finish finish = Finish::matte);
 };
 
-/// Colour of a point of the surface, from its place in the world.
-using Paint = std::function<Rgb(const Vec3d&)>;
+/// What a surface is made of: its colour, from the place in the world, and how it shines.
+struct Paint {
+    std::function<Rgb(const Vec3d&)> color;
+    Finish finish = Finish::matte;
+
+    Rgb operator()(const Vec3d& place) const { return color(place); }
+};
 
 /// One colour everywhere.
-Paint plain(const Rgb& color);
+Paint plain(const Rgb& color, Finish finish = Finish::matte);
 
 /// `base` with smooth stains about `size` metres wide, lighter or darker by `amount`.
-Paint weathered(const Rgb& base, double amount, double size);
+Paint weathered(const Rgb& base, double amount, double size, Finish finish = Finish::matte);
 
 void addQuad(SetMesh& mesh, const std::array<Vec3d, 4>& corners, const Paint& paint);
 
@@ -100,9 +109,22 @@ struct CameraKey {
 void writeCamera(const std::filesystem::path& path, std::span<const CameraKey> keys, int frames,
                  double fps, double fovYRadians);
 
-/// Binary PLY with vertex colours, linear albedo stored as sRGB.
+/// The triangles whose finish is asked for, with the vertices that they use (poles of lathes leave
+/// some that none uses).
+struct SetPart {
+    std::vector<std::size_t> vertices;  ///< of the mesh
+    std::vector<Vec3i> triangles;       ///< corners by their place in `vertices`
+};
+SetPart partOf(const SetMesh& mesh, const std::function<bool(Finish)>& isIn);
+
+/// Binary PLY with vertex colours, linear albedo stored as sRGB, without the finishes.
 ///
 /// @throws Error if it cannot be written
 void writePly(const std::filesystem::path& path, const SetMesh& mesh);
+
+/// Binary glTF: a part for each finish, with its material, vertex colours and smooth normals.
+///
+/// @throws Error if it cannot be written
+void writeGlb(const std::filesystem::path& path, const SetMesh& mesh);
 
 }  // namespace shadowcache::scenes

@@ -1,15 +1,16 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 
+#include "common/base/error.h"
 #include "common/base/exit_status.h"
 #include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
 #include "scenes/sets.h"
 
-/// Writes one of the bundled sets: shadowcache-make-set courtyard|scatter -o set.ply
+/// Writes one of the bundled sets: shadowcache-make-set courtyard|scatter -o FILE
 int main(int argc, char** argv) try {
     namespace scenes = shadowcache::scenes;
-    CLI::App app("Writes a bundled set as PLY (+Y up, metres) and a camera that moves through it.",
+    CLI::App app("Writes a bundled set (+Y up, metres) and a camera that moves through it.",
                  "shadowcache-make-set");
     shadowcache::beginCommandLine(app);
     std::string name;
@@ -19,23 +20,27 @@ int main(int argc, char** argv) try {
     app.add_option("set", name, "courtyard or scatter")
         ->required()
         ->check(CLI::IsMember({"courtyard", "scatter"}));
-    app.add_option("-o,--output", output, "the set, a PLY file")->required();
+    app.add_option("-o,--output", output,
+                   "the set: .ply, or, for the courtyard, .glb, with materials")
+        ->required();
     app.add_option("--camera", camera, "camera of 24 frames, a JSON file");
     app.add_option("--triangles", triangles, "triangles of the scattered set")
         ->capture_default_str();
     app.footer(
         "Examples:\n"
-        "  shadowcache-make-set courtyard -o courtyard.ply --camera courtyard.json\n"
+        "  shadowcache-make-set courtyard -o courtyard.glb --camera courtyard.json\n"
         "  shadowcache-make-set scatter --triangles 10000000 -o scatter.ply");
     if (const auto status = shadowcache::parseCommandLine(app, argc, argv)) return *status;
 
+    const bool glb = std::filesystem::path(output).extension() == ".glb";
     if (name == "scatter") {
+        if (glb) throw shadowcache::Error(output + ": the scattered set is written as PLY only");
         scenes::writeScatter(output, triangles);
         if (!camera.empty())
             scenes::writeCamera(camera, scenes::scatterWalk(triangles), 24, 12, 0.9);
     } else {
         const scenes::SetMesh mesh = scenes::makeCourtyard();
-        scenes::writePly(output, mesh);
+        (glb ? scenes::writeGlb : scenes::writePly)(output, mesh);
         if (!camera.empty()) scenes::writeCamera(camera, scenes::courtyardWalk(), 24, 12, 0.96);
     }
     return 0;

@@ -52,21 +52,30 @@ void writeCamera(const std::filesystem::path& path, std::span<const CameraKey> k
     if (!out.flush()) throwFileError(path, "cannot be written");
 }
 
-void writePly(const std::filesystem::path& path, const SetMesh& mesh) {
-    // Poles of lathes leave vertices that no triangle uses.
+SetPart partOf(const SetMesh& mesh, const std::function<bool(Finish)>& isIn) {
+    SetPart part;
     std::vector<int> number(mesh.positions.size(), -1);
-    std::vector<std::size_t> used;
-    for (const Vec3i& t : mesh.triangles)
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        if (!isIn(mesh.finishes[i])) continue;
+        Vec3i corners = mesh.triangles[i];
         for (int k = 0; k < 3; ++k) {
-            const auto v = static_cast<std::size_t>(t[k]);
-            if (number[v] >= 0) continue;
-            number[v] = static_cast<int>(used.size());
-            used.push_back(v);
+            const auto v = static_cast<std::size_t>(corners[k]);
+            if (number[v] < 0) {
+                number[v] = static_cast<int>(part.vertices.size());
+                part.vertices.push_back(v);
+            }
+            corners[k] = number[v];
         }
-    PlyWriter writer(path, used.size(), mesh.triangles.size());
-    for (const std::size_t v : used) writer.vertex(mesh.positions[v], mesh.colors[v]);
-    const auto at = [&](int v) { return number[static_cast<std::size_t>(v)]; };
-    for (const Vec3i& t : mesh.triangles) writer.triangle({at(t.x), at(t.y), at(t.z)});
+        part.triangles.push_back(corners);
+    }
+    return part;
+}
+
+void writePly(const std::filesystem::path& path, const SetMesh& mesh) {
+    const SetPart part = partOf(mesh, [](Finish) { return true; });
+    PlyWriter writer(path, part.vertices.size(), part.triangles.size());
+    for (const std::size_t v : part.vertices) writer.vertex(mesh.positions[v], mesh.colors[v]);
+    for (const Vec3i& t : part.triangles) writer.triangle(t);
     writer.finish();
 }
 

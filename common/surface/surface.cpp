@@ -39,7 +39,6 @@ Surface lambertian(const Rgb& albedo) noexcept {
 
 Surface glossy(const Rgb& baseColor, const Gloss& gloss) noexcept {
     Surface surface;
-    surface.glossy = true;
     surface.baseColor = baseColor;
     surface.roughness = gloss.roughness;
     const float bend = (gloss.ior - 1) / (gloss.ior + 1);
@@ -51,6 +50,8 @@ Surface glossy(const Rgb& baseColor, const Gloss& gloss) noexcept {
         surface.f90[k] = dielectric * gloss.specular + gloss.metallic;
     }
     surface.loss90 = gloss.specular;
+    // Without reflection it is Lambertian, and costs no more.
+    surface.glossy = surface.f0 != Rgb(0.0f) || surface.f90 != Rgb(0.0f);
     surface.diffuse = baseColor * dielectric;
     return surface;
 }
