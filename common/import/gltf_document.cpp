@@ -15,7 +15,7 @@ namespace shadowcache {
 namespace {
 
 /// Accessors of nothing but zeros could claim any size; those of real files are small.
-constexpr std::size_t kMaxZeros = std::size_t{1} << 24;
+constexpr std::size_t kMaxZeros = std::size_t{1} << 20;
 
 /// Turns tinygltf's model, which checks little, into a document.
 class Converter {

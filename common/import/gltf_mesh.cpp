@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "common/base/error.h"
 #include "common/image/image.h"
+#include "common/import/gltf_budget.h"
 #include "common/import/gltf_nodes.h"
 #include "common/import/tangents.h"
 #include "common/import/texture_decoder.h"
@@ -21,7 +23,7 @@ constexpr int kTriangles = 4, kStrip = 5, kFan = 6;
 /// Builds a RawMesh from primitives: those in the world first, then the groups.
 class Builder {
 public:
-    explicit Builder(const GltfDocument& document) : document_(document) {
+    explicit Builder(const GltfDocument& document) : document_(document), budget_(document) {
         for (const GltfMaterial& m : document.materials) out_.materials.push_back(m.material);
         out_.textures.resize(document.textures.size());
         used_.assign(document.materials.size(), false);
@@ -72,7 +74,17 @@ private:
         return values;
     }
 
+    /// For the vertices of a primitive, counted where it says most, and its corners.
+    void takeBudget(const GltfPrimitive& p) {
+        std::size_t vertices = 0;
+        for (const auto& [name, index] : p.attributes)
+            vertices = std::max(vertices, document_.accessor(index).count);
+        budget_.take(vertices);
+        budget_.take(p.indices >= 0 ? document_.accessor(p.indices).count : vertices);
+    }
+
     void addPrimitive(int mesh, const GltfPrimitive& p, int group, const Affine& place) {
+        takeBudget(p);
         std::size_t components = 0;
         const std::vector<double> positions = attribute(mesh, p, "POSITION", components);
         if (positions.empty() || components != 3)
@@ -284,12 +296,16 @@ private:
         texture = decodeTexture(from.encoded, cause);
         if (texture.rgba.empty())
             throwFileError(document_.path, from.name + ": " + cause + ", expected PNG or JPEG");
+        // A picture that several textures show is kept for each.
+        if (!decoded_.insert(from.encoded.data()).second) budget_.take(texture.rgba.size() / 4);
         texture.wrapS = from.sampler.wrapS;
         texture.wrapT = from.sampler.wrapT;
         texture.smooth = from.sampler.smooth;
     }
 
     const GltfDocument& document_;
+    GltfBudget budget_;
+    std::set<const char*> decoded_;  ///< where the pictures are in the document
     RawMesh out_;
     std::size_t facesDone_ = 0;
     std::vector<bool> used_;  ///< by material

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/error.h"
+#include "common/import/gltf_budget.h"
 
 namespace shadowcache {
 
@@ -132,11 +133,16 @@ bool GltfTrack::varies() const {
 
 GltfNodes::GltfNodes(const GltfDocument& document)
     : document_(document), tracks_(document.nodes.size()) {
+    GltfBudget budget(document);
     for (const GltfAnimation& animation : document.animations)
-        for (const GltfChannel& channel : animation.channels)
-            if (channel.path != Path::weights)
-                tracks_[static_cast<std::size_t>(channel.node)].push_back(
-                    decodeTrack(document, animation.name, channel));
+        for (const GltfChannel& channel : animation.channels) {
+            if (channel.path == Path::weights) continue;
+            for (const int index : {channel.times, channel.values})
+                budget.take(document.accessor(index).count *
+                            document.accessor(index).array.components);
+            tracks_[static_cast<std::size_t>(channel.node)].push_back(
+                decodeTrack(document, animation.name, channel));
+        }
 }
 
 Affine GltfNodes::local(int node, double seconds) const {
