@@ -53,7 +53,7 @@ public:
           selection_(selection),
           checkpoint_(checkpoint),
           voxels_(scene.mesh(), spacing, options, selection),
-          baker_(scene, options, spacing) {}
+          baker_(scene, options) {}
 
     Baked run() {
         chooseWanted();

@@ -10,24 +10,29 @@ namespace shadowcache {
 
 namespace {
 
-/// Rays into each region of the first refinement in an item that sees some sky, or whose neighbours
-/// do.
-SHADOWCACHE_TUNED(int, kMixedItemRays, 2);
-/// The same where a neighbour saw both sky and occluders in the base cell, so that a small opening
-/// may be there.
-SHADOWCACHE_TUNED(int, kMixedCellRays, 6);
-/// A region is refined once more where the nearest occluder is this many spacings away: nearer, the
-/// parallax over one item blurs what finer regions could resolve.
-SHADOWCACHE_TUNED(float, kMinOccluderSpacings, 10);
-/// Rays that look for an occluder nearer than that.
-SHADOWCACHE_TUNED(int, kNearRays, 8);
+/// Rays into each region of the first refinement that decide whether its base cell is refined.
+SHADOWCACHE_TUNED(int, kTrialShots, 3);
+/// The same where no pilot ray of the item or of its neighbours disagreed.
+SHADOWCACHE_TUNED(int, kUnmixedShots, 1);
+/// The same where some did, but too few rays of the item (kFewRays): a small opening may be there.
+SHADOWCACHE_TUNED(int, kSearchShots, 12);
+/// Rays of a base cell that must be visible, and as many occluded, for an analysis of its variance.
+SHADOWCACHE_TUNED(std::uint32_t, kFewRays, 8);
+/// Base cells with fewer are searched and refined if directions explain this share of the variance
+/// in the item's others: not among leaves, where other origins see other gaps.
+SHADOWCACHE_TUNED(double, kLeastShare, 0.35);
+/// A base cell is refined where that lowers the deviation of a ray's visibility by more than this.
+SHADOWCACHE_TUNED(double, kLeastGain, 0.06);
+/// And once more where it lowers it by more than this.
+SHADOWCACHE_TUNED(double, kLeastGainAgain, 0.28);
 
 constexpr std::uint32_t kOctet = DirectionTable::kCells;
 
 /// Queues rays into the sixteen cells of `level` that make up `parent`.
-void addBlock(RayCounter& rays, int level, std::uint32_t parent, int count, Count* tallies) {
-    rays.add(level, 2 * parent, 0xff, count, tallies);
-    rays.add(level, 2 * parent + 1, 0xff, count, tallies + kBlockCells / 2);
+void addBlock(RayCounter& rays, int level, std::uint32_t parent, int count, Count* tallies,
+              OriginPairs* pairs = nullptr) {
+    rays.add(level, 2 * parent, 0xff, count, tallies, pairs);
+    rays.add(level, 2 * parent + 1, 0xff, count, tallies + kBlockCells / 2, pairs);
 }
 
 /// Counts of the children of a cell.
@@ -46,24 +51,42 @@ Count sumOfChildren(const FineCounts& fine, std::uint32_t cell) {
     return sumOf(fine, std::size_t{cell} * kBlockCells);
 }
 
+/// Whether too few rays disagree to say anything about where.
+bool isFew(const Count& count) {
+    return std::min(count.visible(), count.rays() - count.visible()) < kFewRays;
+}
+
 }  // namespace
 
-ItemBaker::ItemBaker(const Scene& scene, const BakeOptions& options, double spacing)
-    : scene_(scene),
-      options_(options),
-      tiers_{options.level},
-      base_(tiers_),
-      spacing_(static_cast<float>(spacing)) {}
+ItemBaker::ItemBaker(const Scene& scene, const BakeOptions& options)
+    : scene_(scene), options_(options), tiers_{options.level}, base_(tiers_) {}
 
 RayCounter ItemBaker::raysFrom(const Patch& patch, Step step) const {
     return {scene_, directions_, patch,
             hashWords(patch.seed, BakeSalt::rays, static_cast<std::uint64_t>(step))};
 }
 
-FineCounts ItemBaker::traceFine(const Patch& patch, RayCounter& rays) const {
+void ItemBaker::addShots(RayCounter& rays, std::uint32_t cell, int count, Trial& trial) const {
+    addBlock(rays, tiers_.baseLevel() + 2, cell, std::max(0, count), childrenOf(trial.fine, cell),
+             &trial.pairs[cell]);
+}
+
+VarianceAnalysis ItemBaker::Trial::analyse(std::uint32_t cell) const {
+    return analyseVariance({&fine[std::size_t{cell} * kBlockCells], kBlockCells}, pairs[cell]);
+}
+
+int ItemBaker::Trial::shots(std::uint32_t cell) const {
+    std::uint32_t most = 0;
+    for (std::size_t k = 0; k < kBlockCells; ++k)
+        most = std::max(most, fine[std::size_t{cell} * kBlockCells + k].rays());
+    return static_cast<int>(most);
+}
+
+FineCounts ItemBaker::traceFine(const Patch& patch, RayCounter& rays, BlockPairs& pairs) const {
     FineCounts fine = noFineCounts();
+    pairs.resize(tiers_.baseCells());
     for (const std::uint32_t c : base_.above(patch))
-        addBlock(rays, tiers_.baseLevel() + 2, c, 1, childrenOf(fine, c));
+        addBlock(rays, tiers_.baseLevel() + 2, c, 1, childrenOf(fine, c), &pairs[c]);
     rays.flush();
     return fine;
 }
@@ -85,7 +108,8 @@ Pilot ItemBaker::pilotOf(const Patch& patch, const FineCounts& fine, const RayCo
 
 Pilot ItemBaker::tracePilot(const Patch& patch) const {
     RayCounter rays = raysFrom(patch, Step::pilot);
-    const FineCounts fine = traceFine(patch, rays);
+    BlockPairs pairs;
+    const FineCounts fine = traceFine(patch, rays, pairs);
     return pilotOf(patch, fine, rays);
 }
 
@@ -95,7 +119,7 @@ Subdivision ItemBaker::tracePilots(std::vector<Patch> subpatches) const {
     if (!subdivision.patches.empty()) subdivision.fine = noFineCounts();
     for (const Patch& patch : subdivision.patches) {
         RayCounter rays = raysFrom(patch, Step::pilot);
-        const FineCounts fine = traceFine(patch, rays);
+        const FineCounts fine = traceFine(patch, rays, subdivision.pairs);
         for (std::size_t i = 0; i < fine.size(); ++i) subdivision.fine[i] += fine[i];
         subdivision.pilots.push_back(pilotOf(patch, fine, rays));
         subdivision.rays += rays.raysTraced();
@@ -103,58 +127,67 @@ Subdivision ItemBaker::tracePilots(std::vector<Patch> subpatches) const {
     return subdivision;
 }
 
-/// More rays into the cells of the first refinement, and most where base cells are mixed.
-ItemBaker::Refined ItemBaker::refineBase(const Patch& patch, const Pilot& pilot,
-                                         const CellSet& mixed, const Subdivision& subdivision,
-                                         RayCounter& rays) const {
-    const bool together = areAlikeInSize(subdivision.patches);
-    Refined first{together ? subdivision.fine : noFineCounts(), {}};
-    // Rays of every cell so far, but for those below a horizon.
-    const int sofar = together ? static_cast<int>(subdivision.patches.size()) : 0;
-    const auto wanted = [&](std::uint32_t c) {
-        return std::max(sofar, std::min(mixed[c] ? kMixedCellRays : kMixedItemRays, options_.rays));
-    };
-    const auto add = [&](std::uint32_t c, int count) {
-        addBlock(rays, tiers_.baseLevel() + 2, c, count, childrenOf(first.fine, c));
-    };
-    const std::vector<std::uint32_t> cells = base_.above(patch);
-    for (const std::uint32_t c : cells) add(c, wanted(c) - sofar);
-    rays.flush();
-    for (const std::uint32_t c : cells) {
-        Count sum = pilot.counts[c];
-        sum += sumOfChildren(first.fine, c);
-        if (sum.mixed()) first.cells.push_back(c);
+/// The first rays into the cells of the first refinement; those of subpatches of one size are some.
+ItemBaker::Trial ItemBaker::traceTrial(const Patch& patch, const CellSet& mixed,
+                                       const Subdivision& subdivision, RayCounter& rays) const {
+    Trial trial{noFineCounts(), BlockPairs(tiers_.baseCells())};
+    int sofar = 0;
+    if (areAlikeInSize(subdivision.patches)) {
+        trial = {subdivision.fine, subdivision.pairs};
+        sofar = static_cast<int>(subdivision.patches.size());
     }
-    for (const std::uint32_t c : first.cells) add(c, std::max(0, options_.rays - wanted(c)));
+    for (const std::uint32_t c : base_.above(patch))
+        addShots(rays, c, (mixed[c] ? kTrialShots : kUnmixedShots) - sofar, trial);
     rays.flush();
+    return trial;
+}
+
+/// Adds rays where few disagree, and refines base cells where directions explain enough.
+ItemBaker::Refined ItemBaker::refineBase(const Patch& patch, const Pilot& pilot,
+                                         const CellSet& mixed, Trial trial,
+                                         RayCounter& rays) const {
+    const std::vector<std::uint32_t> cells = base_.above(patch);
+    const auto countOf = [&](std::uint32_t c) {
+        Count sum = pilot.counts[c];
+        sum += sumOfChildren(trial.fine, c);
+        return sum;
+    };
+    double explained = 0, variance = 0;
+    for (const std::uint32_t c : cells) {
+        if (isFew(countOf(c))) continue;
+        const VarianceAnalysis found = trial.analyse(c);
+        explained += found.directions;
+        variance += found.mean * (1 - found.mean);
+    }
+    const bool search = explained >= kLeastShare * variance;
+    for (const std::uint32_t c : cells)
+        if (search && mixed[c] && isFew(countOf(c)))
+            addShots(rays, c, std::min(kSearchShots, options_.rays) - trial.shots(c), trial);
+    rays.flush();
+
+    Refined first;
+    for (const std::uint32_t c : cells) {
+        const Count count = countOf(c);
+        const bool few = isFew(count);
+        if (!count.mixed() || (few && !search)) continue;
+        const double gain = trial.analyse(c).gain();
+        if (gain <= kLeastGain && !few) continue;
+        first.cells.push_back(c);
+        if (gain > kLeastGainAgain) first.again.push_back(c);
+    }
+    for (const std::uint32_t c : first.cells)
+        addShots(rays, c, options_.rays - trial.shots(c), trial);
+    rays.flush();
+    first.fine = std::move(trial.fine);
     return first;
 }
 
-/// Cells of the first refinement to refine once more: mixed ones without a near occluder.
-std::vector<std::uint32_t> ItemBaker::cellsToRefine(const Refined& first, RayCounter& rays) const {
-    /// Of the cells octet * 8 .. octet * 8 + 7 those whose bit is set.
-    struct Candidates {
-        std::uint32_t octet;
-        std::uint32_t cells;
-        std::array<Count, kOctet> near;  ///< rays that met nothing near are visible
-    };
-    std::vector<Candidates> candidates;
-    for (const std::uint32_t parent : first.cells)
-        for (std::uint32_t half = 0; half < kBlockCells / kOctet; ++half) {
-            Candidates c{parent * (kBlockCells / kOctet) + half, 0, {}};
-            for (std::uint32_t k = 0; k < kOctet; ++k)
-                if (first.fine[c.octet * kOctet + k].mixed()) c.cells |= 1u << k;
-            if (c.cells != 0) candidates.push_back(c);
-        }
-    for (Candidates& c : candidates)
-        rays.add(tiers_.baseLevel() + 2, c.octet, c.cells, kNearRays, c.near.data(),
-                 kMinOccluderSpacings * spacing_);
-    rays.flush();
+/// Cells of the first refinement to refine once more: the mixed ones.
+std::vector<std::uint32_t> ItemBaker::cellsToRefine(const Refined& first) const {
     std::vector<std::uint32_t> cells;
-    for (const Candidates& c : candidates)
-        for (std::uint32_t k = 0; k < kOctet; ++k)
-            if ((c.cells >> k & 1u) != 0 && c.near[k].visible() == c.near[k].rays())
-                cells.push_back(c.octet * kOctet + k);
+    for (const std::uint32_t parent : first.again)
+        for (std::uint32_t k = parent * kBlockCells; k < (parent + 1) * kBlockCells; ++k)
+            if (first.fine[k].mixed()) cells.push_back(k);
     return cells;
 }
 
@@ -193,11 +226,12 @@ ItemCounts ItemBaker::refine(const Patch& patch, const Pilot& pilot, const CellS
                              const Subdivision& subdivision) const {
     if (mixed.none()) return {pilot.counts, {}, 0};
     RayCounter rays = raysFrom(patch, Step::counts);
-    const Refined first = refineBase(patch, pilot, mixed, subdivision, rays);
+    const Refined first =
+        refineBase(patch, pilot, mixed, traceTrial(patch, mixed, subdivision, rays), rays);
     std::vector<ItemCounts::Block> second;
     // Neighbouring items are pooled, so that the finest regions need fewer rays of each.
     if (tiers_.refinements() > 1)
-        second = traceFinest(cellsToRefine(first, rays), std::max(1, options_.rays / 4), rays);
+        second = traceFinest(cellsToRefine(first), std::max(1, options_.rays / 4), rays);
     return countsOf(pilot.counts, first, second, rays);
 }
 
@@ -215,7 +249,7 @@ ItemCounts ItemBaker::countUniformly(const Patch& patch) const {
         return {std::move(base), {}, rays.raysTraced()};
     }
     base.resize(tiers_.baseCells());
-    Refined all{noFineCounts(), cells};
+    Refined all{noFineCounts(), cells, {}};
     if (tiers_.refinements() == 1) {
         for (const std::uint32_t c : cells)
             addBlock(rays, tiers_.finest, c, options_.rays, childrenOf(all.fine, c));

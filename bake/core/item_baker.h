@@ -3,6 +3,7 @@
 #include "bake/core/base_cells.h"
 #include "bake/core/item_counts.h"
 #include "bake/core/options.h"
+#include "bake/core/variance_analysis.h"
 
 namespace shadowcache {
 
@@ -11,7 +12,7 @@ namespace shadowcache {
 class ItemBaker {
 public:
     /// Keeps references to `scene` and `options`.
-    ItemBaker(const Scene& scene, const BakeOptions& options, double spacing);
+    ItemBaker(const Scene& scene, const BakeOptions& options);
 
     const BaseCells& baseCells() const { return base_; }
 
@@ -21,9 +22,10 @@ public:
     /// Pilot rays of the subpatches of a patch.
     Subdivision tracePilots(std::vector<Patch> subpatches) const;
 
-    /// Counts of a patch that is not subdivided. Base cells in `mixed` get more rays even where the
-    /// item's own rays agree; if there is none, the pilot's counts are all. The pilot rays of the
-    /// subpatches count as well if the subpatches have about the same area.
+    /// Counts of a patch that is not subdivided. Base cells are refined where directions explain
+    /// the variance of their rays (variance_analysis.h). Those in `mixed` get more rays that decide
+    /// about it; if there is none, the pilot's counts are all. The pilot rays of the subpatches
+    /// count as well if the subpatches have about the same area.
     ItemCounts refine(const Patch& patch, const Pilot& pilot, const CellSet& mixed,
                       const Subdivision& subdivision) const;
 
@@ -31,21 +33,34 @@ public:
     ItemCounts countUniformly(const Patch& patch) const;
 
 private:
+    /// Rays into the cells of the first refinement, from which its base cells are judged.
+    struct Trial {
+        FineCounts fine;
+        BlockPairs pairs;
+
+        VarianceAnalysis analyse(std::uint32_t cell) const;
+        int shots(std::uint32_t cell) const;  ///< rays into each region of a base cell, at most
+    };
+
     /// The first refinement of an item.
     struct Refined {
         FineCounts fine;
         std::vector<std::uint32_t> cells;  ///< base cells whose finer counts are kept
+        std::vector<std::uint32_t> again;  ///< of those the ones to refine once more
     };
 
     /// Steps whose rays are drawn independently.
     enum class Step : std::uint64_t { pilot = 1, counts = 2 };
 
     RayCounter raysFrom(const Patch& patch, Step step) const;
-    FineCounts traceFine(const Patch& patch, RayCounter& rays) const;
+    FineCounts traceFine(const Patch& patch, RayCounter& rays, BlockPairs& pairs) const;
     Pilot pilotOf(const Patch& patch, const FineCounts& fine, const RayCounter& rays) const;
-    Refined refineBase(const Patch& patch, const Pilot& pilot, const CellSet& mixed,
-                       const Subdivision& subdivision, RayCounter& rays) const;
-    std::vector<std::uint32_t> cellsToRefine(const Refined& first, RayCounter& rays) const;
+    void addShots(RayCounter& rays, std::uint32_t cell, int count, Trial& trial) const;
+    Trial traceTrial(const Patch& patch, const CellSet& mixed, const Subdivision& subdivision,
+                     RayCounter& rays) const;
+    Refined refineBase(const Patch& patch, const Pilot& pilot, const CellSet& mixed, Trial trial,
+                       RayCounter& rays) const;
+    std::vector<std::uint32_t> cellsToRefine(const Refined& first) const;
     std::vector<ItemCounts::Block> traceFinest(const std::vector<std::uint32_t>& cells, int count,
                                                RayCounter& rays) const;
     ItemCounts countsOf(std::vector<Count> base, const Refined& first,
@@ -59,7 +74,6 @@ private:
     DirectionTiers tiers_;
     DirectionTable directions_;
     BaseCells base_;
-    float spacing_;
 };
 
 }  // namespace shadowcache

@@ -17,6 +17,9 @@ using CellSet = std::bitset<cellCount(1)>;
 /// Counts of the cells of the first refinement; empty stands for no rays.
 using FineCounts = std::vector<Count>;
 
+/// Pairs of rays of the first refinement that share an origin, by base cell.
+using BlockPairs = std::vector<OriginPairs>;
+
 /// Step 1 of an item: one pilot ray into every cell of the first refinement, by base cell.
 struct Pilot {
     Vec3f normal;
@@ -34,6 +37,7 @@ struct Subdivision {
     std::vector<Patch> patches;  ///< as makeSubpatches makes them
     std::vector<Pilot> pilots;   ///< of each
     FineCounts fine;             ///< the pilot rays of all of them
+    BlockPairs pairs;            ///< of them
     std::uint64_t rays = 0;      ///< traced
 };
 

@@ -12,7 +12,7 @@ struct BakeOptions {
     double spacing = 0;    ///< side of a voxel, world units; 0: chooseSpacing
     int level = 5;         ///< finest direction level, 0 .. 5
     int rays = 16;         ///< rays per region where rays disagree, 1 .. 255
-    bool adaptive = true;  ///< finer regions and more rays only where rays disagree
+    bool adaptive = true;  ///< finer regions only where they explain the visibility
     std::uint64_t seed = 1;
     int shard = 0;  ///< of `shards`: bakes only the voxels that fall to it
     int shards = 1;

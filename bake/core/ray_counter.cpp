@@ -1,6 +1,7 @@
 #include "bake/core/ray_counter.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "common/base/hash.h"
 
@@ -47,13 +48,13 @@ RayCounter::RayCounter(const Scene& scene, const DirectionTable& directions, con
     : scene_(scene), directions_(directions), patch_(patch), state_(seed) {}
 
 void RayCounter::add(int level, std::uint32_t octet, std::uint32_t cells, int count, Count* tallies,
-                     float reach) {
+                     OriginPairs* pairs) {
     // Strata of the points, in 2^-16 of one.
     const std::uint32_t step =
         (DirectionTable::kPoints << 16) / static_cast<std::uint32_t>(std::max(1, count));
     for (int i = 0; i < count; ++i)
         addOne(directions_.octet(level, octet), cells, static_cast<std::uint32_t>(i) * step, step,
-               tallies, reach);
+               tallies, pairs);
 }
 
 /// One ray a cell. All start at one point, and those into one cell each at another: Embree traces
@@ -61,7 +62,7 @@ void RayCounter::add(int level, std::uint32_t octet, std::uint32_t cells, int co
 /// a random shift.
 void RayCounter::addOne(const DirectionTable::Octet& octet, std::uint32_t cells,
                         std::uint32_t firstPoint, std::uint32_t points, Count* tallies,
-                        float reach) {
+                        OriginPairs* pairs) {
     if (rays_ + kCells > RayStream::kSize) flush();
     const std::uint64_t random = mixBits(state_ += 0x9e3779b97f4a7c15ull);
     const std::size_t start = random % Patch::kOrigins;
@@ -84,17 +85,16 @@ void RayCounter::addOne(const DirectionTable::Octet& octet, std::uint32_t cells,
     for (std::uint32_t half = kCells / 2; half > 0; half /= 2)
         for (std::uint32_t k = 0; k < half; ++k) bit[k] |= bit[k + half];
 
-    queue_[queued_] = {tallies, rays_, cells & bit[0]};
-    append(direction, patch_.origin[start], reach);
+    queue_[queued_] = {tallies, pairs, rays_, cells & bit[0]};
+    append(direction, patch_.origin[start]);
 }
 
 /// Appends the rays of the last entry of the queue to the stream.
-inline void RayCounter::append(const float (&direction)[3][kCells], const Vec3f& origin,
-                               float reach) {
+inline void RayCounter::append(const float (&direction)[3][kCells], const Vec3f& origin) {
     const std::uint32_t cells = queue_[queued_].cells;
     for (int axis = 0; axis < 3; ++axis)
         std::fill_n(stream_.origin[axis] + rays_, kCells, origin[axis]);
-    std::fill_n(stream_.reach + rays_, kCells, reach);
+    std::fill_n(stream_.reach + rays_, kCells, std::numeric_limits<float>::infinity());
     queued_ += cells != 0 ? 1u : 0u;
     if (cells == kAll) {
         for (int axis = 0; axis < 3; ++axis)
@@ -114,16 +114,26 @@ void RayCounter::flush() {
     for (std::size_t q = 0; q < queued_; ++q) {
         const Queued& octet = queue_[q];
         const float* reach = stream_.reach + octet.first;
+        std::uint32_t counted = kCells, visible = 0;
         if (octet.cells == kAll) {
-            for (std::uint32_t k = 0; k < kCells; ++k)
-                octet.tallies[k].word +=
-                    reach[k] >= 0 ? Count::kVisible + Count::kRay : Count::kRay;
-            continue;
+            for (std::uint32_t k = 0; k < kCells; ++k) {
+                const std::uint32_t one = reach[k] >= 0 ? 1 : 0;
+                octet.tallies[k].word += one * Count::kVisible + Count::kRay;
+                visible += one;
+            }
+        } else {
+            counted = 0;
+            for (std::uint32_t k = 0; k < kCells; ++k) {
+                if ((octet.cells >> k & 1u) == 0) continue;
+                const std::uint32_t one = reach[counted++] >= 0 ? 1 : 0;
+                octet.tallies[k].word += one * Count::kVisible + Count::kRay;
+                visible += one;
+            }
         }
-        for (std::uint32_t k = 0; k < kCells; ++k)
-            if ((octet.cells >> k & 1u) != 0)
-                octet.tallies[k].word +=
-                    *reach++ >= 0 ? Count::kVisible + Count::kRay : Count::kRay;
+        if (octet.pairs) {
+            octet.pairs->counted += counted * (counted - 1);
+            octet.pairs->visible += visible * (visible - 1);
+        }
     }
     traced_ += rays_;
     rays_ = 0;

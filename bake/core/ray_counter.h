@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "bake/core/patch.h"
@@ -56,6 +55,18 @@ struct Count {
     }
 };
 
+/// Ordered pairs of rays into different cells that start at one point.
+struct OriginPairs {
+    std::uint32_t counted = 0;  ///< rays of the pairs are both counted
+    std::uint32_t visible = 0;  ///< and both reach the sky
+
+    OriginPairs& operator+=(const OriginPairs& more) {
+        counted += more.counted;
+        visible += more.visible;
+        return *this;
+    }
+};
+
 /// Traces rays that start on one patch in streams and counts them by region.
 class RayCounter {
 public:
@@ -64,11 +75,11 @@ public:
                std::uint64_t seed);
 
     /// Queues `count` rays into each of the cells 8 octet + k of `level` for which bit k of `cells`
-    /// is set. Those into a cell are tallied in tallies[k] once flush() returns, as visible if they
-    /// meet nothing nearer than `reach`. Rays below the horizon of the point they start from are
-    /// left out.
+    /// is set: `count` shots of rays, one into each cell, from one point each. Those into a cell
+    /// are tallied in tallies[k] once flush() returns, and the pairs in each shot in `pairs` unless
+    /// it is null. Rays below the horizon of the point they start from are left out.
     void add(int level, std::uint32_t octet, std::uint32_t cells, int count, Count* tallies,
-             float reach = std::numeric_limits<float>::infinity());
+             OriginPairs* pairs = nullptr);
 
     /// Traces what is queued.
     void flush();
@@ -81,14 +92,15 @@ private:
     /// Where the rays of one octet stand in the stream.
     struct Queued {
         Count* tallies;
+        OriginPairs* pairs;  ///< may be null
         std::uint32_t first;
         std::uint32_t cells;
     };
 
     void addOne(const DirectionTable::Octet& octet, std::uint32_t cells, std::uint32_t firstPoint,
-                std::uint32_t points, Count* tallies, float reach);
+                std::uint32_t points, Count* tallies, OriginPairs* pairs);
 
-    void append(const float (&direction)[3][kCells], const Vec3f& origin, float reach);
+    void append(const float (&direction)[3][kCells], const Vec3f& origin);
 
     const Scene& scene_;
     const DirectionTable& directions_;

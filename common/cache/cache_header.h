@@ -87,7 +87,7 @@ std::vector<ShardRange> missingShards(const BakeRecord& bake);
 /// What a cache records of its bake; all of it is kept in the file's metadata.
 struct CacheHeader {
     int level = kMaxCacheLevel;     ///< finest direction level
-    bool adaptive = true;           ///< blocks only where rays disagreed
+    bool adaptive = true;           ///< blocks only where the direction explains visibility
     double spacing = 0;             ///< side of a voxel [world units]
     std::vector<BakeRecord> bakes;  ///< merged into it, in the order of merging
     std::string upAxis = "y";       ///< of the files the set was read from: "y" or "z"

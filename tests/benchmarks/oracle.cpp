@@ -30,7 +30,7 @@ test::TestCache cacheAt(const Scene& scene, const ShadingPoint& point, const Bak
     patch.meanPosition = Vec3f(0, 0, 0);
     patch.origin.fill(point.rayOrigin);
     patch.originNormal.fill(point.normal);
-    const ItemBaker baker(scene, options, options.spacing);
+    const ItemBaker baker(scene, options);
     const Pilot pilot = baker.tracePilot(patch);
     const Vec3d voxel = point.position / options.spacing;
     store(baker.refine(patch, pilot, pilot.mixed(), {}), patch,
