@@ -30,7 +30,7 @@ struct Value {
 
     [[noreturn]] void fail(const std::string& wanted) const {
         std::string found = json.dump(-1, ' ', true, Json::error_handler_t::replace);
-        if (found.size() > kQuotedLength) found = found.substr(0, kQuotedLength) + "...";
+        if (found.size() > kQuotedLength) found.replace(kQuotedLength, found.npos, "...");
         throwFileError(file, key + " is " + found + ", expected " + wanted);
     }
 

@@ -22,8 +22,7 @@ SHADOWCACHE_TUNED(std::size_t, kAskedClusters, 32);
 }  // namespace
 
 NeighborReuse::NeighborReuse(const Environment& environment, const DirectionTiers& tiers)
-    : environment_(environment), baseLevel_(tiers.baseLevel()) {
-    firstSlot_ = {0};
+    : environment_(environment), baseLevel_(tiers.baseLevel()), firstSlot_{0} {
     for (int level = baseLevel_; level <= Environment::kLevel; level += 2)
         firstSlot_.push_back(firstSlot_.back() +
                              (cellCount(level) + kBlockCells - 1) / kBlockCells);

@@ -1,17 +1,19 @@
-// Command lines of shadowcache-bake, a word a line, or a settings file.
+// Command lines of shadowcache-bake or shadowcache-render, a word a line, or a settings file.
 
 #include <unistd.h>
 
+#if SHADOWCACHE_FUZZ_RENDER
+#include "render/app/command_line.h"
+#else
 #include "bake/app/command_line.h"
+#endif
 #include "tests/fuzz/input_file.h"
 
 namespace {
 
-using shadowcache::BakeJob;
-
 /// The words of a command line that the input is, or that names it as a settings file.
 std::vector<std::string> wordsOf(const std::uint8_t* bytes, std::size_t size) {
-    std::vector<std::string> words{"shadowcache-bake"};
+    std::vector<std::string> words{"program"};
 #if SHADOWCACHE_FUZZ_SETTINGS
     static shadowcache::fuzz::InputFile file("in.toml");
     words.insert(words.end(), {"set.obj", "-o", "set.vdb", "--config"});
@@ -30,6 +32,18 @@ std::vector<std::string> wordsOf(const std::uint8_t* bytes, std::size_t size) {
     return words;
 }
 
+#if SHADOWCACHE_FUZZ_RENDER
+void parse(int argc, char** argv) {
+    shadowcache::Arguments arguments;
+    if (!shadowcache::parseArguments(argc, argv, arguments)) shadowcache::jobOf(arguments);
+}
+#else
+void parse(int argc, char** argv) {
+    shadowcache::BakeJob job;
+    shadowcache::parseArguments(argc, argv, job);
+}
+#endif
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
@@ -42,9 +56,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         if (word.find("write-config") != word.npos) return 0;
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
-    BakeJob job;
     try {
-        shadowcache::parseArguments(static_cast<int>(arguments.size()), arguments.data(), job);
+        parse(static_cast<int>(arguments.size()), arguments.data());
     } catch (const shadowcache::Error&) {
     }
     return 0;

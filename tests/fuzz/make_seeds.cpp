@@ -129,6 +129,17 @@ void writeTexts(const fs::path& folder) {
     write(folder / "words/other", "--help");
     write(folder / "words/man", "--man-page");
     write(folder / "words/completion", "--bash-completion");
+    write(folder / "render_words/still",
+          "set.ply\n--env\n1,0.5,2e-1\n--eye\n1,2,3\n--look-at\n0,0,0\n--size\n64x36\n--crop\n1,2,"
+          "8x4\n"
+          "--material\nroughness=0.3,metallic=1\n--estimator\nlights\n-o\na.exr\n--png");
+    write(folder / "render_words/shot",
+          "set.glb\n--env\nsky.####.exr\n--env-rotate\n10-90\n--camera\nshot\n--frames\n1-9x2,12\n-"
+          "-cache\n"
+          "set.vdb\n--memory\n4.5G\n--spp\n64\n--aov\ndepth\nitems\n-o\na.%04d.exr\n--resume");
+    write(folder / "render_settings/toml",
+          "env='sky.exr'\nframes='1-9'\nsize='8x6'\nsamples=4\naov=['depth','items']\nmaterial='"
+          "ior=1.5'\n");
     write(folder / "settings/toml",
           "spacing = 0.5\nlevel=3\nuniform=true\ndynamic=[\"a.ply\", \"b.ply@c.json\"]\nup=\"z\"\n"
           "camera='shot_010'\nseed=7\n# comment\n");

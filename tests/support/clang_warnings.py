@@ -1,0 +1,45 @@
+"""Compiles the files that it is given with clang++-14, with the release preset's flags, for its warnings alone.
+
+Usage: clang_warnings.py BUILD [FILE ...]    without files: all that BUILD/compile_commands.json names
+"""
+import json
+import os
+import shlex
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+# What has a value of its own in the next word, or names what only a build needs.
+WITH_VALUE, ALONE = {"-o", "-MF", "-MT"}, {"-c", "-MD", "/usr/bin/ccache", "-Wno-restrict"}
+
+
+def warnings(entry):
+    """What clang says of a file."""
+    words = [word for word in shlex.split(entry["command"]) if word not in ALONE]
+    for option in WITH_VALUE & set(words):
+        at = words.index(option)
+        del words[at:at + 2]
+    words[0] = "clang++-14"
+    return subprocess.run([*words, "-fsyntax-only", "-Wno-sign-conversion"], cwd=entry["directory"],
+                          capture_output=True, text=True).stderr
+
+
+def main():
+    build, names = Path(sys.argv[1]), sys.argv[2:]
+    wanted = {str(SOURCE / name) for name in names}
+    entries = [entry for entry in json.loads((build / "compile_commands.json").read_text())
+               if (entry["file"] in wanted or not names) and entry["file"].startswith(str(SOURCE))
+               and "/build/" not in entry["file"]]
+    said = 0
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for text in pool.map(warnings, entries):
+            said += bool(text)
+            print(text, end="", flush=True)
+    print(f"clang++-14: {len(entries)} files, {said} with warnings")
+    return 1 if said else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
