@@ -20,9 +20,8 @@
 #include "render/cached/cache_pilot.h"
 #include "render/cached/cluster_lighting.h"
 #include "render/cached/control_variate.h"
-#include "render/cached/glossy_regions.h"
+#include "render/cached/glossy_lighting.h"
 #include "render/cached/sample_budget.h"
-#include "render/estimators/gloss_samples.h"
 
 namespace shadowcache {
 
@@ -41,6 +40,10 @@ SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
 /// not reused then falls as all the noise does.
 SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 
+/// Least width of a lobe that quadratics over the finest cells follow; regions are chosen for
+/// narrower ones as if they were so wide.
+SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
+
 /// Places of a pilot that one thread takes at a time.
 constexpr std::size_t kPilotChunk = 32;
 
@@ -54,7 +57,7 @@ struct CacheWorkspace final : Workspace {
           regionBuilder(environment, cache.header().tiers()),
           sampler(environment),
           reuse(environment, cache.header().tiers()),
-          glossyRegions(environment) {}
+          glossyBuilder(environment, cache.header().tiers()) {}
 
     ShadowCache::Reader reader;
     std::vector<ItemView> items;
@@ -68,9 +71,13 @@ struct CacheWorkspace final : Workspace {
     PointClusters clusters;
     ClusterSampler sampler;
     NeighborReuse reuse;
-    ClusterLighting lighting;
+    SampleTracer tracer;
     std::vector<ShadingPoint> glossyPoints;
-    GlossyRegions glossyRegions;
+    std::vector<Estimate> glossyEstimates;
+    GlossyRegionBuilder glossyBuilder;
+    std::vector<LobeMatch::Fit> matches;
+    std::vector<PointShare> lobeShares;
+    GlossyLighting glossyLighting;
 };
 
 class CacheEstimator final : public Estimator, private FramePilot, private InsightSource {
@@ -109,8 +116,9 @@ public:
                     w.watch(batch.points[sample.point],
                             sample.finish(context_.environment).direction);
             w.setupNanoseconds += watch.sinceLast();
-            w.lighting.trace(context_, batch, prepared.regions, prepared.plan, prepared.samples,
-                             reuse, estimates);
+            const auto members = membersOf(cluster, w);
+            SampleTracer::Run run = w.tracer.begin(context_, batch, members, reuse, estimates);
+            traceCluster(context_, batch, prepared.regions, prepared.plan, prepared.samples, run);
             w.traceNanoseconds += watch.sinceLast();
         }
         reuse.finish(context_.scene, estimates);
@@ -123,39 +131,44 @@ public:
         auto& w = static_cast<CacheWorkspace&>(workspace);
         std::fill(estimates.begin(), estimates.end(), GlossEstimate{});
         if (batch.samples == 0 || context_.environment.luminanceIntegral() <= 0) return;
-        std::call_once(texelCellsMade_, [&] { texelCells_.emplace(context_.environment); });
+        std::call_once(tablesMade_, [&] {
+            tables_.emplace(context_.environment, context_.cache->header().tiers());
+        });
         Stopwatch watch;
         w.glossyPoints.clear();
-        for (const GlossyPoint& glossy : points) w.glossyPoints.push_back(glossy.point);
-        w.clusters.build(w.glossyPoints, context_.cache->header().spacing);
-        for (const PointCluster& cluster : w.clusters.clusters()) {
-            const ShadingPoint& centre = w.glossyPoints[cluster.centre];
-            pool(centre, cluster.radius, w);
-            const Regions& regions =
-                w.regionBuilder.build(w.pooled, centre.normal, cluster.tilt, calibration_);
-            // A lobe whose normal was turned to the viewer may see light where no region is.
-            const bool lit =
-                w.glossyRegions.build(regions, points[cluster.centre].lobe, *texelCells_);
-            w.setupNanoseconds += watch.sinceLast();
-            for (std::uint32_t k = cluster.begin; k < cluster.end; ++k) {
-                const std::uint32_t i = w.clusters.order()[k];
-                w.samples.clear();
-                const SampleSlice slice = sliceOf(batch, points[i].point);
-                if (lit)
-                    queueGloss(context_, points[i], slice, w.glossyRegions, w);
-                else
-                    queueGloss(context_, points[i], slice, WholeMap{context_.environment}, w);
-                w.setupNanoseconds += watch.sinceLast();
-                estimates[i] = traceGloss(context_, points[i].point, w);
-                w.traceNanoseconds += watch.sinceLast();
-            }
+        for (const GlossyPoint& glossy : points) {
+            ShadingPoint& point = w.glossyPoints.emplace_back(glossy.point);
+            point.seed = hashWords(point.seed, RenderSalt::gloss);
         }
+        w.glossyEstimates.assign(points.size(), {});
+        PointBatch own = batch;
+        own.points = w.glossyPoints;
+        w.clusters.build(own.points, context_.cache->header().spacing);
+        NeighborReuse::Batch reuse = w.reuse.begin(own, w.clusters, points);
+        for (const PointCluster& cluster : w.clusters.clusters()) {
+            const auto members = membersOf(cluster, w);
+            const GlossyCluster prepared = prepareGloss(own, points, cluster, w, reuse);
+            const std::span<const ClusterSample> samples =
+                w.sampler.draw(own, members, prepared.ofRegions, prepared.regions.regions,
+                               prepared.plan, context_.sequence);
+            w.setupNanoseconds += watch.sinceLast();
+            SampleTracer::Run run =
+                w.tracer.begin(context_, own, members, reuse, w.glossyEstimates);
+            w.glossyLighting.trace(context_, *tables_, own, points, prepared, samples, run);
+            w.traceNanoseconds += watch.sinceLast();
+        }
+        reuse.finish(context_.scene, w.glossyEstimates);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Estimate& e = w.glossyEstimates[i];
+            estimates[i] = {e.irradiance, e.variance, e.rays + e.reused};
+        }
+        w.traceNanoseconds += watch.sinceLast();
     }
 
 private:
     const CacheOptions options_;
-    mutable std::once_flag texelCellsMade_;
-    mutable std::optional<TexelCells> texelCells_;
+    mutable std::once_flag tablesMade_;
+    mutable std::optional<GlossyTables> tables_;  ///< once a glossy point was met
     const OpennessMeter openness_{context_.cache->header().tiers()};
     Calibration calibration_;
     std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
@@ -266,6 +279,50 @@ private:
             pooled.addOccluderCone(point.geometricNormal, static_cast<float>(kPi));
     }
 
+    static std::span<const std::uint32_t> membersOf(const PointCluster& cluster,
+                                                    const CacheWorkspace& w) {
+        return w.clusters.order().subspan(cluster.begin, cluster.end - cluster.begin);
+    }
+
+    /// Prepares a cluster of glossy points; what the cache predicts of them goes to their
+    /// estimates.
+    GlossyCluster prepareGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
+                               const PointCluster& cluster, CacheWorkspace& w,
+                               NeighborReuse::Batch& reuse) const {
+        const auto members = membersOf(cluster, w);
+        const GlossyLobe& given = points[cluster.centre].lobe;
+        const GlossyLobe lobe = given.widened(kLeastFittedAlpha);
+        pool(batch.points[cluster.centre], cluster.radius, w);
+        float misfit = 0;
+        w.matches.clear();
+        const LobeMatch match(given);
+        for (const std::uint32_t point : members) {
+            LobeMatch::Fit& fit = w.matches.emplace_back(match.fit(points[point].lobe));
+            if (given.alpha() < kLeastFittedAlpha) fit = {};
+            misfit += fit.misfit / static_cast<float>(members.size());
+        }
+        const GlossyRegions& glossy =
+            w.glossyBuilder.build(tables_->cells, w.pooled, lobe, misfit, calibration_);
+        const double share = batch.samples;
+        const SamplingPlan& plan =
+            w.planner.plan(glossy.regions, kJudgedSamples * share / batch.samples,
+                           {darkest_ / kPi, kUnsureShareUniform});
+        const Rgb integral = integralOf(tables_->cells, glossy, plan);
+        for (std::size_t k = 0; k < members.size(); ++k)
+            w.glossyEstimates[members[k]].irradiance = integral * w.matches[k].factor;
+        const double ofLobes = lobeShare(given);
+        const ShadingPoint& first = batch.points[members.front()];
+        const auto offset = [&](RenderSalt salt) {
+            return toUnit(hashWords(first.seed, salt, first.cameraRay));
+        };
+        const std::span<const PointShare> shares = sharePoints(
+            members.size(), share * (1 - ofLobes), offset(RenderSalt::shareRounding), w.shares);
+        const std::span<const PointShare> lobeShares = sharePoints(
+            members.size(), share * ofLobes, offset(RenderSalt::glossRounding), w.lobeShares);
+        reuse.addCluster(glossy.regions, plan, members, shares, lobeShares);
+        return {members, shares, lobeShares, glossy, plan, w.matches};
+    }
+
     /// All that is decided of a cluster before any ray; valid until the next one is prepared.
     struct Prepared {
         const Regions& regions;
@@ -286,7 +343,7 @@ private:
             w.planner.plan(regions, kJudgedSamples * share / batch.samples,
                            {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform});
         const ControlVariate predicted(context_.environment, regions, plan);
-        const auto members = w.clusters.order().subspan(cluster.begin, cluster.end - cluster.begin);
+        const auto members = membersOf(cluster, w);
         for (const std::uint32_t point : members)
             estimates[point].irradiance = predicted.integral(batch.points[point].normal);
         const ShadingPoint& first = batch.points[members.front()];
