@@ -40,6 +40,10 @@ SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
 /// not reused then falls as all the noise does.
 SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 
+/// SamplingPlanner's share in samples of lobes, which differ from the central one that is planned
+/// for.
+SHADOWCACHE_TUNED(double, kGlossyDefensiveShare, 0.8);
+
 /// Least width of a lobe that quadratics over the finest cells follow; regions are chosen for
 /// narrower ones as if they were so wide.
 SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
@@ -75,6 +79,7 @@ struct CacheWorkspace final : Workspace {
     std::vector<ShadingPoint> glossyPoints;
     std::vector<Estimate> glossyEstimates;
     GlossyRegionBuilder glossyBuilder;
+    SamplingPlanner glossyPlanner{kGlossyDefensiveShare};
     std::vector<LobeMatch::Fit> matches;
     std::vector<PointShare> lobeShares;
     GlossyLighting glossyLighting;
@@ -305,8 +310,8 @@ private:
             w.glossyBuilder.build(tables_->cells, w.pooled, lobe, misfit, calibration_);
         const double share = batch.samples;
         const SamplingPlan& plan =
-            w.planner.plan(glossy.regions, kJudgedSamples * share / batch.samples,
-                           {darkest_ / kPi, kUnsureShareUniform});
+            w.glossyPlanner.plan(glossy.regions, kJudgedSamples * share / batch.samples,
+                                 {darkest_ / kPi, kUnsureShareUniform});
         const Rgb integral = integralOf(tables_->cells, glossy, plan);
         for (std::size_t k = 0; k < members.size(); ++k)
             w.glossyEstimates[members[k]].irradiance = integral * w.matches[k].factor;
