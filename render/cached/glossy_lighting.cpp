@@ -103,7 +103,7 @@ void GlossyLighting::add(const Task& task, const Sample& sample) const {
     double density =
         cluster.ofLobes[sample.member].expected * static_cast<double>(lobe.density(s.direction));
     Rgb predicted(0.0f);
-    bool reused = false;
+    float reuse = 0;
     if (sample.place.group >= 0) {
         const auto g = static_cast<std::size_t>(sample.place.group);
         const int i = sample.place.lane;
@@ -119,17 +119,20 @@ void GlossyLighting::add(const Task& task, const Sample& sample) const {
                 predicted = task.tables.cells.value(cluster.regions.fits[g], group.level, cell,
                                                     s.direction) *
                             cluster.matches[sample.member].factor * planned.visibility[i];
-            reused = planned.reuse[i] > 0;
+            reuse = planned.reuse[i];
         }
     }
     if (!(density > 0)) return task.run.add(point, Rgb(0.0f));
     const Rgb light = s.radiance * static_cast<float>(1 / density);
     const Rgb occluded = light * predicted * -1.0f;
     if (!(s.direction.dot(lobe.normal()) > 0)) return task.run.add(point, occluded);
-    if (reused)
-        return task.run.traceForReuse({s.direction, s.radiance, s.cell, sample.lightDensity, point},
-                                      true);
-    task.run.trace(point, s.direction, light * lobe.value(s.direction) + occluded, occluded);
+    const Rgb visible = light * lobe.value(s.direction) + occluded;
+    if (reuse == 0) return task.run.trace(point, s.direction, visible, occluded);
+    // Where the sky is predicted, c is 1: the fit's error counts whatever the ray finds, and an
+    // occluder takes away what the lobe reflects.
+    if (reuse < 0) task.run.add(point, visible);
+    task.run.traceForReuse({s.direction, s.radiance, s.cell, sample.lightDensity, point},
+                           reuse > 0);
 }
 
 }  // namespace shadowcache

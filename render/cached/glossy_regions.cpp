@@ -140,8 +140,7 @@ void GlossyRegionBuilder::addBlock(const Task& task, int tier, std::uint32_t blo
         predicted[i] = reflected * v.c[i];
         group.deviation[i] = light * std::sqrt(residualMoment(group.calibrated[i], c, moment,
                                                               fits ? lobe.fit[i] : 0.0f));
-        // What is found occluded counts for the finder alone: it is not all that is found there.
-        group.above[i] = 0;
+        group.above[i] = fits ? 1.0f : 0.0f;
         group.constant[i] = group.linear[i] = group.square[i] = 0;
         sure[i] = v.c[i] > kMostlyVisible ? reflected : 0.0f;
     }
