@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 #include <optional>
 
@@ -19,8 +18,10 @@
 #include "render/cached/cache_insight.h"
 #include "render/cached/cache_pilot.h"
 #include "render/cached/cluster_lighting.h"
+#include "render/cached/cluster_tools.h"
 #include "render/cached/control_variate.h"
-#include "render/cached/glossy_lighting.h"
+#include "render/cached/glossy_cache.h"
+#include "render/cached/place_lookup.h"
 #include "render/cached/sample_budget.h"
 
 namespace shadowcache {
@@ -40,49 +41,26 @@ SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
 /// not reused then falls as all the noise does.
 SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 
-/// SamplingPlanner's share in samples of lobes, which differ from the central one that is planned
-/// for.
-SHADOWCACHE_TUNED(double, kGlossyDefensiveShare, 0.8);
-
-/// Least width of a lobe that quadratics over the finest cells follow; regions are chosen for
-/// narrower ones as if they were so wide.
-SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
-
 /// Places of a pilot that one thread takes at a time.
 constexpr std::size_t kPilotChunk = 32;
 
 struct CacheWorkspace final : Workspace {
     CacheWorkspace(const ShadowCache& cache, const Environment& environment)
-        : reader(cache),
-          items(ShadowCache::kMaxItems),
-          pooled(cache.header().tiers()),
+        : lookup(cache),
           preview(environment, cache.header().tiers()),
           itemIrradiance(preview),
           regionBuilder(environment, cache.header().tiers()),
-          sampler(environment),
-          reuse(environment, cache.header().tiers()),
-          glossyBuilder(environment, cache.header().tiers()) {}
+          tools(environment, cache.header().tiers()),
+          glossy(environment, cache.header().tiers()) {}
 
-    ShadowCache::Reader reader;
-    std::vector<ItemView> items;
-    PooledVisibility pooled;
+    PlaceLookup lookup;
     CachePreview preview;
     ItemIrradiance itemIrradiance;
     PilotRays pilotRays;
     RegionBuilder regionBuilder;
     SamplingPlanner planner;
-    std::vector<PointShare> shares;
-    PointClusters clusters;
-    ClusterSampler sampler;
-    NeighborReuse reuse;
-    SampleTracer tracer;
-    std::vector<ShadingPoint> glossyPoints;
-    std::vector<Estimate> glossyEstimates;
-    GlossyRegionBuilder glossyBuilder;
-    SamplingPlanner glossyPlanner{kGlossyDefensiveShare};
-    std::vector<LobeMatch::Fit> matches;
-    std::vector<PointShare> lobeShares;
-    GlossyLighting glossyLighting;
+    ClusterTools tools;
+    GlossyWorkspace glossy;
 };
 
 class CacheEstimator final : public Estimator, private FramePilot, private InsightSource {
@@ -112,17 +90,17 @@ public:
         if (batch.predict)
             for (std::size_t i = 0; i < batch.points.size(); ++i)
                 estimates[i].predicted = preview(batch.points[i], w);
-        w.clusters.build(batch.points, context_.cache->header().spacing);
-        NeighborReuse::Batch reuse = w.reuse.begin(batch, w.clusters);
-        for (const PointCluster& cluster : w.clusters.clusters()) {
+        w.tools.clusters.build(batch.points, context_.cache->header().spacing);
+        NeighborReuse::Batch reuse = w.tools.reuse.begin(batch, w.tools.clusters);
+        for (const PointCluster& cluster : w.tools.clusters.clusters()) {
             const Prepared prepared = prepare(batch, cluster, w, reuse, estimates);
             if (w.watchedPixel)
                 for (const ClusterSample& sample : prepared.samples)
                     w.watch(batch.points[sample.point],
                             sample.finish(context_.environment).direction);
             w.setupNanoseconds += watch.sinceLast();
-            const auto members = membersOf(cluster, w);
-            SampleTracer::Run run = w.tracer.begin(context_, batch, members, reuse, estimates);
+            SampleTracer::Run run =
+                w.tools.tracer.begin(context_, batch, w.tools.membersOf(cluster), reuse, estimates);
             traceCluster(context_, batch, prepared.regions, prepared.plan, prepared.samples, run);
             w.traceNanoseconds += watch.sinceLast();
         }
@@ -130,50 +108,17 @@ public:
         w.traceNanoseconds += watch.sinceLast();
     }
 
-    /// Light is drawn from the regions of clusters, by the visibility that is predicted.
     void estimateGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
                        Workspace& workspace, std::span<GlossEstimate> estimates) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
         std::fill(estimates.begin(), estimates.end(), GlossEstimate{});
-        if (batch.samples == 0 || context_.environment.luminanceIntegral() <= 0) return;
-        std::call_once(tablesMade_, [&] {
-            tables_.emplace(context_.environment, context_.cache->header().tiers());
-        });
-        Stopwatch watch;
-        w.glossyPoints.clear();
-        for (const GlossyPoint& glossy : points) {
-            ShadingPoint& point = w.glossyPoints.emplace_back(glossy.point);
-            point.seed = hashWords(point.seed, RenderSalt::gloss);
-        }
-        w.glossyEstimates.assign(points.size(), {});
-        PointBatch own = batch;
-        own.points = w.glossyPoints;
-        w.clusters.build(own.points, context_.cache->header().spacing);
-        NeighborReuse::Batch reuse = w.reuse.begin(own, w.clusters, points);
-        for (const PointCluster& cluster : w.clusters.clusters()) {
-            const auto members = membersOf(cluster, w);
-            const GlossyCluster prepared = prepareGloss(own, points, cluster, w, reuse);
-            const std::span<const ClusterSample> samples =
-                w.sampler.draw(own, members, prepared.ofRegions, prepared.regions.regions,
-                               prepared.plan, context_.sequence);
-            w.setupNanoseconds += watch.sinceLast();
-            SampleTracer::Run run =
-                w.tracer.begin(context_, own, members, reuse, w.glossyEstimates);
-            w.glossyLighting.trace(context_, *tables_, own, points, prepared, samples, run);
-            w.traceNanoseconds += watch.sinceLast();
-        }
-        reuse.finish(context_.scene, w.glossyEstimates);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const Estimate& e = w.glossyEstimates[i];
-            estimates[i] = {e.irradiance, e.variance, e.rays + e.reused};
-        }
-        w.traceNanoseconds += watch.sinceLast();
+        glossy_.estimate(batch, points, {calibration_, darkest_ / kPi}, w.lookup, w.tools, w.glossy,
+                         w, estimates);
     }
 
 private:
     const CacheOptions options_;
-    mutable std::once_flag tablesMade_;
-    mutable std::optional<GlossyTables> tables_;  ///< once a glossy point was met
+    GlossyCache glossy_{context_};
     const OpennessMeter openness_{context_.cache->header().tiers()};
     Calibration calibration_;
     std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
@@ -206,8 +151,9 @@ private:
         auto& w = static_cast<CacheWorkspace&>(workspace);
         CacheInsight insight;
         insight.items = pool(point, 0, w);
-        insight.openness = openness_.measure(w.pooled, point.normal);
-        const Regions& regions = w.regionBuilder.build(w.pooled, point.normal, 0, calibration_);
+        insight.openness = openness_.measure(w.lookup.pooled(), point.normal);
+        const Regions& regions =
+            w.regionBuilder.build(w.lookup.pooled(), point.normal, 0, calibration_);
         for (const RegionGroup& group : regions.groups)
             insight.regions +=
                 static_cast<int>(std::count_if(group.deviation, group.deviation + kBlockCells,
@@ -239,26 +185,14 @@ private:
         return budget_ ? budget_->shareOf(predictedNoise(regions)) : samples;
     }
 
-    std::span<const ItemView> lookUp(const ShadingPoint& point, CacheWorkspace& w) const {
-        const int found = w.reader.lookUp(point.position, point.geometricNormal, w.items);
-        return std::span(w.items).first(static_cast<std::size_t>(found));
-    }
-
-    /// Pools the counts around a point, for it and all points within `radius`.
-    ///
-    /// @return number of items found
     int pool(const ShadingPoint& point, float radius, CacheWorkspace& w) const {
-        const std::span<const ItemView> found = lookUp(point, w);
-        w.pooled.pool(found);
-        for (const Ball& ball : context_.scene.movingBalls())
-            addOccluderCone({ball.center, ball.radius + radius}, point, w.pooled);
-        return static_cast<int>(found.size());
+        return w.lookup.pool(context_.scene, point, radius);
     }
 
     /// The regions of one point.
     const Regions& lookAt(const ShadingPoint& point, CacheWorkspace& w) const {
         pool(point, 0, w);
-        return w.regionBuilder.build(w.pooled, point.normal, 0, calibration_);
+        return w.regionBuilder.build(w.lookup.pooled(), point.normal, 0, calibration_);
     }
 
     /// The irradiance without any ray. What moves hides other things from each pixel; without it
@@ -266,66 +200,11 @@ private:
     Rgb preview(const ShadingPoint& point, CacheWorkspace& w) const {
         if (!context_.scene.movingBalls().empty()) {
             w.pointsWithoutItems += pool(point, 0, w) == 0 ? 1 : 0;
-            return w.preview.irradiance(w.pooled, point.normal);
+            return w.preview.irradiance(w.lookup.pooled(), point.normal);
         }
-        const std::span<const ItemView> found = lookUp(point, w);
+        const std::span<const ItemView> found = w.lookup.find(point);
         w.pointsWithoutItems += found.empty() ? 1 : 0;
         return w.itemIrradiance.mean(found, point.normal);
-    }
-
-    /// The counts do not include what moves.
-    static void addOccluderCone(const Ball& ball, const ShadingPoint& point,
-                                PooledVisibility& pooled) {
-        const Vec3f towards = ball.center - point.rayOrigin;
-        const float distance = towards.length();
-        if (distance > ball.radius)
-            pooled.addOccluderCone(towards / distance, std::asin(ball.radius / distance));
-        else
-            pooled.addOccluderCone(point.geometricNormal, static_cast<float>(kPi));
-    }
-
-    static std::span<const std::uint32_t> membersOf(const PointCluster& cluster,
-                                                    const CacheWorkspace& w) {
-        return w.clusters.order().subspan(cluster.begin, cluster.end - cluster.begin);
-    }
-
-    /// Prepares a cluster of glossy points; what the cache predicts of them goes to their
-    /// estimates.
-    GlossyCluster prepareGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
-                               const PointCluster& cluster, CacheWorkspace& w,
-                               NeighborReuse::Batch& reuse) const {
-        const auto members = membersOf(cluster, w);
-        const GlossyLobe& given = points[cluster.centre].lobe;
-        const GlossyLobe lobe = given.widened(kLeastFittedAlpha);
-        pool(batch.points[cluster.centre], cluster.radius, w);
-        float misfit = 0;
-        w.matches.clear();
-        const LobeMatch match(given);
-        for (const std::uint32_t point : members) {
-            LobeMatch::Fit& fit = w.matches.emplace_back(match.fit(points[point].lobe));
-            if (given.alpha() < kLeastFittedAlpha) fit = {};
-            misfit += fit.misfit / static_cast<float>(members.size());
-        }
-        const GlossyRegions& glossy =
-            w.glossyBuilder.build(tables_->cells, w.pooled, lobe, misfit, calibration_);
-        const double share = batch.samples;
-        const SamplingPlan& plan =
-            w.glossyPlanner.plan(glossy.regions, kJudgedSamples * share / batch.samples,
-                                 {darkest_ / kPi, kUnsureShareUniform});
-        const Rgb integral = integralOf(tables_->cells, glossy, plan);
-        for (std::size_t k = 0; k < members.size(); ++k)
-            w.glossyEstimates[members[k]].irradiance = integral * w.matches[k].factor;
-        const double ofLobes = lobeShare(given);
-        const ShadingPoint& first = batch.points[members.front()];
-        const auto offset = [&](RenderSalt salt) {
-            return toUnit(hashWords(first.seed, salt, first.cameraRay));
-        };
-        const std::span<const PointShare> shares = sharePoints(
-            members.size(), share * (1 - ofLobes), offset(RenderSalt::shareRounding), w.shares);
-        const std::span<const PointShare> lobeShares = sharePoints(
-            members.size(), share * ofLobes, offset(RenderSalt::glossRounding), w.lobeShares);
-        reuse.addCluster(glossy.regions, plan, members, shares, lobeShares);
-        return {members, shares, lobeShares, glossy, plan, w.matches};
     }
 
     /// All that is decided of a cluster before any ray; valid until the next one is prepared.
@@ -342,22 +221,23 @@ private:
         if (pool(centre, cluster.radius, w) == 0)
             w.pointsWithoutItems += cluster.end - cluster.begin;
         const Regions& regions =
-            w.regionBuilder.build(w.pooled, centre.normal, cluster.tilt, calibration_);
+            w.regionBuilder.build(w.lookup.pooled(), centre.normal, cluster.tilt, calibration_);
         const double share = shareOf(regions, batch.samples);
         const SamplingPlan& plan =
             w.planner.plan(regions, kJudgedSamples * share / batch.samples,
                            {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform});
         const ControlVariate predicted(context_.environment, regions, plan);
-        const auto members = membersOf(cluster, w);
+        const auto members = w.tools.membersOf(cluster);
         for (const std::uint32_t point : members)
             estimates[point].irradiance = predicted.integral(batch.points[point].normal);
         const ShadingPoint& first = batch.points[members.front()];
-        const std::span<const PointShare> shares = sharePoints(
-            members.size(), share,
-            toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)), w.shares);
+        const std::span<const PointShare> shares =
+            sharePoints(members.size(), share,
+                        toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)),
+                        w.tools.shares);
         reuse.addCluster(regions, plan, members, shares);
         return {regions, plan,
-                w.sampler.draw(batch, members, shares, regions, plan, context_.sequence)};
+                w.tools.sampler.draw(batch, members, shares, regions, plan, context_.sequence)};
     }
 };
 

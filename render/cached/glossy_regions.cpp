@@ -47,6 +47,22 @@ void measure(const QuadraticBlock& cells, const PlaceValues& values, const Quadr
     }
 }
 
+/// Where the quadratic follows the lobe badly, the lobe's mean stands in.
+void replacePoorFits(const QuadraticBlock& cells, const PlaceValues& values, const Rgb& weights,
+                     QuadraticFit& fit, LobeMoments& lobe) {
+    for (int i = 0; i < kBlockCells; ++i) {
+        if (lobe.error[i] <= kWorstFit * lobe.fit[i]) continue;
+        Rgb mean(0.0f);
+        for (int p = 0; p < kWithin; ++p)
+            for (int k = 0; k < 3; ++k)
+                mean[k] += values[QuadraticBlock::kNodes + p][k][i] / kWithin;
+        setConstant(cells, i, mean, fit);
+        const float y = weights.x * mean.x + weights.y * mean.y + weights.z * mean.z;
+        lobe.fit[i] = y * y;
+        lobe.error[i] = std::max(0.0f, lobe.square[i] - y * y);
+    }
+}
+
 }  // namespace
 
 /// What all blocks of one cluster share.
@@ -69,6 +85,7 @@ const GlossyRegions& GlossyRegionBuilder::build(const QuadraticCells& cells,
     groups.clear();
     result_.regions = {std::move(groups)};
     result_.fits.clear();
+    result_.predicted.clear();
     const Vec3f mirrored = lobe.mirrored();
     const float peak = std::max(0.0f, environment_.luminance(lobe.value(mirrored)));
     // The lobe holds about 4 pi alpha^2 peak of white light.
@@ -92,6 +109,7 @@ void GlossyRegionBuilder::addBlock(const Task& task, int tier, std::uint32_t blo
     fitQuadratic(cells, values, fit);
     LobeMoments lobe;
     measure(cells, values, fit, weights, lobe);
+    replacePoorFits(cells, values, weights, fit, lobe);
     CellVisibility v;
     estimateVisibility(counts, parent, v);
 
@@ -124,6 +142,7 @@ void GlossyRegionBuilder::addBlock(const Task& task, int tier, std::uint32_t blo
     group.cut = false;
     alignas(64) float correction[kBlockCells], sure[kBlockCells], predicted[kBlockCells];
     task.calibration.apply<kBlockCells>(v.posterior, group.calibrated, correction);
+    std::array<float, kBlockCells> seen;
     const Vec3f& n = task.lobe.normal();
     for (int i = 0; i < kBlockCells; ++i) {
         const float height = n.x * m.axis[0][i] + n.y * m.axis[1][i] + n.z * m.axis[2][i];
@@ -131,7 +150,9 @@ void GlossyRegionBuilder::addBlock(const Task& task, int tier, std::uint32_t blo
         const float light = above ? m.luminanceIntegral[i] : 0.0f;
         const float error = lobe.error[i] + task.misfit * lobe.square[i];
         const bool fits = error < kWorstFit * lobe.fit[i];
-        const float c = fits ? corrected(v.c[i], correction[i]) : 0.0f;
+        const float cached = corrected(v.c[i], correction[i]);
+        seen[static_cast<std::size_t>(i)] = light > 0 ? cached : 0.0f;
+        const float c = fits ? cached : 0.0f;
         const float moment = fits ? lobe.fit[i] + error : lobe.square[i];
         group.visibility[i] = c;
         group.posterior[i] = v.posterior[i];
@@ -146,6 +167,7 @@ void GlossyRegionBuilder::addBlock(const Task& task, int tier, std::uint32_t blo
     }
     if (maximumOf(group.light) > 0) {
         result_.fits.push_back(fit);
+        result_.predicted.push_back(seen);
         Regions& regions = result_.regions;
         regions.deviationSum += static_cast<double>(sumOf(group.deviation));
         regions.lightSum += static_cast<double>(sumOf(group.light));
@@ -161,14 +183,17 @@ void GlossyRegionBuilder::addBlock(const Task& task, int tier, std::uint32_t blo
     }
 }
 
-Rgb integralOf(const QuadraticCells& cells, const GlossyRegions& glossy, const SamplingPlan& plan) {
+namespace {
+
+/// Sum over the regions of `visibility(group, lane)` times the integral of L q.
+template <class Visibility>
+Rgb integrate(const QuadraticCells& cells, const GlossyRegions& glossy,
+              const Visibility& visibility) {
     double sum[3] = {};
     for (std::size_t g = 0; g < glossy.fits.size(); ++g) {
         const RegionGroup& group = glossy.regions.groups[g];
-        const PlannedGroup& planned = plan.groups[g];
         alignas(64) float c[kBlockCells], integral[3][kBlockCells];
-        for (int i = 0; i < kBlockCells; ++i)
-            c[i] = planned.weight[i] > 0 ? planned.visibility[i] : 0.0f;
+        for (int i = 0; i < kBlockCells; ++i) c[i] = visibility(g, i);
         if (maximumOf(c) == 0) continue;
         integrateQuadratic(cells.block(group.level, group.firstCell / kBlockCells), glossy.fits[g],
                            integral);
@@ -178,6 +203,20 @@ Rgb integralOf(const QuadraticCells& cells, const GlossyRegions& glossy, const S
         }
     }
     return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
+}
+
+}  // namespace
+
+Rgb integralOf(const QuadraticCells& cells, const GlossyRegions& glossy, const SamplingPlan& plan) {
+    return integrate(cells, glossy, [&](std::size_t g, int i) {
+        return plan.groups[g].weight[i] > 0 ? plan.groups[g].visibility[i] : 0.0f;
+    });
+}
+
+Rgb predictionOf(const QuadraticCells& cells, const GlossyRegions& glossy) {
+    return integrate(cells, glossy, [&](std::size_t g, int i) {
+        return glossy.predicted[g][static_cast<std::size_t>(i)];
+    });
 }
 
 }  // namespace shadowcache

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -19,6 +20,8 @@ struct ParentVisibility;
 struct GlossyRegions {
     Regions regions;
     std::vector<QuadraticFit> fits;  ///< as Regions::groups
+    /// Predicted visibility, as Regions::groups, where fits are of no use as well.
+    std::vector<std::array<float, kBlockCells>> predicted;
 };
 
 /// Makes them of pooled counts. Its buffers are used again from call to call.
@@ -50,5 +53,9 @@ private:
 /// What the control variate reflects of the light, for the central lobe: the sum over the regions
 /// of c times the integral of L q.
 Rgb integralOf(const QuadraticCells& cells, const GlossyRegions& glossy, const SamplingPlan& plan);
+
+/// What the cache predicts that the lobe reflects, without a ray: the same with the visibility that
+/// is predicted of all regions.
+Rgb predictionOf(const QuadraticCells& cells, const GlossyRegions& glossy);
 
 }  // namespace shadowcache

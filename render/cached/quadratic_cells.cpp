@@ -114,6 +114,14 @@ void fitQuadratic(const QuadraticBlock& cells, const PlaceValues& values, Quadra
         }
 }
 
+void setConstant(const QuadraticBlock& cells, int cell, const Rgb& value, QuadraticFit& fit) {
+    for (int color = 0; color < 3; ++color)
+        for (int k = 0; k < 3; ++k) {
+            fit.product[color][k][cell] = value[color];
+            fit.product[color][3 + k][cell] = value[color] * (cells.side[k][cell] - 2);
+        }
+}
+
 void fitWithin(const QuadraticBlock& cells, const QuadraticFit& fit, int number, int color,
                float (&values)[kBlockCells]) {
     constexpr auto near = static_cast<float>(kNear);

@@ -55,6 +55,9 @@ private:
 /// Fits the function with these values.
 void fitQuadratic(const QuadraticBlock& cells, const PlaceValues& values, QuadraticFit& fit);
 
+/// Makes the fit of one of the cells a constant.
+void setConstant(const QuadraticBlock& cells, int cell, const Rgb& value, QuadraticFit& fit);
+
 /// The fit at place kNodes + `number` of the cells, of one colour.
 void fitWithin(const QuadraticBlock& cells, const QuadraticFit& fit, int number, int color,
                float (&values)[kBlockCells]);
