@@ -42,6 +42,8 @@ enum class RenderSalt : std::uint64_t {
     clusterOrder = 85,    ///< the sequence that orders the samples of a cluster
     gloss = 86,           ///< a pixel's seed for the samples of its glossy surfaces
     glossTurn = 87,       ///< which of their strategies has the first sample
+    glossLobes = 88,      ///< samples of the lobes of a cluster's points
+    glossRounding = 89,   ///< rounds these samples' numbers
     domePilotTile = 90,   ///< tiles of the map that `dome`'s pilot rays go to
     domePilotTexel = 91,  ///< places of these rays in their texels
     domeTurn = 92,        ///< which of `dome`'s samples is the first drawn by the cosine

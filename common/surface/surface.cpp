@@ -83,6 +83,43 @@ Rgb GlossyLobe::value(const Vec3f& toLight) const noexcept {
     return ((f0_ + (f90_ - f0_) * weight) * mirrors + loss_ * (meanWeight_ - weight)) * i.z;
 }
 
+void GlossyLobe::values(const float (&toLight)[3][kLanes],
+                        float (&values)[3][kLanes]) const noexcept {
+    const auto& w = toLight;
+    const float distribution = 1 / (static_cast<float>(kPi) * alpha_ * alpha_);
+    const float perAlpha = 1 / alpha_, alpha2 = alpha_ * alpha_;
+    const float ofViewer = ggxStretch(o_, alpha_);
+    alignas(64) float mirrors[kLanes], base[kLanes], weight[kLanes];
+    for (int k = 0; k < kLanes; ++k) {
+        const float x = w[0][k] * s_.x + w[1][k] * s_.y + w[2][k] * s_.z;
+        const float y = w[0][k] * t_.x + w[1][k] * t_.y + w[2][k] * t_.z;
+        const float z = w[0][k] * n_.x + w[1][k] * n_.y + w[2][k] * n_.z;
+        const float above = z > 0 ? z : 0.0f;
+        const float hx = o_.x + x, hy = o_.y + y, hz = o_.z + z;
+        const float length2 = hx * hx + hy * hy + hz * hz;
+        const float scale2 = 1 / (length2 > 1e-12f ? length2 : 1e-12f);
+        const float cosine = std::sqrt(scale2) * std::abs(o_.x * hx + o_.y * hy + o_.z * hz);
+        const float rest = cosine < 1 ? 1 - cosine : 0.0f;
+        const float square = rest * rest;
+        weight[k] = square * square * rest;
+        const float sx = hx * perAlpha, sy = hy * perAlpha;
+        const float stretched = (sx * sx + sy * sy + hz * hz) * scale2;
+        const float ofLight = std::sqrt(alpha2 * (x * x + y * y) + z * z);
+        mirrors[k] = above * distribution * 0.5f /
+                     (stretched * stretched * (o_.z * ofLight + above * ofViewer));
+        base[k] = above * (meanWeight_ - weight[k]);
+    }
+    for (int c = 0; c < 3; ++c) {
+        const float f0 = f0_[c], rise = f90_[c] - f0_[c], loss = loss_[c];
+        for (int k = 0; k < kLanes; ++k)
+            values[c][k] = (f0 + rise * weight[k]) * mirrors[k] + loss * base[k];
+    }
+}
+
+Vec3f GlossyLobe::mirrored() const noexcept {
+    return s_ * -o_.x + t_ * -o_.y + n_ * o_.z;
+}
+
 float GlossyLobe::density(const Vec3f& toLight) const noexcept {
     const Vec3f half = o_ + local(toLight);
     const float length = half.length();

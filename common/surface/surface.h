@@ -62,6 +62,25 @@ public:
     /// horizon. Can be slightly negative where the base loses more than on the mean. [1/sr]
     Rgb value(const Vec3f& toLight) const noexcept;
 
+    /// Directions of a call of values().
+    static constexpr int kLanes = 16;
+    /// The same of sixteen directions at once, up to rounding.
+    ///
+    /// @param toLight  [x, y, z]: unit vectors
+    /// @param values   [colour]
+    void values(const float (&toLight)[3][kLanes], float (&values)[3][kLanes]) const noexcept;
+
+    /// Square of the roughness: the width of the mirrors' normals, about.
+    float alpha() const { return alpha_; }
+    /// The same lobe of mirrors whose normals spread by at least `alpha`.
+    GlossyLobe widened(float alpha) const noexcept {
+        GlossyLobe lobe = *this;
+        lobe.alpha_ = alpha_ > alpha ? alpha_ : alpha;
+        return lobe;
+    }
+    /// Unit vector from which a smooth surface would reflect light to the viewer.
+    Vec3f mirrored() const noexcept;
+
     /// Density with which sample() draws a direction [1/sr].
     float density(const Vec3f& toLight) const noexcept;
 

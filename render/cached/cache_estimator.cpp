@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 #include <optional>
 
@@ -19,10 +18,11 @@
 #include "render/cached/cache_insight.h"
 #include "render/cached/cache_pilot.h"
 #include "render/cached/cluster_lighting.h"
+#include "render/cached/cluster_tools.h"
 #include "render/cached/control_variate.h"
-#include "render/cached/glossy_regions.h"
+#include "render/cached/glossy_cache.h"
+#include "render/cached/place_lookup.h"
 #include "render/cached/sample_budget.h"
-#include "render/estimators/gloss_samples.h"
 
 namespace shadowcache {
 
@@ -46,31 +46,21 @@ constexpr std::size_t kPilotChunk = 32;
 
 struct CacheWorkspace final : Workspace {
     CacheWorkspace(const ShadowCache& cache, const Environment& environment)
-        : reader(cache),
-          items(ShadowCache::kMaxItems),
-          pooled(cache.header().tiers()),
+        : lookup(cache),
           preview(environment, cache.header().tiers()),
           itemIrradiance(preview),
           regionBuilder(environment, cache.header().tiers()),
-          sampler(environment),
-          reuse(environment, cache.header().tiers()),
-          glossyRegions(environment) {}
+          tools(environment, cache.header().tiers()),
+          glossy(environment, cache.header().tiers()) {}
 
-    ShadowCache::Reader reader;
-    std::vector<ItemView> items;
-    PooledVisibility pooled;
+    PlaceLookup lookup;
     CachePreview preview;
     ItemIrradiance itemIrradiance;
     PilotRays pilotRays;
     RegionBuilder regionBuilder;
     SamplingPlanner planner;
-    std::vector<PointShare> shares;
-    PointClusters clusters;
-    ClusterSampler sampler;
-    NeighborReuse reuse;
-    ClusterLighting lighting;
-    std::vector<ShadingPoint> glossyPoints;
-    GlossyRegions glossyRegions;
+    ClusterTools tools;
+    GlossyWorkspace glossy;
 };
 
 class CacheEstimator final : public Estimator, private FramePilot, private InsightSource {
@@ -100,62 +90,35 @@ public:
         if (batch.predict)
             for (std::size_t i = 0; i < batch.points.size(); ++i)
                 estimates[i].predicted = preview(batch.points[i], w);
-        w.clusters.build(batch.points, context_.cache->header().spacing);
-        NeighborReuse::Batch reuse = w.reuse.begin(batch, w.clusters);
-        for (const PointCluster& cluster : w.clusters.clusters()) {
+        w.tools.clusters.build(batch.points, context_.cache->header().spacing);
+        NeighborReuse::Batch reuse = w.tools.reuse.begin(batch, w.tools.clusters);
+        for (const PointCluster& cluster : w.tools.clusters.clusters()) {
             const Prepared prepared = prepare(batch, cluster, w, reuse, estimates);
             if (w.watchedPixel)
                 for (const ClusterSample& sample : prepared.samples)
                     w.watch(batch.points[sample.point],
                             sample.finish(context_.environment).direction);
             w.setupNanoseconds += watch.sinceLast();
-            w.lighting.trace(context_, batch, prepared.regions, prepared.plan, prepared.samples,
-                             reuse, estimates);
+            SampleTracer::Run run =
+                w.tools.tracer.begin(context_, batch, w.tools.membersOf(cluster), reuse, estimates);
+            traceCluster(context_, batch, prepared.regions, prepared.plan, prepared.samples, run);
             w.traceNanoseconds += watch.sinceLast();
         }
         reuse.finish(context_.scene, estimates);
         w.traceNanoseconds += watch.sinceLast();
     }
 
-    /// Light is drawn from the regions of clusters, by the visibility that is predicted.
     void estimateGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
                        Workspace& workspace, std::span<GlossEstimate> estimates) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
         std::fill(estimates.begin(), estimates.end(), GlossEstimate{});
-        if (batch.samples == 0 || context_.environment.luminanceIntegral() <= 0) return;
-        std::call_once(texelCellsMade_, [&] { texelCells_.emplace(context_.environment); });
-        Stopwatch watch;
-        w.glossyPoints.clear();
-        for (const GlossyPoint& glossy : points) w.glossyPoints.push_back(glossy.point);
-        w.clusters.build(w.glossyPoints, context_.cache->header().spacing);
-        for (const PointCluster& cluster : w.clusters.clusters()) {
-            const ShadingPoint& centre = w.glossyPoints[cluster.centre];
-            pool(centre, cluster.radius, w);
-            const Regions& regions =
-                w.regionBuilder.build(w.pooled, centre.normal, cluster.tilt, calibration_);
-            // A lobe whose normal was turned to the viewer may see light where no region is.
-            const bool lit =
-                w.glossyRegions.build(regions, points[cluster.centre].lobe, *texelCells_);
-            w.setupNanoseconds += watch.sinceLast();
-            for (std::uint32_t k = cluster.begin; k < cluster.end; ++k) {
-                const std::uint32_t i = w.clusters.order()[k];
-                w.samples.clear();
-                const SampleSlice slice = sliceOf(batch, points[i].point);
-                if (lit)
-                    queueGloss(context_, points[i], slice, w.glossyRegions, w);
-                else
-                    queueGloss(context_, points[i], slice, WholeMap{context_.environment}, w);
-                w.setupNanoseconds += watch.sinceLast();
-                estimates[i] = traceGloss(context_, points[i].point, w);
-                w.traceNanoseconds += watch.sinceLast();
-            }
-        }
+        glossy_.estimate(batch, points, {calibration_, darkest_ / kPi}, w.lookup, w.tools, w.glossy,
+                         w, estimates);
     }
 
 private:
     const CacheOptions options_;
-    mutable std::once_flag texelCellsMade_;
-    mutable std::optional<TexelCells> texelCells_;
+    GlossyCache glossy_{context_};
     const OpennessMeter openness_{context_.cache->header().tiers()};
     Calibration calibration_;
     std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
@@ -188,8 +151,9 @@ private:
         auto& w = static_cast<CacheWorkspace&>(workspace);
         CacheInsight insight;
         insight.items = pool(point, 0, w);
-        insight.openness = openness_.measure(w.pooled, point.normal);
-        const Regions& regions = w.regionBuilder.build(w.pooled, point.normal, 0, calibration_);
+        insight.openness = openness_.measure(w.lookup.pooled(), point.normal);
+        const Regions& regions =
+            w.regionBuilder.build(w.lookup.pooled(), point.normal, 0, calibration_);
         for (const RegionGroup& group : regions.groups)
             insight.regions +=
                 static_cast<int>(std::count_if(group.deviation, group.deviation + kBlockCells,
@@ -221,26 +185,14 @@ private:
         return budget_ ? budget_->shareOf(predictedNoise(regions)) : samples;
     }
 
-    std::span<const ItemView> lookUp(const ShadingPoint& point, CacheWorkspace& w) const {
-        const int found = w.reader.lookUp(point.position, point.geometricNormal, w.items);
-        return std::span(w.items).first(static_cast<std::size_t>(found));
-    }
-
-    /// Pools the counts around a point, for it and all points within `radius`.
-    ///
-    /// @return number of items found
     int pool(const ShadingPoint& point, float radius, CacheWorkspace& w) const {
-        const std::span<const ItemView> found = lookUp(point, w);
-        w.pooled.pool(found);
-        for (const Ball& ball : context_.scene.movingBalls())
-            addOccluderCone({ball.center, ball.radius + radius}, point, w.pooled);
-        return static_cast<int>(found.size());
+        return w.lookup.pool(context_.scene, point, radius);
     }
 
     /// The regions of one point.
     const Regions& lookAt(const ShadingPoint& point, CacheWorkspace& w) const {
         pool(point, 0, w);
-        return w.regionBuilder.build(w.pooled, point.normal, 0, calibration_);
+        return w.regionBuilder.build(w.lookup.pooled(), point.normal, 0, calibration_);
     }
 
     /// The irradiance without any ray. What moves hides other things from each pixel; without it
@@ -248,22 +200,11 @@ private:
     Rgb preview(const ShadingPoint& point, CacheWorkspace& w) const {
         if (!context_.scene.movingBalls().empty()) {
             w.pointsWithoutItems += pool(point, 0, w) == 0 ? 1 : 0;
-            return w.preview.irradiance(w.pooled, point.normal);
+            return w.preview.irradiance(w.lookup.pooled(), point.normal);
         }
-        const std::span<const ItemView> found = lookUp(point, w);
+        const std::span<const ItemView> found = w.lookup.find(point);
         w.pointsWithoutItems += found.empty() ? 1 : 0;
         return w.itemIrradiance.mean(found, point.normal);
-    }
-
-    /// The counts do not include what moves.
-    static void addOccluderCone(const Ball& ball, const ShadingPoint& point,
-                                PooledVisibility& pooled) {
-        const Vec3f towards = ball.center - point.rayOrigin;
-        const float distance = towards.length();
-        if (distance > ball.radius)
-            pooled.addOccluderCone(towards / distance, std::asin(ball.radius / distance));
-        else
-            pooled.addOccluderCone(point.geometricNormal, static_cast<float>(kPi));
     }
 
     /// All that is decided of a cluster before any ray; valid until the next one is prepared.
@@ -280,22 +221,23 @@ private:
         if (pool(centre, cluster.radius, w) == 0)
             w.pointsWithoutItems += cluster.end - cluster.begin;
         const Regions& regions =
-            w.regionBuilder.build(w.pooled, centre.normal, cluster.tilt, calibration_);
+            w.regionBuilder.build(w.lookup.pooled(), centre.normal, cluster.tilt, calibration_);
         const double share = shareOf(regions, batch.samples);
         const SamplingPlan& plan =
             w.planner.plan(regions, kJudgedSamples * share / batch.samples,
                            {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform});
         const ControlVariate predicted(context_.environment, regions, plan);
-        const auto members = w.clusters.order().subspan(cluster.begin, cluster.end - cluster.begin);
+        const auto members = w.tools.membersOf(cluster);
         for (const std::uint32_t point : members)
             estimates[point].irradiance = predicted.integral(batch.points[point].normal);
         const ShadingPoint& first = batch.points[members.front()];
-        const std::span<const PointShare> shares = sharePoints(
-            members.size(), share,
-            toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)), w.shares);
+        const std::span<const PointShare> shares =
+            sharePoints(members.size(), share,
+                        toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)),
+                        w.tools.shares);
         reuse.addCluster(regions, plan, members, shares);
         return {regions, plan,
-                w.sampler.draw(batch, members, shares, regions, plan, context_.sequence)};
+                w.tools.sampler.draw(batch, members, shares, regions, plan, context_.sequence)};
     }
 };
 

@@ -2,54 +2,60 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/surface/surface.h"
-#include "render/cached/regions.h"
+#include "render/cached/quadratic_cells.h"
+#include "render/cached/region_index.h"
+#include "render/cached/sampling_plan.h"
 
 namespace shadowcache {
 
-/// Cells of Environment::kLevel that hold the texels of a map. Immutable, thread-safe.
-class TexelCells {
-public:
-    explicit TexelCells(const Environment& environment);
+struct ParentVisibility;
 
-    /// @param texel  Environment::Texel::index
-    std::uint32_t cell(std::uint32_t texel) const { return cells_[texel]; }
-
-private:
-    std::vector<std::uint16_t> cells_;
+/// The regions around a cluster of glossy points, for the lobe of its central one: light and
+/// deviations of Regions are what the lobe reflects, and the lobe itself is fitted in each region
+/// by a quadratic, whose integral against the light is exact. [docs/estimator.md]
+struct GlossyRegions {
+    Regions regions;
+    std::vector<QuadraticFit> fits;  ///< as Regions::groups
+    /// Predicted visibility, as Regions::groups, where fits are of no use as well.
+    std::vector<std::array<float, kBlockCells>> predicted;
 };
 
-/// The light of a cluster's regions, drawn from for a lobe: regions in proportion to the light
-/// that the lobe reflects and the root of the probability that it is visible, and a share by their
-/// light alone; directions in them by their luminance. It is a `Light` of queueGloss().
-class GlossyRegions {
+/// Makes them of pooled counts. Its buffers are used again from call to call.
+class GlossyRegionBuilder {
 public:
-    explicit GlossyRegions(const Environment& environment);
+    GlossyRegionBuilder(const Environment& environment, const DirectionTiers& tiers)
+        : environment_(environment),
+          tiers_(tiers),
+          leastNoise_(CellSplitter(environment, tiers).leastNoise() / static_cast<float>(kPi)) {}
 
-    /// Regions of a cluster, for the lobe of the point in its middle.
-    ///
-    /// @return whether there is any light
-    bool build(const Regions& regions, const GlossyLobe& lobe, const TexelCells& cells);
-
-    EnvironmentSample sample(double u, float jitterX, float jitterY) const;
-    float density(const EnvironmentSample& s) const;
+    /// @param misfit  mean square of what the points' lobes differ from this one, relative to it; 1
+    ///                or more: the quadratics are of no use
+    /// @return valid until the next call
+    const GlossyRegions& build(const QuadraticCells& cells, const PooledVisibility& pooled,
+                               const GlossyLobe& lobe, float misfit,
+                               const Calibration& calibration);
 
 private:
-    struct Entry {
-        int level;
-        std::uint32_t cell;
-        double guided, plain;  ///< weights
-    };
+    struct Task;
+    void addBlock(const Task& task, int tier, std::uint32_t block, const PooledBlock* counts,
+                  const ParentVisibility& parent);
 
     const Environment& environment_;
-    const TexelCells* cells_ = nullptr;
-    std::vector<Entry> entries_;
-    std::vector<double> begin_;  ///< sum of the probabilities before each entry, and 1
-    /// Probability of a cell over its light, by level and cell; 0: no region.
-    std::array<std::vector<float>, Environment::kLevel + 1> perLight_;
-    std::array<bool, Environment::kLevel + 1> used_{};
+    DirectionTiers tiers_;
+    float leastNoise_;
+    GlossyRegions result_;
 };
+
+/// What the control variate reflects of the light, for the central lobe: the sum over the regions
+/// of c times the integral of L q.
+Rgb integralOf(const QuadraticCells& cells, const GlossyRegions& glossy, const SamplingPlan& plan);
+
+/// What the cache predicts that the lobe reflects, without a ray: the same with the visibility that
+/// is predicted of all regions.
+Rgb predictionOf(const QuadraticCells& cells, const GlossyRegions& glossy);
 
 }  // namespace shadowcache

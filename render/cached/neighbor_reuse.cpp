@@ -30,8 +30,11 @@ NeighborReuse::NeighborReuse(const Environment& environment, const DirectionTier
     sizeBatch_.resize(cellCount(Environment::kLevel));
 }
 
-NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointClusters& clusters) {
+NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointClusters& clusters,
+                                          std::span<const GlossyPoint> glossy) {
     batch_ = batch;
+    glossy_ = glossy;
+    lobeSamples_.assign(glossy.size(), 0);
     clusters_ = &clusters;
     count_ = 0;
     found_.clear();
@@ -55,7 +58,8 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
 
 void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan& plan,
                                       std::span<const std::uint32_t> members,
-                                      std::span<const PointShare> shares) {
+                                      std::span<const PointShare> shares,
+                                      std::span<const PointShare> ofLobes) {
     NeighborReuse& r = reuse_;
     if (r.offers_.size() == r.count_) {
         r.offers_.emplace_back();
@@ -68,6 +72,8 @@ void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan
         r.samples_[members[i]] = shares[i].expected;
         cluster.samples += shares[i].expected;
     }
+    for (std::size_t i = 0; i < ofLobes.size(); ++i)
+        r.lobeSamples_[members[i]] = ofLobes[i].expected;
 }
 
 void NeighborReuse::addOffers(const Regions& regions, const SamplingPlan& plan,
@@ -139,6 +145,14 @@ std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
     return sizes_[found.cell] = std::max(1u, std::bit_floor(static_cast<std::uint32_t>(most)));
 }
 
+double NeighborReuse::densityOf(std::uint32_t point, const Offered& offer,
+                                const Vec3f& direction) const {
+    const double ofRegions = offer.density * samples_[point];
+    if (glossy_.empty()) return ofRegions;
+    return ofRegions +
+           lobeSamples_[point] * static_cast<double>(glossy_[point].lobe.density(direction));
+}
+
 void NeighborReuse::findCandidates(const Misprediction& found) {
     candidates_.clear();
     const ShadingPoint& finder = batch_.points[found.finder];
@@ -151,7 +165,9 @@ void NeighborReuse::findCandidates(const Misprediction& found) {
         if (row[pixel] < 0) continue;
         const auto point = static_cast<std::uint32_t>(row[pixel]);
         if (!(samples_[point] > 0)) continue;
-        if (found.direction.dot(batch_.points[point].normal) <= 0) continue;
+        const Vec3f& normal =
+            glossy_.empty() ? batch_.points[point].normal : glossy_[point].lobe.normal();
+        if (found.direction.dot(normal) <= 0) continue;
         const std::uint32_t c = clusterOf_[point];
         if (offeredNumber_[c] != foundNumber_) {
             offeredNumber_[c] = foundNumber_;
@@ -159,7 +175,8 @@ void NeighborReuse::findCandidates(const Misprediction& found) {
         }
         const Offered& offer = offered_[c];
         if (offer.expected == 0) continue;
-        candidates_.push_back({point, offer.density * samples_[point], offer.expected > 0});
+        candidates_.push_back(
+            {point, densityOf(point, offer, found.direction), offer.expected > 0});
     }
 }
 
@@ -193,13 +210,19 @@ void NeighborReuse::keepMispredicted(const Misprediction& found, const Scene& sc
     candidates_.resize(kept);
 }
 
+Rgb NeighborReuse::received(std::uint32_t point, const Misprediction& found, double density) const {
+    if (!glossy_.empty())
+        return found.radiance * glossy_[point].lobe.value(found.direction) *
+               static_cast<float>(1 / density);
+    const float cosine = found.direction.dot(batch_.points[point].normal);
+    return found.radiance * static_cast<float>(static_cast<double>(cosine) / density);
+}
+
 void NeighborReuse::contribute(const Misprediction& found, std::span<Estimate> estimates) const {
     double density = 0;
     for (const Candidate& c : candidates_) density += c.density;
     for (const Candidate& c : candidates_) {
-        const float cosine = found.direction.dot(batch_.points[c.point].normal);
-        const Rgb added = found.radiance * static_cast<float>(static_cast<double>(cosine) /
-                                                              density * (c.visible ? 1 : -1));
+        const Rgb added = received(c.point, found, c.visible ? density : -density);
         Estimate& estimate = estimates[c.point];
         estimate.irradiance += added;
         const float luminance = environment_.luminance(added);

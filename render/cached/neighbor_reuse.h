@@ -37,8 +37,11 @@ public:
     public:
         /// The next cluster: its regions whose mispredictions are reused, and the samples that its
         /// points have or are expected to have.
+        ///
+        /// @param ofLobes  samples of the points' lobes beside them, of a batch of glossy points
         void addCluster(const Regions& regions, const SamplingPlan& plan,
-                        std::span<const std::uint32_t> members, std::span<const PointShare> shares);
+                        std::span<const std::uint32_t> members, std::span<const PointShare> shares,
+                        std::span<const PointShare> ofLobes = {});
         void add(const Misprediction& found) { reuse_.found_.push_back(found); }
         /// Adds to the points' estimates what all mispredictions contribute, the finders' share
         /// too.
@@ -50,8 +53,11 @@ public:
         NeighborReuse& reuse_;
     };
 
-    /// @param batch, clusters  are read until the batch is finished
-    Batch begin(const PointBatch& batch, const PointClusters& clusters);
+    /// @param batch, clusters, glossy  are read until the batch is finished
+    /// @param glossy  the batch's points with their lobes, which are then lit in place of the
+    /// cosine
+    Batch begin(const PointBatch& batch, const PointClusters& clusters,
+                std::span<const GlossyPoint> glossy = {});
 
 private:
     /// Of sixteen regions: samples there for each of a point, negative where the sky is predicted,
@@ -79,6 +85,10 @@ private:
         bool visible;    ///< what would contradict its prediction
     };
 
+    double densityOf(std::uint32_t point, const Offered& offer, const Vec3f& direction) const;
+    /// What a misprediction contributes to a point; `density`, of all that may find it, is negative
+    /// where light that was predicted is missing.
+    Rgb received(std::uint32_t point, const Misprediction& found, double density) const;
     void addOffers(const Regions& regions, const SamplingPlan& plan, ClusterOffers& cluster) const;
     Offered offered(const ClusterOffers& cluster, const Misprediction& found) const;
     std::uint32_t groupSize(const Misprediction& found);
@@ -92,11 +102,13 @@ private:
     std::vector<std::uint32_t> firstSlot_;  ///< by tier
 
     PointBatch batch_;
+    std::span<const GlossyPoint> glossy_;
     const PointClusters* clusters_ = nullptr;
     std::vector<ClusterOffers> offers_;  ///< by cluster; only the first count_ are of this batch
     std::size_t count_ = 0;
     std::vector<std::uint32_t> clusterOf_;  ///< by point
     std::vector<double> samples_;           ///< by point
+    std::vector<double> lobeSamples_;       ///< by glossy point
     std::vector<std::int32_t> pointAt_;     ///< by camera ray, then pixel; -1: none
     std::vector<Misprediction> found_;
 

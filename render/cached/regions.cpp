@@ -8,15 +8,9 @@
 #include "common/predict/cell_light.h"
 #include "common/predict/horizon.h"
 #include "common/predict/lanes.h"
-#include "common/predict/posterior.h"
+#include "render/cached/cell_visibility.h"
 
 namespace shadowcache {
-
-/// c and the posterior mean of the visibility in each of sixteen cells.
-struct CellVisibility {
-    alignas(64) float c[kBlockCells];
-    alignas(64) float posterior[kBlockCells];
-};
 
 /// What all blocks of one place share.
 struct RegionBuilder::Task {
@@ -34,30 +28,6 @@ SHADOWCACHE_TUNED(float, kTiltMoment, 0.1f);
 
 /// Least height over the horizon at which the share of a tilt in the cosine is evaluated.
 SHADOWCACHE_TUNED(float, kLeastTiltHeight, 0.05f);
-
-void estimateVisibility(const PooledBlock* counts, float parentVisibility, float parentPosterior,
-                        CellVisibility& out) {
-    if (!counts) {
-        for (int i = 0; i < kBlockCells; ++i) {
-            out.c[i] = parentVisibility;
-            out.posterior[i] = parentPosterior;
-        }
-        return;
-    }
-    for (int i = 0; i < kBlockCells; ++i) {
-        const float rays = counts->rays[i] * counts->rays[i] / std::max(counts->rays2[i], 1e-30f);
-        const float c = counts->ratioOrNone(i);
-        out.c[i] = c;
-        out.posterior[i] = posteriorVisibility(c * rays, rays, parentPosterior);
-    }
-}
-
-/// Mean square of the residual in a region that is visible with probability `a` and whose
-/// visibility the control variate takes for `c`, in units of its light. The two moments are those
-/// of the clamped cosine and of what stands in for it; both 1 above the horizon.
-float residualMoment(float a, float c, float cosineMoment, float fitMoment) {
-    return a * (cosineMoment - fitMoment) + fitMoment * (a * (1 - c) * (1 - c) + (1 - a) * c * c);
-}
 
 /// The stand-in of the cosine in each region of the group, as lightCells() integrates it.
 void fitCosines(const CellMoments& m, const Vec3f& n, RegionGroup& group) {
@@ -106,13 +76,7 @@ const Regions& RegionBuilder::build(const PooledVisibility& pooled, const Vec3f&
     std::vector<RegionGroup> groups = std::move(regions_.groups);
     groups.clear();
     regions_ = {std::move(groups)};
-    float visible = 0, counted = 0;
-    for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
-        for (int i = 0; i < kBlockCells; ++i) {
-            visible += pooled.base(b).visible[i];
-            counted += pooled.base(b).weight[i];
-        }
-    const Parent sphere{0, spherePrior(visible, counted)};
+    const ParentVisibility sphere = sphereVisibility(pooled);
     const Task task{pooled, calibration, normal, tilt};
     for (std::uint32_t b = 0; b < pooled.baseBlocks(); ++b)
         addBlock(task, 0, b, &pooled.base(b), sphere);
@@ -120,13 +84,13 @@ const Regions& RegionBuilder::build(const PooledVisibility& pooled, const Vec3f&
 }
 
 void RegionBuilder::addBlock(const Task& task, int tier, std::uint32_t block,
-                             const PooledBlock* counts, const Parent& parent) {
+                             const PooledBlock* counts, const ParentVisibility& parent) {
     const int level = tiers_.baseLevel() + 2 * tier;
     const CellMoments& m = environment_.cells(level, block);
     CellLight sky;
     lightCells(m, task.normal, environment_.luminanceWeights(), sky);
     CellVisibility v;
-    estimateVisibility(counts, parent.visibility, parent.posterior, v);
+    estimateVisibility(counts, parent, v);
     Splits split;
     splitter_.mark(task.pooled, tier, block, sky, v.c, splitter_.leastNoise(), split);
     if (split.any)
@@ -142,9 +106,7 @@ void RegionBuilder::addBlock(const Task& task, int tier, std::uint32_t block,
     task.calibration.apply<kBlockCells>(v.posterior, group.calibrated, correction);
     const Rgb& weights = environment_.luminanceWeights();
     for (int i = 0; i < kBlockCells; ++i) {
-        const float moved = v.c[i] + correction[i];
-        const float atMost1 = moved < 1 ? moved : 1.0f;
-        const float c = atMost1 > 0 ? atMost1 : 0.0f;
+        const float c = corrected(v.c[i], correction[i]);
         group.visibility[i] = c;
         group.posterior[i] = v.posterior[i];
         group.light[i] = sky.light[i] * std::sqrt(sky.cosineMoment[i]);

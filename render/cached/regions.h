@@ -48,6 +48,8 @@ struct Regions {
 /// because noise in a dark place that was predicted bright is seen, and the reverse is not.
 inline SHADOWCACHE_TUNED(float, kMostlyVisible, 0.75f);
 
+struct ParentVisibility;
+
 /// Makes regions of pooled counts. Its buffers are used again from call to call.
 class RegionBuilder {
 public:
@@ -63,13 +65,8 @@ public:
 
 private:
     struct Task;
-    /// What a cell hands down to its children.
-    struct Parent {
-        float visibility;
-        float posterior;
-    };
     void addBlock(const Task& task, int tier, std::uint32_t block, const PooledBlock* counts,
-                  const Parent& parent);
+                  const ParentVisibility& parent);
 
     const Environment& environment_;
     DirectionTiers tiers_;

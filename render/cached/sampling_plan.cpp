@@ -10,10 +10,6 @@ namespace shadowcache {
 
 namespace {
 
-/// Samples drawn in proportion to the light alone, for each that follows the counts: bounds what a
-/// misprediction can weigh.
-SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
-
 /// Part of the irradiance from which on a sample is heavy enough to be reused: what its rays to the
 /// neighbours cost is then well spent.
 SHADOWCACHE_TUNED(double, kHeavy, 0.045);
@@ -34,12 +30,13 @@ const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples
     plan_.weightSum = 0;
     if (!(regions.lightSum > 0)) return plan_;
     const auto defence =
-        static_cast<float>(kDefensiveShare * regions.deviationSum / regions.lightSum);
+        static_cast<float>(defensiveShare_ * regions.deviationSum / regions.lightSum);
     const double unsure = std::max(0.0, regions.predictedLuminance - regions.surelyVisible);
     const double bright =
         brightness.darkest + regions.surelyVisible + brightness.unsureShare * unsure;
-    // A sample weighs light / (samples * weight / deviationOf(regions)).
-    const auto least = static_cast<float>(kHeavy * bright * samples / deviationOf(regions));
+    // A sample weighs light / (samples * weight / deviation).
+    const double deviation = (1 + defensiveShare_) * regions.deviationSum;
+    const auto least = static_cast<float>(kHeavy * bright * samples / deviation);
     for (std::size_t g = 0; g < regions.groups.size(); ++g) {
         const RegionGroup& from = regions.groups[g];
         PlannedGroup& to = plan_.groups[g];

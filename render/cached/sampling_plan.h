@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/base/tuned.h"
 #include "render/cached/regions.h"
 
 namespace shadowcache {
@@ -31,6 +32,9 @@ struct Brightness {
     double unsureShare = 0;  ///< how much of the light that is predicted but not sure counts
 };
 
+/// SamplingPlanner's share in samples of the irradiance.
+inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
+
 /// Standard deviation of one sample of a point, as the regions predict it.
 double deviationOf(const Regions& regions);
 
@@ -42,10 +46,16 @@ double deviationOf(const Regions& regions);
 ///
 class SamplingPlanner {
 public:
+    /// @param defensiveShare  samples drawn in proportion to the light alone, for each that follows
+    ///                        the counts: bounds what a misprediction can weigh
+    explicit SamplingPlanner(double defensiveShare = kDefensiveShare)
+        : defensiveShare_(defensiveShare) {}
+
     /// @return valid until the next call
     const SamplingPlan& plan(const Regions& regions, double samples, const Brightness& brightness);
 
 private:
+    double defensiveShare_;
     SamplingPlan plan_;
 };
 

@@ -19,9 +19,10 @@ namespace {
 using test::Effort;
 
 const test::GlossyLook kVarnish{Rgb(0.5f, 0.3f, 0.2f), {.roughness = 0.4f}};
+const test::GlossyLook kBrass{Rgb(0.9f, 0.7f, 0.3f), {.metallic = 1, .roughness = 0.2f}};
 
 /// The floor under a slab, seen from the side: a few pixels of it.
-class GlossyFloor : public testing::Test {
+class GlossyFloor : public testing::TestWithParam<test::GlossyLook> {
 protected:
     static constexpr int kSide = 3;
 
@@ -31,7 +32,7 @@ protected:
         options.filter = FilterKind::box;
         options.cameraRays = chosen.cameraRays;
         options.samples = chosen.samples;
-        options.plain = {kVarnish.baseColor, kVarnish.gloss};
+        options.plain = {GetParam().baseColor, GetParam().gloss};
         return options;
     }
 
@@ -47,7 +48,7 @@ protected:
             const Vec3d from = rays.start(at) - world_.mesh.origin;
             const ShadingPoint point =
                 test::pointAlong(world_.scene, Vec3f(from), Vec3f(direction));
-            sum += test::tracedReflection(world_.scene, point, kVarnish, -direction,
+            sum += test::tracedReflection(world_.scene, point, GetParam(), -direction,
                                           world_.environment);
         }
         return sum / static_cast<float>(side * side);
@@ -81,7 +82,7 @@ protected:
 
 // For K camera rays and N samples, by `mis` and by `cache` with every lie in the cache. With its
 // control: 3 % more is rejected where there are enough samples.
-TEST_F(GlossyFloor, IsBruteForcesForAllEfforts) {
+TEST_P(GlossyFloor, IsBruteForcesForAllEfforts) {
     constexpr std::array kEfforts{Effort{1, 1}, Effort{4, 1}, Effort{2, 3}, Effort{8, 8}};
     const Rgb wanted = truth(2);
     const auto kinds = test::cacheKinds();
@@ -107,6 +108,8 @@ TEST_F(GlossyFloor, IsBruteForcesForAllEfforts) {
         check("cache", test::TestCache(told), kind.name);
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(Looks, GlossyFloor, testing::Values(kVarnish, kBrass));
 
 /// A square that is lit, glossy and a lamp, before the sky.
 class Parts : public testing::Test {

@@ -163,19 +163,36 @@ TEST(GlossyLight, OfAMirrorIsTheMapsTexel) {
         EXPECT_NEAR(found.mean(c) / static_cast<double>(wanted[c]), 1, 0.01);
 }
 
-TEST(GlossyLight, WithoutSamplesOrLightIsBlack) {
-    const test::World world(test::slabMesh(), test::constantMap(Rgb(1, 1, 1)));
+TEST(GlossyLight, WithoutLightIsBlack) {
     const test::World night(test::slabMesh(), test::constantMap(Rgb(0, 0, 0)));
-    const ShadingPoint point = world.below();
-    const GlossyLook look = test::glossyLooks()[0];
-    const auto none = [&](const test::World& where, int samples) {
-        const auto estimator = findEstimator("cache").make(where.context(), {});
+    const ShadingPoint point = night.below();
+    const auto estimator = findEstimator("cache").make(night.context(), {});
+    for (const int samples : {0, 4}) {
         const test::Estimates found =
-            reflect(*estimator, point, look, viewerAt(point, 0.7), samples, 20).glossy;
-        return found.mean(0) == 0 && found.mean(1) == 0 && found.mean(2) == 0;
-    };
-    EXPECT_TRUE(none(world, 0));
-    EXPECT_TRUE(none(night, 4));
+            reflect(*estimator, point, test::glossyLooks()[0], viewerAt(point, 0.7), samples, 20)
+                .glossy;
+        for (int c = 0; c < 3; ++c) EXPECT_EQ(found.mean(c), 0);
+    }
+}
+
+// Without samples `cache` shows what it predicts, without noise; `mis` has no prediction.
+TEST(GlossyLight, WithoutSamplesIsPredictedByTheCache) {
+    const test::World world(test::slabMesh(), test::noiseMap(64, 32, 7));
+    const ShadingPoint point = world.below();
+    const Vec3f viewer = viewerAt(point, 0.7);
+    for (const float roughness : {0.2f, 0.3f, 0.6f}) {
+        const GlossyLook look{Rgb(0.9f, 0.7f, 0.3f), {.metallic = 1, .roughness = roughness}};
+        const Rgb truth =
+            test::tracedReflection(world.scene, point, look, Vec3d(viewer), world.environment);
+        const auto cache = findEstimator("cache").make(world.context(), {});
+        const auto mis = findEstimator("mis").make(world.context(), {});
+        const test::Estimates found = reflect(*cache, point, look, viewer, 0, 2).glossy;
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(found.mean(c) / static_cast<double>(truth[c]), 1, 0.05) << roughness;
+            EXPECT_EQ(found.sampleVariance(c), 0);
+            EXPECT_EQ(reflect(*mis, point, look, viewer, 0, 2).glossy.mean(c), 0);
+        }
+    }
 }
 
 }  // namespace

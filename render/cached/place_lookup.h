@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/cache/shadow_cache.h"
+#include "common/predict/pooled_visibility.h"
+#include "render/estimators/estimator.h"
+
+namespace shadowcache {
+
+/// Looks up places in a cache and pools their counts. Reused from place to place; one object a
+/// thread.
+class PlaceLookup {
+public:
+    explicit PlaceLookup(const ShadowCache& cache)
+        : reader_(cache), items_(ShadowCache::kMaxItems), pooled_(cache.header().tiers()) {}
+
+    /// The items around a point; valid until the next call.
+    std::span<const ItemView> find(const ShadingPoint& point);
+
+    /// Pools the counts around a point, for it and all points within `radius`.
+    ///
+    /// @return number of items found
+    int pool(const Scene& scene, const ShadingPoint& point, float radius);
+    /// What was pooled last.
+    const PooledVisibility& pooled() const { return pooled_; }
+
+private:
+    ShadowCache::Reader reader_;
+    std::vector<ItemView> items_;
+    PooledVisibility pooled_;
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/cached/neighbor_reuse.h"
+
+namespace shadowcache {
+
+/// Traces samples of a cluster's points in packets and adds what they bring to the points'
+/// estimates.
+class SampleTracer {
+public:
+    /// Samples that bring something whatever a ray finds, or what a ray decides.
+    class Run {
+    public:
+        /// A sample that needs no ray.
+        void add(std::uint32_t point, const Rgb& value);
+        /// A sample whose value a ray decides.
+        void trace(std::uint32_t point, const Vec3f& direction, const Rgb& ifVisible,
+                   const Rgb& ifOccluded);
+        /// A sample that is a misprediction if the ray finds the sky (`ifVisible`), or an occluder.
+        void traceForReuse(const Misprediction& found, bool ifVisible);
+        /// Traces what is still waiting.
+        void finish();
+
+    private:
+        friend class SampleTracer;
+        Run(SampleTracer& tracer, const EstimatorContext& context, const PointBatch& batch,
+            NeighborReuse::Batch& reuse, std::span<Estimate> estimates)
+            : tracer_(tracer),
+              context_(context),
+              batch_(batch),
+              reuse_(reuse),
+              estimates_(estimates) {}
+        void queue(std::uint32_t point, const Vec3f& direction);
+        void flush();
+
+        SampleTracer& tracer_;
+        const EstimatorContext& context_;
+        const PointBatch& batch_;
+        NeighborReuse::Batch& reuse_;
+        std::span<Estimate> estimates_;
+    };
+
+    /// @param members    numbers of the points in the batch that samples will be of
+    /// @param batch, reuse, estimates  are used until the run is finished
+    Run begin(const EstimatorContext& context, const PointBatch& batch,
+              std::span<const std::uint32_t> members, NeighborReuse::Batch& reuse,
+              std::span<Estimate> estimates);
+
+private:
+    /// What a ray that is still to be traced brings.
+    struct Pending {
+        std::uint32_t point;
+        Rgb ifVisible, ifOccluded;
+        int reuse;  ///< 1: a misprediction if visible, -1: if occluded, 0: neither
+        Misprediction found;
+    };
+    /// Luminance of a point's last sample that has no partner yet.
+    struct Partner {
+        float luminance = 0;
+        bool waits = false;
+        bool paired = false;  ///< it had one before
+    };
+
+    RayPacket packet_{};
+    Pending pending_[RayPacket::kSize];
+    int queued_ = 0;
+    std::span<const std::uint32_t> members_;
+    std::vector<Partner> partners_;  ///< by point
+};
+
+}  // namespace shadowcache
