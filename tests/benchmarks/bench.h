@@ -93,6 +93,7 @@ Reference makeReference(const EstimatorContext& context, const Set& set, int fra
 // The benchmarks, one file each.
 void efficiency(const Settings& settings);
 void delivered(const Settings& settings);
+void gloss(const Settings& settings);
 void bakeSpeed(const Settings& settings);
 void timeShares(const Settings& settings);
 void memory(const Settings& settings);

@@ -25,7 +25,7 @@ int main(int argc, char** argv) try {
         ->delimiter(',')
         ->capture_default_str();
     app.add_option("--seeds", settings.seeds,
-                   "delivered: renders to average over; 0: 2, with --full 4")
+                   "delivered, gloss: renders to average over; 0: 2, with --full 4, or 1")
         ->capture_default_str();
     app.add_flag("!--no-crop", settings.crop, "delivered: no parts of large pictures");
     app.add_option("--spacing", settings.bake.spacing, "Spacing of the bake");
@@ -43,6 +43,7 @@ int main(int argc, char** argv) try {
     };
     add("efficiency", "Error and time of the estimators", bench::efficiency);
     add("delivered", "Error and time of antialiased pictures", bench::delivered);
+    add("gloss", "Noise of glossy pictures by roughness, metal and varnish", bench::gloss);
     add("bake", "Rays a second of the bake against bare Embree calls", bench::bakeSpeed);
     add("time", "Where the time of a render goes: Embree, set-up, the rest", bench::timeShares);
     add("memory", "Peak memory by triangles and items; opening a large cache", bench::memory);
