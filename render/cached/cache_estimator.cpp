@@ -34,13 +34,6 @@ SHADOWCACHE_TUNED(double, kDarkest, 0.1);
 /// How much of the light that is predicted but not sure makes a place bright, whose samples are
 /// then not heavy.
 SHADOWCACHE_TUNED(double, kUnsureShare, 0.4);
-/// The same with the uniform budget, which gives no more samples to places that turn out dark.
-SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
-
-/// Whatever number of samples is asked for, the same regions are reused as with so many: what is
-/// not reused then falls as all the noise does.
-SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
-
 /// Places of a pilot that one thread takes at a time.
 constexpr std::size_t kPilotChunk = 32;
 

@@ -7,13 +7,6 @@ namespace shadowcache {
 
 namespace {
 
-/// How much of the light that is predicted but not sure makes a lobe bright, whose samples are then
-/// not heavy.
-SHADOWCACHE_TUNED(double, kGlossyUnsureShare, 0.2);
-
-/// As `kJudgedSamples` of the irradiance: the number of samples that tells what is reused.
-SHADOWCACHE_TUNED(double, kGlossyJudgedSamples, 64);
-
 /// SamplingPlanner's share in samples of lobes, which differ from the central one that is planned
 /// for.
 SHADOWCACHE_TUNED(double, kGlossyDefensiveShare, 0.8);
@@ -110,8 +103,8 @@ GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& clust
     const GlossyRegions& glossy = regionsOf(batch, cluster, central.alpha() >= kLeastFittedAlpha);
     const auto members = batch.tools.membersOf(cluster);
     const double share = batch.batch.samples;
-    const SamplingPlan& plan = w.planner.plan(glossy.regions, kGlossyJudgedSamples,
-                                              {batch.frame.darkest, kGlossyUnsureShare});
+    const SamplingPlan& plan = w.planner.plan(glossy.regions, kJudgedSamples,
+                                              {batch.frame.darkest, kUnsureShareUniform});
     const Rgb integral = integralOf(tables().cells, glossy, plan);
     for (std::size_t k = 0; k < members.size(); ++k)
         w.estimates[members[k]].irradiance = integral * w.matches[k].factor;

@@ -32,6 +32,14 @@ struct Brightness {
     double unsureShare = 0;  ///< how much of the light that is predicted but not sure counts
 };
 
+/// Brightness::unsureShare with the uniform budget, which gives no more samples to places that turn
+/// out dark.
+inline SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
+
+/// Whatever number of samples is asked for, the same regions are reused as with so many: what is
+/// not reused then falls as all the noise does.
+inline SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
+
 /// SamplingPlanner's share in samples of the irradiance.
 inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
 

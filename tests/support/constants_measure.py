@@ -24,6 +24,9 @@ MAPS = SOURCE / "scenes/maps"
 VIEWS = {"sunrise": ("courtyard", 1.6, "sunrise", 120, 1), "interior": ("courtyard", 1.6, "interior", 30, 18),
          "scatter": ("scatter", 1.6, "courtyard", 90, 1)}
 LIGHT = ["--samples", "32"]
+# A view with other options, and which.
+OTHERS = {"moving": ("sunrise", lambda bench: ["--dynamic", bench.path("ball.obj")]),
+          "glossy": ("interior", lambda bench: ["--material", "roughness=0.3,metallic=1"])}
 SEEDS = (1,)
 BASE_SEEDS = (1, 2, 3, 4)
 COLUMNS = ["name", "value", "tried", "case", "error", "cost", "rays", "bytes"]
@@ -135,17 +138,19 @@ class Bench:
         with ThreadPoolExecutor(self.jobs) as pool:
             list(pool.map(lambda s: self.path(f"{s}.vdb").exists()
                           or self.bake(s, 1.6, self.path(f"{s}.vdb")), ("courtyard", "scatter", "many")))
-            list(pool.map(self.refer, [*VIEWS, "moving"]))
+            list(pool.map(self.refer, [*VIEWS, *OTHERS]))
 
     def refer(self, name):
         """The reference of a view, and what the program's start takes."""
-        view, more = ("sunrise", ["--dynamic", self.path("ball.obj")]) if name == "moving" else (name, [])
+        view, more = name, []
+        if name in OTHERS:
+            view, more = OTHERS[name][0], OTHERS[name][1](self)
         output = self.path(f"reference-{name}.exr")
         if not output.exists():
             self.run("render/shadowcache-render",
                      [*self.scene(view), "-o", output, "--samples", 1024, "--seed", 99, *more])
         self.references[name] = luminance(output)
-        if name != "moving":
+        if name in VIEWS:
             self.starts[name] = statistics.median(
                 self.run("render/shadowcache-render", [*self.scene(view), "-o", self.path(f"start-{name}.exr"),
                                                        "--samples", 0, "--size", "8x8"])[0] for _ in range(3))
@@ -157,10 +162,11 @@ def pictures(views, arguments, **more):
     return case
 
 
-def moving(bench, values, seed):
-    ball = bench.path("ball.obj")
-    return {"moving": bench.picture("sunrise", [*LIGHT, "--seed", seed, "--dynamic", ball], values,
-                                    reference="moving")}
+def other(name):
+    def case(bench, values, seed):
+        view, more = OTHERS[name]
+        return {name: bench.picture(view, [*LIGHT, "--seed", seed, *more(bench)], values, reference=name)}
+    return case
 
 
 def baked(bench, values, seed):
@@ -211,7 +217,8 @@ CASES = {
     "render": (pictures(ALL, LIGHT), SEEDS),
     "uniform": (pictures(ALL, [*LIGHT, "--budget", "uniform"]), SEEDS),
     "preview": (pictures(ALL, ["--samples", "0", "--camera-rays", "16"]), (1,)),
-    "moving": (moving, SEEDS),
+    "moving": (other("moving"), SEEDS),
+    "glossy": (other("glossy"), SEEDS),
     "target": (pictures(ALL, ["--target-error", "0.05"]), SEEDS),
     "paper": (pictures(ALL, ["--estimator", "paper", "--order", "1", *LIGHT]), (1,)),
     "paper-image": (pictures(ALL, ["--estimator", "paper-image", *LIGHT]), (1,)),
@@ -231,6 +238,8 @@ def cases_of(constant):
         return SPECIAL[constant.name]
     if constant.file == "render/frame/target_error.cpp":
         return ["target"]
+    if constant.file.startswith(("render/cached/gloss", "render/cached/lobe")):
+        return ["glossy"]
     if constant.file.startswith("bake/"):
         return ["bake"]
     if constant.file.startswith("render/paper/"):
