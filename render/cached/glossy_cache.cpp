@@ -103,8 +103,8 @@ GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& clust
     const GlossyRegions& glossy = regionsOf(batch, cluster, central.alpha() >= kLeastFittedAlpha);
     const auto members = batch.tools.membersOf(cluster);
     const double share = batch.batch.samples;
-    const SamplingPlan& plan = w.planner.plan(glossy.regions, kJudgedSamples,
-                                              {batch.frame.darkest, kUnsureShareUniform});
+    const SamplingPlan& plan =
+        w.planner.plan(glossy.regions, kJudgedSamples, {batch.frame.darkest, kUnsureShareUniform});
     const Rgb integral = integralOf(tables().cells, glossy, plan);
     for (std::size_t k = 0; k < members.size(); ++k)
         w.estimates[members[k]].irradiance = integral * w.matches[k].factor;
