@@ -17,6 +17,13 @@ target_compile_options(shadowcache_options INTERFACE
 # What is linked is found once, before main(), and read-only from then on (docs/security.md). Debian's
 # compilers make position-independent programs.
 target_link_options(shadowcache_options INTERFACE -Wl,-z,relro,-z,now)
+# What release builds of the rooms and programs add; docs/security.md has what each costs. Tests do
+# without, and so do the other configurations, whose sanitizers see more.
+set(SHADOWCACHE_HARDENING)
+if(SHADOWCACHE_HARDEN AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT SHADOWCACHE_SANITIZE)
+    set(SHADOWCACHE_HARDENING "-fstack-protector-strong -fstack-clash-protection -fcf-protection \
+-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3")
+endif()
 if(SHADOWCACHE_FUZZ)
     # A fault found by any sanitizer ends the run.
     target_compile_options(shadowcache_options INTERFACE
