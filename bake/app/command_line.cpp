@@ -91,7 +91,7 @@ void defineShot(CLI::App& app, BakeJob& job, ShotArguments& shot) {
         ->group(group);
 }
 
-void defineOutput(CLI::App& app, BakeJob& job) {
+void defineOutput(CLI::App& app, BakeJob& job, std::string& memory) {
     const std::string group = "Output";
     app.add_option("-o,--output", job.output, "Cache to write (OpenVDB, .vdb)")->group(group);
     app.add_flag("--estimate", job.estimate,
@@ -107,6 +107,10 @@ void defineOutput(CLI::App& app, BakeJob& job) {
     app.add_option("--checkpoint", job.checkpointSeconds,
                    "Seconds between two checkpoints, 0.01 to 60")
         ->capture_default_str()
+        ->group(group);
+    app.add_option("--memory", memory,
+                   "Most finished items that stay in memory until the end, as in 4G; more are read "
+                   "back from the checkpoint")
         ->group(group);
     addThreadsOption(app, job.threads, group);
     addProgressOption(app, group);
@@ -128,14 +132,14 @@ constexpr const char* kFooter =
 std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     CLI::App app("Bakes the visibility of a static set into a sparse OpenVDB file.",
                  "shadowcache-bake");
-    std::string up = "y", shard;
+    std::string up = "y", shard, memory;
     bool uniform = false, allowExternal = false;
     ShotArguments shot;
     beginCommandLine(app);
     addSetOptions(app, job.files, up, job.mesh.scale, allowExternal, "Set");
     defineBake(app, job, shard, uniform);
     defineShot(app, job, shot);
-    defineOutput(app, job);
+    defineOutput(app, job, memory);
     app.footer(kFooter);
     const auto check = [&] {
         if (job.output.empty() && !job.estimate) throw CLI::RequiredError("--output");
@@ -145,6 +149,7 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     if (!shard.empty()) parseShard(shard, job.bake);
     job.shot.size = parsePair("--size", shot.size, "WxH, as in 960x540");
     for (const std::string& text : shot.dynamic) job.shot.dynamic.push_back(parseDynamic(text));
+    if (!memory.empty()) job.memory = parseSize("--memory", memory);
     job.mesh.zUp = up == "z";
     if (allowExternal) job.mesh.references = References::anywhere;
     job.settings = settingsOf(app);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "bake/core/region_bytes.h"
 #include "common/base/json_file.h"
 #include "common/base/process.h"
 
@@ -19,14 +20,6 @@ constexpr double kCopies = 5;
 
 std::uint64_t rounded(double value) {
     return static_cast<std::uint64_t>(std::llround(value));
-}
-
-double bytesOf(const CacheItems& items) {
-    const auto of = [](const auto& values) {
-        return static_cast<double>(values.size() * sizeof(values[0]));
-    };
-    return of(items.voxel) + of(items.patch) + of(items.normal) + of(items.position) + of(items.n) +
-           of(items.d) + of(items.firstBlock) + of(items.blocks);
 }
 
 /// Size of the file that the sample makes; the file is removed.
@@ -63,7 +56,8 @@ BakeEstimate estimateBake(const Scene& scene, const BakeOptions& options,
     estimate.seconds =
         secondsBefore + pilotScale * sample.pilotSeconds + scale * (sample.itemSeconds + writing);
     estimate.bytes = rounded(scale * static_cast<double>(bytes));
-    estimate.memoryBytes = memory + rounded(kCopies * scale * bytesOf(sample.items));
+    estimate.memoryBytes =
+        memory + rounded(kCopies * scale * static_cast<double>(bytesOf(sample.items)));
     return estimate;
 }
 

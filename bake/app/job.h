@@ -24,6 +24,7 @@ struct BakeJob {
     bool estimate = false;  ///< predict what the bake takes, write no cache
     bool resume = false;
     double checkpointSeconds = 30;
+    std::uint64_t memory = 0;  ///< bytes of finished items to keep until the end; 0: all
     std::vector<std::pair<std::string, std::string>> settings;  ///< as settingsOf() has them
 };
 

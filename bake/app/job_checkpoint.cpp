@@ -1,7 +1,9 @@
 #include "bake/app/job_checkpoint.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <string_view>
 
 #include "common/base/interrupt.h"
@@ -14,9 +16,9 @@ namespace shadowcache {
 namespace {
 
 /// Options that items do not depend on, or that identityOf() states by content.
-constexpr std::string_view kNotOfTheItems[] = {"SET",     "output",  "stats",      "threads",
-                                               "resume",  "extend",  "checkpoint", "camera",
-                                               "dynamic", "progress"};
+constexpr std::string_view kNotOfTheItems[] = {"SET",     "output",   "stats",      "threads",
+                                               "resume",  "extend",   "checkpoint", "camera",
+                                               "dynamic", "progress", "memory"};
 
 /// All that the items of the job's cache depend on.
 BakeIdentity identityOf(const BakeJob& job) {
@@ -43,8 +45,10 @@ BakeIdentity identityOf(const BakeJob& job) {
 
 std::unique_ptr<Checkpoint> startCheckpoint(const BakeJob& job) {
     reportLeftovers(job.output);
+    const std::uint64_t memory =
+        job.memory > 0 ? job.memory : std::numeric_limits<std::uint64_t>::max();
     auto checkpoint =
-        std::make_unique<Checkpoint>(job.output, identityOf(job), job.checkpointSeconds);
+        std::make_unique<Checkpoint>(job.output, identityOf(job), job.checkpointSeconds, memory);
     const char* folder = checkpoint->folder().c_str();
     if (job.resume) {
         if (const std::size_t regions = checkpoint->resume())

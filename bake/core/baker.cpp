@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "bake/core/item_baker.h"
 #include "bake/core/region_bytes.h"
@@ -41,6 +43,53 @@ std::uint64_t raysOf(const Pilots& pilots) {
     return rays;
 }
 
+/// Finished regions, in memory or, if they may not stay there, in the checkpoint.
+class Parts {
+public:
+    explicit Parts(std::size_t count) : parts_(count), sizes_(count) {}
+
+    /// Thread-safe for different regions.
+    void set(std::size_t i, Baked part, Checkpoint* checkpoint) {
+        sizes_[i] = {part.items.size(), part.items.n.size(), part.items.blocks.size()};
+        if (!checkpoint || checkpoint->mayKeep(bytesOf(part.items))) parts_[i] = std::move(part);
+    }
+
+    /// All of them, in order; each is forgotten.
+    Baked joined(const Checkpoint* checkpoint) {
+        Baked all;
+        reserve(all.items);
+        for (std::size_t i = 0; i < parts_.size(); ++i) {
+            std::optional<Baked> part = std::exchange(parts_[i], std::nullopt);
+            if (!part) part = bakedFromBytes(*checkpoint->read(Checkpoint::Pass::items, i));
+            append(all.items, part->items);
+            all.rays += part->rays;
+        }
+        return all;
+    }
+
+private:
+    struct Size {
+        std::size_t items, counts, blocks;
+    };
+
+    void reserve(CacheItems& all) const {
+        Size sum{};
+        for (const Size& size : sizes_)
+            sum = {sum.items + size.items, sum.counts + size.counts, sum.blocks + size.blocks};
+        all.voxel.reserve(sum.items);
+        all.patch.reserve(sum.items);
+        all.normal.reserve(sum.items);
+        all.position.reserve(sum.items);
+        all.n.reserve(sum.counts);
+        all.d.reserve(sum.counts);
+        all.firstBlock.reserve(sum.items + 1);
+        all.blocks.reserve(sum.blocks);
+    }
+
+    std::vector<std::optional<Baked>> parts_;
+    std::vector<Size> sizes_;
+};
+
 /// A bake in progress. An adaptive one takes two passes over the voxels: pilot rays of all patches,
 /// then the items, which get more rays where their own pilots or their neighbours' are mixed. If
 /// not everything is baked, a pass before them finds out what is wanted of each voxel.
@@ -61,8 +110,11 @@ public:
         Progress progress("bake", std::max<std::size_t>(1, count * (isAdaptive() ? 2 : 1)));
         Pilots pilots;
         if (isAdaptive()) pilots = tracePilots(voxels_.withNeighbours(), count, progress);
-        Baked baked = bakeVoxels(voxels_.wanted(), pilots, progress);
-        baked.rays += raysOf(pilots);
+        Parts parts = bakeVoxels(voxels_.wanted(), pilots, progress);
+        const std::uint64_t pilotRays = raysOf(pilots);
+        pilots = {};
+        Baked baked = parts.joined(checkpoint_);
+        baked.rays += pilotRays;
         return baked;
     }
 
@@ -83,7 +135,7 @@ public:
         }
         out.pilotRays = raysOf(pilots);
         const double traced = secondsNow();
-        Baked baked = bakeVoxels(chosen, pilots, progress);
+        Baked baked = bakeVoxels(chosen, pilots, progress).joined(checkpoint_);
         out.pilotSeconds = traced - start;
         out.itemSeconds = secondsNow() - traced;
         out.itemRays = baked.rays;
@@ -144,7 +196,7 @@ private:
     Region region(Checkpoint::Pass pass, std::size_t number, Region (*read)(std::string_view),
                   const Make& make) const {
         if (checkpoint_)
-            if (const auto bytes = checkpoint_->take(pass, number)) return read(*bytes);
+            if (const auto bytes = checkpoint_->read(pass, number)) return read(*bytes);
         Region made;
         make(made);
         if (checkpoint_) checkpoint_->add(pass, number, toBytes(made));
@@ -181,30 +233,26 @@ private:
     }
 
     /// Second or only pass.
-    Baked bakeVoxels(const std::vector<std::size_t>& numbers, const Pilots& pilots,
+    Parts bakeVoxels(const std::vector<std::size_t>& numbers, const Pilots& pilots,
                      Progress& progress) const {
         const std::size_t count = numbers.size();
-        std::vector<Baked> parts(chunksOf(count));
+        Parts parts(chunksOf(count));
         parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
-            parts[chunk.index] = region<Baked>(
-                Checkpoint::Pass::items, chunk.index, bakedFromBytes, [&](Baked& out) {
-                    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                        throwIfInterrupted();
-                        if (isAdaptive())
-                            bakeAdaptively(numbers[i], pilots, out);
-                        else
-                            bakeUniformly(numbers[i], out);
-                    }
-                });
+            parts.set(chunk.index,
+                      region<Baked>(Checkpoint::Pass::items, chunk.index, bakedFromBytes,
+                                    [&](Baked& out) {
+                                        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                                            throwIfInterrupted();
+                                            if (isAdaptive())
+                                                bakeAdaptively(numbers[i], pilots, out);
+                                            else
+                                                bakeUniformly(numbers[i], out);
+                                        }
+                                    }),
+                      checkpoint_);
             progress.add(chunk.end - chunk.begin);
         });
-        Baked all;
-        for (Baked& part : parts) {
-            append(all.items, part.items);
-            all.rays += part.rays;
-            part = {};
-        }
-        return all;
+        return parts;
     }
 
     void bakeUniformly(std::size_t v, Baked& out) const {

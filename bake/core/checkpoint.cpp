@@ -1,7 +1,9 @@
 #include "bake/core/checkpoint.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstdio>
+#include <fstream>
 #include <span>
 
 #include "bake/core/byte_stream.h"
@@ -51,15 +53,17 @@ std::string differences(const BakeIdentity& found, const BakeIdentity& wanted) {
 
 }  // namespace
 
-Checkpoint::Checkpoint(const fs::path& output, BakeIdentity identity, double interval)
+Checkpoint::Checkpoint(const fs::path& output, BakeIdentity identity, double interval,
+                       std::uint64_t memory)
     : folder_(output.string() + ".checkpoint"),
       identity_(std::move(identity)),
       interval_(
           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(interval))),
+      memory_(memory),
       due_(Clock::now() + interval_) {}
 
 /// Files with regions, in order; what an ended run did not finish writing is removed.
-std::vector<fs::path> Checkpoint::files() const {
+std::vector<fs::path> Checkpoint::filesFound() const {
     std::vector<fs::path> found, unfinished;
     std::error_code error;
     fs::directory_iterator entry(folder_, error);
@@ -77,12 +81,12 @@ std::vector<fs::path> Checkpoint::files() const {
 }
 
 std::size_t Checkpoint::resume() {
-    for (const fs::path& path : files()) {
+    for (const fs::path& path : filesFound()) {
+        files_.push_back(path);
         readFile(path);
-        obsolete_.push_back(path);
     }
     const std::lock_guard lock(mutex_);
-    regions_ = found_.size();
+    regions_ = places_.size();
     return regions_;
 }
 
@@ -110,42 +114,63 @@ void Checkpoint::readFile(const fs::path& path) {
     while (!in.atEnd()) {
         const auto pass = in.get<std::uint32_t>();
         const auto number = in.get<std::uint64_t>();
-        found_[{pass, number}] = in.getText();
+        const std::string_view region = in.getText();
+        const auto offset = static_cast<std::size_t>(region.data() - bytes.data());
+        places_[{pass, number}] = {files_.size() - 1, offset, region.size()};
     }
 }
 
 std::size_t Checkpoint::discardOthers() {
     std::size_t removed = 0;
     std::error_code ignored;
-    for (const fs::path& path : files())
+    for (const fs::path& path : filesFound())
         if (!mayBeAlive(runOf(path)) && fs::remove(path, ignored)) ++removed;
     fs::remove(folder_, ignored);  // if nothing is left in it
     return removed;
 }
 
-std::optional<std::string> Checkpoint::take(Pass pass, std::size_t number) {
+std::optional<std::string> Checkpoint::read(Pass pass, std::size_t number) const {
     const std::lock_guard lock(mutex_);
-    const auto found = found_.find({static_cast<std::uint32_t>(pass), number});
-    if (found == found_.end()) return std::nullopt;
-    std::string bytes = std::move(found->second);
-    found_.erase(found);
+    const auto found = places_.find({static_cast<std::uint32_t>(pass), number});
+    if (found == places_.end()) return std::nullopt;
+    const Place& place = found->second;
+    if (place.file == kPending) {
+        assert(!writing_);
+        return pending_.substr(place.offset, place.size);
+    }
+    const fs::path& path = files_[place.file];
+    std::string bytes(place.size, '\0');
+    std::ifstream file(path, std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(place.offset));
+    if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
+        throwFileError(path, "cannot be read again");
     return bytes;
 }
 
+bool Checkpoint::mayKeep(std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (bytes > memory_ - kept_) return false;
+    kept_ += bytes;
+    return true;
+}
+
 void Checkpoint::add(Pass pass, std::size_t number, const std::string& bytes) {
+    const Key key{static_cast<std::uint32_t>(pass), number};
     ByteWriter record;
-    record.put(static_cast<std::uint32_t>(pass));
-    record.put(std::uint64_t{number});
+    record.put(key.first);
+    record.put(key.second);
     record.put(std::string_view(bytes));
     std::unique_lock lock(mutex_);
     pending_ += record.take();
-    ++pendingRegions_;
-    if (!writing_ && Clock::now() >= due_) writePending(lock);
+    places_[key] = {kPending, pending_.size() - bytes.size(), bytes.size()};
+    pendingRegions_.push_back(key);
+    const bool due = Clock::now() >= due_ || pending_.size() > memory_ / 4;
+    if (!writing_ && due) writePending(lock);
 }
 
 bool Checkpoint::flush() {
     std::unique_lock lock(mutex_);
-    return pendingRegions_ == 0 || (!writing_ && writePending(lock));
+    return pendingRegions_.empty() || (!writing_ && writePending(lock));
 }
 
 /// Other threads go on while one writes.
@@ -153,13 +178,14 @@ bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
     writing_ = true;
     std::string records = std::move(pending_);
     pending_.clear();
-    const std::size_t count = std::exchange(pendingRegions_, 0);
+    std::vector<Key> regions = std::exchange(pendingRegions_, {});
     lock.unlock();
     // An ended run may have had this process's number.
     fs::path path;
     do path = folder_ / (runName() + "." + std::to_string(number_++) + kExtension);
     while (fs::exists(path));
     std::string cause;
+    std::size_t start = 0;  // of the records in the file
     try {
         ByteWriter head;
         head.put(std::uint64_t{identity_.size()});
@@ -167,7 +193,9 @@ bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
             head.put(std::string_view(name));
             head.put(std::string_view(value));
         }
-        const std::string content = std::string(kMagic) + head.take() + records;
+        std::string content = std::string(kMagic) + head.take();
+        start = content.size();
+        content += records;
         const std::uint64_t sum = checksumOf(content);
         std::error_code ignored;
         if (fs::create_directory(folder_, ignored))
@@ -183,12 +211,17 @@ bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
     writing_ = false;
     due_ = Clock::now() + interval_;
     if (cause.empty()) {
-        regions_ += count;
-        obsolete_.push_back(path);
+        regions_ += regions.size();
+        for (const Key& key : regions) {
+            Place& place = places_[key];
+            place = {files_.size(), start + place.offset, place.size};
+        }
+        files_.push_back(path);
         return true;
     }
+    for (const Key& key : pendingRegions_) places_[key].offset += records.size();
     pending_ = std::move(records) + pending_;
-    pendingRegions_ += count;
+    pendingRegions_.insert(pendingRegions_.begin(), regions.begin(), regions.end());
     if (!std::exchange(warned_, true))
         std::fprintf(stderr, "warning: no checkpoint: %s\n", cause.c_str());
     return false;
@@ -197,7 +230,7 @@ bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
 void Checkpoint::remove() {
     const std::lock_guard lock(mutex_);
     std::error_code ignored;
-    for (const fs::path& path : obsolete_) fs::remove(path, ignored);
+    for (const fs::path& path : files_) fs::remove(path, ignored);
     fs::remove(folder_, ignored);  // unless another run still has files in it
 }
 

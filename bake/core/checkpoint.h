@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -24,9 +25,12 @@ public:
     enum class Pass : std::uint32_t { pilots = 1, items = 2 };
 
     /// @param interval  seconds between two files
-    Checkpoint(const std::filesystem::path& output, BakeIdentity identity, double interval);
+    /// @param memory    bytes of finished regions that may stay in memory, beside the file
+    /// (mayKeep)
+    Checkpoint(const std::filesystem::path& output, BakeIdentity identity, double interval,
+               std::uint64_t memory = std::numeric_limits<std::uint64_t>::max());
 
-    /// Reads what earlier runs of this bake left.
+    /// Finds what earlier runs of this bake left.
     ///
     /// @return regions found
     /// @throws Error naming the folder and what differs, if it is of another bake
@@ -35,8 +39,13 @@ public:
     /// Removes what ended runs on this machine left. @return number of files removed
     std::size_t discardOthers();
 
-    /// Region `number` of a pass, once: what was read of it is forgotten.
-    std::optional<std::string> take(Pass pass, std::size_t number);
+    /// Region `number` of a pass, if this run or one that it continues has added it.
+    ///
+    /// @throws Error if its file can no longer be read
+    std::optional<std::string> read(Pass pass, std::size_t number) const;
+
+    /// Whether a region of so many bytes may stay in memory. Otherwise it is to be read again.
+    bool mayKeep(std::uint64_t bytes);
 
     /// Adds a finished region, and writes a file if it is time for one. A full disk does not end
     /// the bake: what cannot be written stays in memory until it can.
@@ -56,22 +65,31 @@ private:
     using Key = std::pair<std::uint32_t, std::uint64_t>;
     using Clock = std::chrono::steady_clock;
 
+    /// Where a region's bytes are: in a file, or in `pending_`.
+    struct Place {
+        std::size_t file;  ///< of `files_`, or kPending
+        std::size_t offset, size;
+    };
+    static constexpr std::size_t kPending = std::numeric_limits<std::size_t>::max();
+
     void readFile(const std::filesystem::path& path);
     bool writePending(std::unique_lock<std::mutex>& lock);
-    std::vector<std::filesystem::path> files() const;
+    std::vector<std::filesystem::path> filesFound() const;
 
     std::filesystem::path folder_;
     BakeIdentity identity_;
     Clock::duration interval_;
 
     mutable std::mutex mutex_;
-    std::map<Key, std::string> found_;  ///< read, not yet taken
-    std::string pending_;               ///< records to write
-    std::size_t pendingRegions_ = 0, regions_ = 0;
+    std::map<Key, Place> places_;
+    std::string pending_;              ///< records to write
+    std::vector<Key> pendingRegions_;  ///< of them, in their order
+    std::uint64_t memory_, kept_ = 0;
+    std::size_t regions_ = 0;
     Clock::time_point due_;
     bool writing_ = false, warned_ = false;
-    int number_ = 0;                               ///< of this run's next file
-    std::vector<std::filesystem::path> obsolete_;  ///< once the bake is finished
+    int number_ = 0;                            ///< of this run's next file
+    std::vector<std::filesystem::path> files_;  ///< read and written, removed in the end
 };
 
 }  // namespace shadowcache

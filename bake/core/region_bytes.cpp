@@ -4,6 +4,12 @@
 
 namespace shadowcache {
 
+std::uint64_t bytesOf(const CacheItems& items) {
+    const auto of = [](const auto& values) { return values.size() * sizeof(values[0]); };
+    return of(items.voxel) + of(items.patch) + of(items.normal) + of(items.position) + of(items.n) +
+           of(items.d) + of(items.firstBlock) + of(items.blocks);
+}
+
 std::string toBytes(const Baked& baked) {
     ByteWriter out;
     const CacheItems& items = baked.items;

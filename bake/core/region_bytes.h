@@ -14,6 +14,9 @@ struct Baked {
     std::uint64_t rays = 0;
 };
 
+/// Memory that items take.
+std::uint64_t bytesOf(const CacheItems& items);
+
 /// As bytes for a checkpoint, which the same program on the same kind of processor reads back.
 std::string toBytes(const Baked& baked);
 /// @throws Error if the bytes are cut short

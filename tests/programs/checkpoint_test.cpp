@@ -110,6 +110,13 @@ TEST_F(CheckpointTest, ContinuesInterruptedWork) {
     EXPECT_FALSE(fs::exists(path("set.vdb.checkpoint")));
 }
 
+/// Few items may stay in memory: the others come back from the disk, whoever left them there.
+TEST_F(CheckpointTest, BoundedMemoryMakesTheSameBytes) {
+    killAndCompare(3, "--memory 20K");
+    runWell("bake", bakeTo("all.vdb"));
+    EXPECT_TRUE(readBytes(path("whole.vdb")) == readBytes(path("all.vdb")));
+}
+
 /// A copy of the set elsewhere is the same set; other options, or another set, are not.
 TEST_F(CheckpointTest, OfAnotherBakeIsRefused) {
     leaveCheckpoint("set.vdb");

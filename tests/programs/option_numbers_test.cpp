@@ -58,6 +58,7 @@ std::vector<Subject> subjects() {
         {"bake",
          "set.obj -o new.vdb --spacing 0.5 --level 1 --rays 1",
          {{"--shard", {"@/2", "1/@", "@/@"}},
+          {"--memory", {"@", "@G"}},
           {"--frames", {"@", "1-@"}},
           {"--size", {"@x4", "6x@"}}},
          {{"--frames", "--camera camera.json --size 6x4"},
