@@ -60,14 +60,19 @@ std::filesystem::path mapFile(const Settings& settings, const std::string& name)
     throw Error("no map " + name + ".exr in " + (settings.data / "env").string());
 }
 
-std::unique_ptr<Set> loadSet(const Settings& settings, const std::string& name) {
+SetFiles setFiles(const Settings& settings, const std::string& name) {
     const auto known = sceneFiles().find(name);
     const std::string stem = known == sceneFiles().end() ? name : known->second;
+    const std::filesystem::path folder = settings.data / "scene";
+    return {folder / (stem + ".ply"), folder / (stem + "_cameras.json")};
+}
+
+std::unique_ptr<Set> loadSet(const Settings& settings, const std::string& name) {
+    const SetFiles files = setFiles(settings, name);
     auto set = std::make_unique<Set>();
     set->name = name;
-    const std::filesystem::path file = settings.data / "scene" / (stem + ".ply");
-    set->mesh = loadMesh({&file, 1}, {});
-    set->cameras = readCameraFile(settings.data / "scene" / (stem + "_cameras.json"));
+    set->mesh = loadMesh({&files.mesh, 1}, {});
+    set->cameras = readCameraFile(files.cameras);
     set->scene = std::make_unique<Scene>(set->mesh);
     return set;
 }

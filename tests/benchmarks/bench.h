@@ -43,6 +43,11 @@ struct Set {
     std::unique_ptr<Scene> scene;
 };
 
+/// The files of a set.
+struct SetFiles {
+    std::filesystem::path mesh, cameras;
+};
+SetFiles setFiles(const Settings& settings, const std::string& name);
 std::unique_ptr<Set> loadSet(const Settings& settings, const std::string& name);
 std::filesystem::path mapFile(const Settings& settings, const std::string& name);
 std::unique_ptr<Environment> loadMap(const Settings& settings, const std::string& name);
@@ -94,6 +99,7 @@ Reference makeReference(const EstimatorContext& context, const Set& set, int fra
 void efficiency(const Settings& settings);
 void delivered(const Settings& settings);
 void gloss(const Settings& settings);
+void breakEven(const Settings& settings);
 void bakeSpeed(const Settings& settings);
 void timeShares(const Settings& settings);
 void memory(const Settings& settings);

@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
 
-#include "common/base/parallel.h"
+#include "common/base/exit_status.h"
 #include "common/base/progress.h"
+#include "common/base/report_failure.h"
 #include "tests/benchmarks/bench.h"
 
 int main(int argc, char** argv) try {
@@ -21,11 +21,12 @@ int main(int argc, char** argv) try {
     app.add_option("--samples", settings.samples, "Samples a pixel")->capture_default_str();
     app.add_option("--repeats", settings.repeats, "Renders to average over")->capture_default_str();
     app.add_option("--splits", settings.splits,
-                   "delivered: camera rays x samples of each, joined by commas")
+                   "delivered, break-even: camera rays x samples of each, joined by commas")
         ->delimiter(',')
         ->capture_default_str();
     app.add_option("--seeds", settings.seeds,
-                   "delivered, gloss: renders to average over; 0: 2, with --full 4, or 1")
+                   "delivered, break-even, gloss: renders to average over; 0: 2, with --full 4, or "
+                   "1 for gloss")
         ->capture_default_str();
     app.add_flag("!--no-crop", settings.crop, "delivered: no parts of large pictures");
     app.add_option("--spacing", settings.bake.spacing, "Spacing of the bake");
@@ -36,14 +37,14 @@ int main(int argc, char** argv) try {
         "--full", settings.full,
         "efficiency, delivered: six maps and two frames; scaling: up to ten million items and "
         "triangles");
+    void (*chosen)(const bench::Settings&) = nullptr;
     const auto add = [&](const char* name, const char* summary, auto benchmark) {
-        app.add_subcommand(name, summary)->callback([&settings, benchmark] {
-            benchmark(settings);
-        });
+        app.add_subcommand(name, summary)->callback([&chosen, benchmark] { chosen = benchmark; });
     };
     add("efficiency", "Error and time of the estimators", bench::efficiency);
     add("delivered", "Error and time of antialiased pictures", bench::delivered);
     add("gloss", "Noise of glossy pictures by roughness, metal and varnish", bench::gloss);
+    add("break-even", "Frames from which on the bake of a shot pays", bench::breakEven);
     add("bake", "Rays a second of the bake against bare Embree calls", bench::bakeSpeed);
     add("time", "Where the time of a render goes: Embree, set-up, the rest", bench::timeShares);
     add("memory", "Peak memory by triangles and items; opening a large cache", bench::memory);
@@ -55,12 +56,16 @@ int main(int argc, char** argv) try {
     add("sequences", "What well-spread samples gain over random numbers", bench::sequences);
     add("flicker", "Variance of what stays in view over 24 frames of a slow move", bench::flicker);
     add("preview", "Error and time of --preview at 1920x1080 (a part) and 960x540", bench::preview);
-    app.require_subcommand(1);
+    app.require_subcommand(1, 1);
     app.fallthrough();
     installInterruptHandler();
-    CLI11_PARSE(app, argc, argv);
-    return 0;
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? kDone : kWrongUsage;
+    }
+    chosen(settings);
+    return kDone;
 } catch (const std::exception& e) {
-    std::fprintf(stderr, "shadowcache-bench: %s\n", e.what());
-    return 1;
+    return shadowcache::reportFailure("shadowcache-bench", e);
 }
