@@ -44,6 +44,8 @@ enum class RenderSalt : std::uint64_t {
     glossTurn = 87,       ///< which of their strategies has the first sample
     glossLobes = 88,      ///< samples of the lobes of a cluster's points
     glossRounding = 89,   ///< rounds these samples' numbers
+    glossCluster = 94,    ///< a pixel's seed for the samples of its glossy points in clusters
+    glossShare = 95,      ///< rounds the samples of their regions
     domePilotTile = 90,   ///< tiles of the map that `dome`'s pilot rays go to
     domePilotTexel = 91,  ///< places of these rays in their texels
     domeTurn = 92,        ///< which of `dome`'s samples is the first drawn by the cosine

@@ -7,8 +7,8 @@ namespace shadowcache {
 
 namespace {
 
-/// SamplingPlanner's share in samples of lobes, which differ from the central one that is planned
-/// for.
+/// The same of lobes, which differ from the central one that is planned for: samples in proportion
+/// to the light it reflects, for each that follows the counts.
 SHADOWCACHE_TUNED(double, kGlossyDefensiveShare, 0.8);
 
 /// Least width of a lobe that fits over the finest cells follow; regions are chosen for narrower
@@ -46,7 +46,7 @@ void GlossyCache::estimate(const PointBatch& batch, std::span<const GlossyPoint>
     own.points.clear();
     for (const GlossyPoint& glossy : points) {
         ShadingPoint& point = own.points.emplace_back(glossy.point);
-        point.seed = hashWords(point.seed, RenderSalt::gloss);
+        point.seed = hashWords(point.seed, RenderSalt::glossCluster);
     }
     own.estimates.assign(points.size(), {});
     PointBatch reseeded = batch;
@@ -113,9 +113,8 @@ GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& clust
     const auto offset = [&](RenderSalt salt) {
         return toUnit(hashWords(first.seed, salt, first.cameraRay));
     };
-    const std::span<const PointShare> shares =
-        sharePoints(members.size(), share * (1 - ofLobes), offset(RenderSalt::shareRounding),
-                    batch.tools.shares);
+    const std::span<const PointShare> shares = sharePoints(
+        members.size(), share * (1 - ofLobes), offset(RenderSalt::glossShare), batch.tools.shares);
     const std::span<const PointShare> lobeShares = sharePoints(
         members.size(), share * ofLobes, offset(RenderSalt::glossRounding), w.lobeShares);
     reuse.addCluster(glossy.regions, plan, members, shares, lobeShares);

@@ -40,7 +40,8 @@ inline SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
 /// not reused then falls as all the noise does.
 inline SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 
-/// SamplingPlanner's share in samples of the irradiance.
+/// Samples of the irradiance drawn in proportion to the light alone, for each that follows the
+/// counts: bounds what a misprediction can weigh.
 inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
 
 /// Standard deviation of one sample of a point, as the regions predict it.
