@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
-#include <utility>
 
+#include "bake/core/finished_items.h"
 #include "bake/core/item_baker.h"
 #include "bake/core/region_bytes.h"
 #include "bake/core/side_choice.h"
@@ -43,53 +42,6 @@ std::uint64_t raysOf(const Pilots& pilots) {
     return rays;
 }
 
-/// Finished regions, in memory or, if they may not stay there, in the checkpoint.
-class Parts {
-public:
-    explicit Parts(std::size_t count) : parts_(count), sizes_(count) {}
-
-    /// Thread-safe for different regions.
-    void set(std::size_t i, Baked part, Checkpoint* checkpoint) {
-        sizes_[i] = {part.items.size(), part.items.n.size(), part.items.blocks.size()};
-        if (!checkpoint || checkpoint->mayKeep(bytesOf(part.items))) parts_[i] = std::move(part);
-    }
-
-    /// All of them, in order; each is forgotten.
-    Baked joined(const Checkpoint* checkpoint) {
-        Baked all;
-        reserve(all.items);
-        for (std::size_t i = 0; i < parts_.size(); ++i) {
-            std::optional<Baked> part = std::exchange(parts_[i], std::nullopt);
-            if (!part) part = bakedFromBytes(*checkpoint->read(Checkpoint::Pass::items, i));
-            append(all.items, part->items);
-            all.rays += part->rays;
-        }
-        return all;
-    }
-
-private:
-    struct Size {
-        std::size_t items, counts, blocks;
-    };
-
-    void reserve(CacheItems& all) const {
-        Size sum{};
-        for (const Size& size : sizes_)
-            sum = {sum.items + size.items, sum.counts + size.counts, sum.blocks + size.blocks};
-        all.voxel.reserve(sum.items);
-        all.patch.reserve(sum.items);
-        all.normal.reserve(sum.items);
-        all.position.reserve(sum.items);
-        all.n.reserve(sum.counts);
-        all.d.reserve(sum.counts);
-        all.firstBlock.reserve(sum.items + 1);
-        all.blocks.reserve(sum.blocks);
-    }
-
-    std::vector<std::optional<Baked>> parts_;
-    std::vector<Size> sizes_;
-};
-
 /// A bake in progress. An adaptive one takes two passes over the voxels: pilot rays of all patches,
 /// then the items, which get more rays where their own pilots or their neighbours' are mixed. If
 /// not everything is baked, a pass before them finds out what is wanted of each voxel.
@@ -110,10 +62,10 @@ public:
         Progress progress("bake", std::max<std::size_t>(1, count * (isAdaptive() ? 2 : 1)));
         Pilots pilots;
         if (isAdaptive()) pilots = tracePilots(voxels_.withNeighbours(), count, progress);
-        Parts parts = bakeVoxels(voxels_.wanted(), pilots, progress);
+        FinishedItems finished = bakeVoxels(voxels_.wanted(), pilots, progress);
         const std::uint64_t pilotRays = raysOf(pilots);
         pilots = {};
-        Baked baked = parts.joined(checkpoint_);
+        Baked baked = finished.joined();
         baked.rays += pilotRays;
         return baked;
     }
@@ -135,7 +87,7 @@ public:
         }
         out.pilotRays = raysOf(pilots);
         const double traced = secondsNow();
-        Baked baked = bakeVoxels(chosen, pilots, progress).joined(checkpoint_);
+        Baked baked = bakeVoxels(chosen, pilots, progress).joined();
         out.pilotSeconds = traced - start;
         out.itemSeconds = secondsNow() - traced;
         out.itemRays = baked.rays;
@@ -233,26 +185,25 @@ private:
     }
 
     /// Second or only pass.
-    Parts bakeVoxels(const std::vector<std::size_t>& numbers, const Pilots& pilots,
-                     Progress& progress) const {
+    FinishedItems bakeVoxels(const std::vector<std::size_t>& numbers, const Pilots& pilots,
+                             Progress& progress) const {
         const std::size_t count = numbers.size();
-        Parts parts(chunksOf(count));
+        FinishedItems finished(chunksOf(count), checkpoint_);
         parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
-            parts.set(chunk.index,
-                      region<Baked>(Checkpoint::Pass::items, chunk.index, bakedFromBytes,
-                                    [&](Baked& out) {
-                                        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                                            throwIfInterrupted();
-                                            if (isAdaptive())
-                                                bakeAdaptively(numbers[i], pilots, out);
-                                            else
-                                                bakeUniformly(numbers[i], out);
-                                        }
-                                    }),
-                      checkpoint_);
+            finished.set(chunk.index,
+                         region<Baked>(Checkpoint::Pass::items, chunk.index, bakedFromBytes,
+                                       [&](Baked& out) {
+                                           for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                                               throwIfInterrupted();
+                                               if (isAdaptive())
+                                                   bakeAdaptively(numbers[i], pilots, out);
+                                               else
+                                                   bakeUniformly(numbers[i], out);
+                                           }
+                                       }));
             progress.add(chunk.end - chunk.begin);
         });
-        return parts;
+        return finished;
     }
 
     void bakeUniformly(std::size_t v, Baked& out) const {

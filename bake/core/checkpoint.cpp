@@ -138,12 +138,10 @@ std::optional<std::string> Checkpoint::read(Pass pass, std::size_t number) const
         assert(!writing_);
         return pending_.substr(place.offset, place.size);
     }
-    const fs::path& path = files_[place.file];
     std::string bytes(place.size, '\0');
-    std::ifstream file(path, std::ios::binary);
+    std::ifstream file(files_[place.file], std::ios::binary);
     file.seekg(static_cast<std::streamoff>(place.offset));
-    if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
-        throwFileError(path, "cannot be read again");
+    if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return std::nullopt;
     return bytes;
 }
 

@@ -39,9 +39,8 @@ public:
     /// Removes what ended runs on this machine left. @return number of files removed
     std::size_t discardOthers();
 
-    /// Region `number` of a pass, if this run or one that it continues has added it.
-    ///
-    /// @throws Error if its file can no longer be read
+    /// Region `number` of a pass, if this run or one that it continues has added it. Nothing if its
+    /// file is gone: another bake to the same output removes what it read once it is finished.
     std::optional<std::string> read(Pass pass, std::size_t number) const;
 
     /// Whether a region of so many bytes may stay in memory. Otherwise it is to be read again.
