@@ -285,7 +285,7 @@ TEST(PointClusters, HoldEveryPointOnceAndOnlyAlikeOnes) {
         for (std::uint32_t i = c.begin; i < c.end; ++i) {
             const std::uint32_t point = clusters.order()[i];
             ++seen[point];
-            EXPECT_LE(points[point].normal.cross(points[c.centre].normal).length(), c.tilt + 1e-6f);
+            EXPECT_LE(points[point].normal.cross(points[c.centre].normal).length(), c.tilt);
             if (i > c.begin) {
                 EXPECT_LT(clusters.order()[i - 1], point);
             }
