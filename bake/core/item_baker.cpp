@@ -239,7 +239,8 @@ ItemCounts ItemBaker::countUniformly(const Patch& patch) const {
     RayCounter rays = raysFrom(patch, Step::counts);
     const std::vector<std::uint32_t> cells = base_.above(patch);
     // Rays are counted by whole octets.
-    std::vector<Count> base((tiers_.baseCells() + kOctet - 1) / kOctet * kOctet);
+    const std::size_t octets = (tiers_.baseCells() + kOctet - 1) / kOctet;
+    std::vector<Count> base(octets * kOctet);
     if (tiers_.refinements() == 0) {
         for (const std::uint32_t c : cells)
             rays.add(tiers_.baseLevel(), c / kOctet, 1u << c % kOctet, options_.rays,

@@ -22,8 +22,9 @@ float sumOfProducts(const float* a, const float* b) {
 
 LobeMatch::LobeMatch(const GlossyLobe& central) {
     for (int i = 0; i < kLanes; ++i) {
-        const Vec3f w = central.sample((static_cast<float>(i % 4) + 0.5f) / 4,
-                                       (static_cast<float>(i / 4) + 0.5f) / 4);
+        const int row = i / 4, column = i % 4;
+        const Vec3f w = central.sample((static_cast<float>(column) + 0.5f) / 4,
+                                       (static_cast<float>(row) + 0.5f) / 4);
         for (int k = 0; k < 3; ++k) direction_[k][i] = w[k];
     }
     central.values(direction_, value_);

@@ -124,7 +124,7 @@ void setConstant(const QuadraticBlock& cells, int cell, const Rgb& value, Quadra
 
 void fitWithin(const QuadraticBlock& cells, const QuadraticFit& fit, int number, int color,
                float (&values)[kBlockCells]) {
-    constexpr auto near = static_cast<float>(kNear);
+    const auto near = static_cast<float>(kNear);
     const auto& product = fit.product[color];
     const int next = kSides[number][1], last = 3 - number - next;
     const float *a = product[number], *b = product[next], *c = product[last];
