@@ -27,7 +27,7 @@ std::string plainBytes() {
 }
 
 std::uint32_t numberAt(const std::string& bytes, std::size_t at) {
-    std::uint32_t number;
+    std::uint32_t number = 0;
     std::memcpy(&number, bytes.data() + at, sizeof number);
     return number;
 }

@@ -122,6 +122,7 @@ TEST_F(GltfMemory, ManyPrimitivesOfOneListOfVerticesAreRead) {
     Json primitives = Json::array();
     for (std::uint16_t i = 0; i < 100; ++i) {
         std::vector<std::uint16_t> corners;
+        corners.reserve(std::size(test::kSquareIndices));
         for (const std::uint16_t k : test::kSquareIndices)
             corners.push_back(static_cast<std::uint16_t>(k + 4 * i));
         primitives.push_back({{"attributes", {{"POSITION", shared}}},
