@@ -32,7 +32,7 @@ const std::set<std::string>& wordOptions() {
         "--up",        "--env",      "--dynamic",   "--normals",      "--camera",   "--filter",
         "--budget",    "--sequence", "--estimator", "--cache",        "--output",   "--aov",
         "--reference", "--stats",    "--config",    "--write-config", "--progress", "--convolution",
-        "--extend",    "--report",   "--bake-with", "--for",          "--pictures"};
+        "--extend",    "--report",   "--bake-with", "--for",          "--pictures", "--surfaces"};
     return words;
 }
 
