@@ -35,7 +35,7 @@ struct Placement {
 /// The frame moved by (x, y, z) and turned by `yaw` radians about its own y.
 Placement moved(const Placement& at, double x, double y, double z, double yaw = 0);
 
-/// How a surface shines: the materials of a set, see finishOf() in glb_writer.cpp.
+/// How a surface shines: the materials of a set, see kMaterials in glb_writer.cpp.
 enum class Finish { matte, honed, waxed, varnished, glazed, bronze, gilded, water };
 
 /// Triangles with a colour at every corner, in the order in which they were added.

@@ -7,8 +7,8 @@ namespace shadowcache {
 
 namespace {
 
-/// The same of lobes, which differ from the central one that is planned for: samples in proportion
-/// to the light it reflects, for each that follows the counts.
+/// Samples of the regions in proportion to the light that the central lobe reflects, for each that
+/// follows the counts: more than for the irradiance, as the other lobes differ from the central.
 SHADOWCACHE_TUNED(double, kGlossyDefensiveShare, 0.8);
 
 /// Least width of a lobe that fits over the finest cells follow; regions are chosen for narrower
