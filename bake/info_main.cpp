@@ -12,6 +12,7 @@
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/exit_status.h"
+#include "common/base/leftovers.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/report_failure.h"
@@ -124,10 +125,7 @@ void printCheck(const Arguments& a) {
 }
 
 void writeReport(const Arguments& a, const CacheFacts& facts) {
-    const std::string page = reportPage(a.cache.filename().string(), facts);
-    AtomicFile file(a.report);
-    file.write(page.data(), page.size());
-    file.commit();
+    writeWhole(a.report, reportPage(a.cache.filename().string(), facts));
     print("report -> " + a.report.string() + "\n");
 }
 
@@ -144,6 +142,7 @@ void run(const Arguments& a) {
         return print(a.json ? factsAsJson(facts) : factsAsText(facts));
     if (!a.report.empty()) writeReport(a, facts);
     if (requests.empty()) return;
+    reportLeftovers(a.output);
     exportGrids(requests, a.environmentRotation, facts.header, facts.items, a.output);
     std::string names;
     for (const GridRequest& request : requests) names += " " + request.name;

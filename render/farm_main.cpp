@@ -77,9 +77,9 @@ void define(CLI::App& app, Arguments& a) {
 }
 
 constexpr const char* kFooter =
-    "Writes what a farm runs: a bake of what the shot sees, in tasks; their merge; frames, in "
-    "tasks;\n"
-    "and a check that every frame is complete. What follows -- are options of "
+    "Writes what a farm runs: what the shot looks up; a bake of that, in tasks; their merge; "
+    "frames,\n"
+    "in tasks; and a check that every frame is complete. What follows -- are options of "
     "shadowcache-render.\n\n"
     "Examples:\n"
     "  shadowcache-farm set.glb --camera shot_010 --frames 1-240 --bake-shards 8 --chunk 10 --for "
@@ -90,11 +90,12 @@ constexpr const char* kFooter =
     "  job/submit --jobs 4\n"
     "  job/run check   (any task by hand: job/run STEP TASK)";
 
-/// Options of the renderer that the plan sets.
+/// Options of the programs that the plan sets.
 constexpr const char* kOurs[] = {
-    "--camera", "--frames",  "--fps",   "--size",    "--dynamic",     "--cache", "--allow-external",
-    "--output", "-o",        "--check", "--threads", "--up",          "--scale", "--resume",
-    "--list",   "--explain", "--debug", "--stats",   "--write-config"};
+    "--camera",         "--frames", "--fps",      "--size",    "--dynamic",     "--cache",
+    "--allow-external", "--output", "-o",         "--check",   "--threads",     "--up",
+    "--scale",          "--resume", "--list",     "--explain", "--debug",       "--stats",
+    "--write-config",   "--shard",  "--estimate", "--lookups", "--lookups-only"};
 
 void refuseOurOptions(const std::vector<std::string>& words, const char* where) {
     for (const std::string& word : words)

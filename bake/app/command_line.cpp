@@ -85,6 +85,17 @@ void defineShot(CLI::App& app, BakeJob& job, ShotArguments& shot) {
         ->allow_extra_args(false)
         ->needs(camera)
         ->group(group);
+    auto* only = app.add_flag("--lookups-only", job.lookupsOnly,
+                              "Write what the pictures look up to OUTPUT (.lookups), and no cache")
+                     ->configurable(false)
+                     ->needs(camera)
+                     ->group(group);
+    app.add_option("--lookups", job.lookups,
+                   "Take what the pictures look up from this file of --lookups-only, in place of "
+                   "finding it; it must be of the same set, camera, frames, size and spacing")
+        ->needs(camera)
+        ->excludes(only)
+        ->group(group);
     app.add_option("--extend", job.extend,
                    "Add to this cache, without baking again what it holds; it must be of the same "
                    "set, options and seed")
@@ -97,6 +108,7 @@ void defineOutput(CLI::App& app, BakeJob& job, std::string& memory) {
     app.add_flag("--estimate", job.estimate,
                  "Bake a sample of the voxels and print what the whole would take: items, rays, "
                  "seconds, bytes, memory; write no cache")
+        ->excludes("--lookups-only")
         ->configurable(false)
         ->group(group);
     app.add_option("--stats", job.stats, "Write times, rays and sizes as JSON")->group(group);
@@ -125,7 +137,10 @@ constexpr const char* kFooter =
     "  shadowcache-bake walls.ply trees.ply -o set.vdb --spacing 0.1 --rays 32\n"
     "  shadowcache-bake set.glb -o shot.vdb --camera shot_010 --frames 1-96\n"
     "  shadowcache-bake set.glb -o shot.vdb --extend shot.vdb --camera shot_020 --frames 1-48\n"
-    "  shadowcache-bake big.ply -o part2.vdb --shard 2/8   (then shadowcache-merge part*.vdb)";
+    "  shadowcache-bake big.ply -o part2.vdb --shard 2/8   (then shadowcache-merge part*.vdb)\n"
+    "  shadowcache-bake set.glb -o shot.lookups --lookups-only --camera shot_010 --frames 1-96\n"
+    "  shadowcache-bake set.glb -o part2.vdb --shard 2/8 --lookups shot.lookups --camera shot_010 "
+    "--frames 1-96";
 
 }  // namespace
 

@@ -16,12 +16,14 @@ struct BakeJob {
     std::vector<std::filesystem::path> files;
     std::filesystem::path output;
     std::filesystem::path stats;
-    std::filesystem::path extend;  ///< cache to add to; empty: none
+    std::filesystem::path extend;   ///< cache to add to; empty: none
+    std::filesystem::path lookups;  ///< file that has the shot's lookups; empty: find them
     MeshOptions mesh;
     BakeOptions bake;
     ShotOptions shot;  ///< without a camera: the bake is of the whole set
     int threads = 0;
-    bool estimate = false;  ///< predict what the bake takes, write no cache
+    bool estimate = false;     ///< predict what the bake takes, write no cache
+    bool lookupsOnly = false;  ///< write the shot's lookups, and no cache
     bool resume = false;
     double checkpointSeconds = 30;
     std::uint64_t memory = 0;  ///< bytes of finished items to keep until the end; 0: all

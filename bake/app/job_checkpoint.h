@@ -7,10 +7,11 @@
 
 namespace shadowcache {
 
-/// The checkpoint that the job continues, or starts; says what earlier runs left.
+/// The checkpoint that the job continues, or starts.
 ///
+/// @param identity  of the job's items
 /// @throws Error if that is of another bake
-std::unique_ptr<Checkpoint> startCheckpoint(const BakeJob& job);
+std::unique_ptr<Checkpoint> startCheckpoint(const BakeJob& job, const BakeIdentity& identity);
 
 /// bake(), which leaves its checkpoint behind if it is interrupted. @throws Error
 BakeResult bakeOrKeep(const Scene& scene, const BakeOptions& options,

@@ -4,13 +4,16 @@
 #include "bake/app/estimate.h"
 #include "bake/app/job.h"
 #include "bake/app/job_checkpoint.h"
+#include "bake/app/job_identity.h"
 #include "bake/core/cache_part.h"
 #include "bake/core/extend.h"
 #include "bake/core/surface_count.h"
+#include "bake/shot/lookup_file.h"
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/interrupt.h"
 #include "common/base/json_file.h"
+#include "common/base/leftovers.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/process.h"
@@ -26,14 +29,19 @@ struct Times {
     double start, loaded, built, selected, baked, written;
 };
 
-void writeStats(const BakeJob& job, const TriangleMesh& mesh, const BakeResult& result,
-                std::uintmax_t bytes, const Times& times) {
-    JsonFile stats;
+/// Statistics common to all runs.
+void beginStats(JsonFile& stats, const TriangleMesh& mesh, const Times& times) {
     stats.set("version", std::string(kVersion));
     stats.set("triangles", std::uint64_t{mesh.triangles.size()});
     stats.set("seconds.load", times.loaded - times.start);
     stats.set("seconds.build", times.built - times.loaded);
     stats.set("seconds.select", times.selected - times.built);
+}
+
+void writeStats(const BakeJob& job, const TriangleMesh& mesh, const BakeResult& result,
+                std::uintmax_t bytes, const Times& times) {
+    JsonFile stats;
+    beginStats(stats, mesh, times);
     stats.set("seconds.bake", times.baked - times.selected);
     stats.set("seconds.write", times.written - times.baked);
     stats.set("rays.bake", result.rays);
@@ -59,19 +67,26 @@ void validate(const BakeJob& job) {
     requireRange("checkpoint", job.checkpointSeconds, 0.01, 60.0);
     if (!job.stats.empty()) requireWritable(job.stats);
     if (job.estimate) return;
-    requireExtension(job.output, ".vdb");
+    requireExtension(job.output, job.lookupsOnly ? ".lookups" : ".vdb");
     requireWritable(job.output);
 }
 
 namespace {
 
-/// Chooses the spacing if the command line does not: that of the cache that is added to, or one for
-/// the set's size.
+/// Chooses the spacing if the command line does not: that of the lookups, of the cache that is
+/// added to, or one for the set's size.
 ///
 /// @param count  receives the set's surface in voxels if it was counted
 BakeOptions optionsOf(const BakeJob& job, const TriangleMesh& mesh,
-                      std::optional<SurfaceCount>& count) {
+                      const std::optional<ShotLookups>& found, std::optional<SurfaceCount>& count) {
     BakeOptions options = job.bake;
+    if (found) {
+        if (options.spacing > 0 && options.spacing != found->spacing)
+            throwFileError(job.lookups, "spacing " + std::to_string(found->spacing) +
+                                            ", expected " + std::to_string(options.spacing));
+        options.spacing = found->spacing;
+        count = found->ofSet;
+    }
     if (options.spacing > 0) return options;
     if (!job.extend.empty()) {
         options.spacing = readHeader(job.extend).spacing;
@@ -79,13 +94,6 @@ BakeOptions optionsOf(const BakeJob& job, const TriangleMesh& mesh,
     }
     options.spacing = chooseSpacing(mesh, &count.emplace());
     return options;
-}
-
-/// What the bake of a shot holds of the set.
-std::optional<CachePart> partOf(const std::optional<ShotSource>& shot, const CacheItems& items,
-                                const SurfaceCount& ofSet) {
-    if (!shot) return std::nullopt;
-    return CachePart{countSides(items), ofSet.sides, shot->text()};
 }
 
 /// What is to be baked.
@@ -96,16 +104,23 @@ struct Task {
     std::optional<CacheToExtend> old;
     VoxelSelection selection;
 
-    Task(const BakeJob& job, const std::optional<ShotSource>& shot, Scene& scene)
-        : options(optionsOf(job, scene.mesh(), count)), frame(scene.mesh(), options.spacing) {
-        if (!job.extend.empty()) {
+    /// @param found  the shot's lookups if they are known; taken over
+    Task(const BakeJob& job, const std::optional<ShotSource>& shot, Scene& scene,
+         std::optional<ShotLookups>& found)
+        : options(optionsOf(job, scene.mesh(), found, count)),
+          frame(scene.mesh(), options.spacing) {
+        if (!job.extend.empty() && !job.lookupsOnly) {
             old = readCacheToExtend(job.extend, headerOf(scene.mesh(), options));
             selection.present = VoxelSides(frame, old->items);
         }
         if (shot) {
-            selection.lookups = shot->lookups(scene, frame);
+            selection.lookups = found ? std::move(found->places) : shot->lookups(scene, frame);
             selection.margin = job.shot.margin;
         }
+    }
+
+    SurfaceCount countOfSet(const TriangleMesh& mesh) const {
+        return count ? *count : countSurface(mesh, frame);
     }
 };
 
@@ -116,15 +131,37 @@ BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, c
     result.header.upAxis = job.mesh.zUp ? "z" : "y";
     result.header.unit = job.mesh.scale;
     const std::size_t baked = result.items.size();
-    if (shot)
-        result.header.part = partOf(
-            shot, result.items, task.count ? *task.count : countSurface(scene.mesh(), task.frame));
+    if (shot) {
+        const std::size_t sides = countSides(result.items),
+                          ofSet = task.countOfSet(scene.mesh()).sides;
+        if (!job.lookups.empty() && sides > ofSet)
+            throwFileError(job.lookups, std::to_string(ofSet) + " sides of the set, expected " +
+                                            std::to_string(sides) + " or more");
+        result.header.part = CachePart{sides, ofSet, shot->text()};
+    }
     if (task.old) {
         addCache(*task.old, result);
         std::printf("%s: %zu items, %zu more baked\n", job.extend.c_str(), task.old->items.size(),
                     baked);
     }
     return result;
+}
+
+/// Writes what the shot looks up.
+void finishLookups(const BakeJob& job, const TriangleMesh& mesh, Task& task,
+                   const BakeIdentity& identity, const Times& times) {
+    const ShotLookups lookups{task.options.spacing, task.countOfSet(mesh),
+                              std::move(*task.selection.lookups)};
+    writeLookups(job.output, identityOfLookups(job, identity), lookups);
+    const std::size_t places = lookups.places.places().size();
+    std::printf("spacing %g: %zu places that the shot looks up, in %.1f s -> %s\n", lookups.spacing,
+                places, times.selected - times.built, job.output.c_str());
+    if (job.stats.empty()) return;
+    JsonFile stats;
+    beginStats(stats, mesh, times);
+    stats.set("lookups.places", std::uint64_t{places});
+    stats.set("peak_rss_bytes", peakMemoryBytes());
+    stats.write(job.stats);
 }
 
 }  // namespace
@@ -135,7 +172,13 @@ void run(const BakeJob& job) {
     installInterruptHandler();
     Times times{};
     times.start = secondsNow();
-    const auto checkpoint = job.estimate ? nullptr : startCheckpoint(job);
+    if (!job.estimate) reportLeftovers(job.output);
+    BakeIdentity identity;
+    if (!job.estimate || !job.lookups.empty()) identity = identityOf(job);
+    const auto checkpoint =
+        job.estimate || job.lookupsOnly ? nullptr : startCheckpoint(job, identity);
+    std::optional<ShotLookups> found;
+    if (!job.lookups.empty()) found = readLookups(job.lookups, identityOfLookups(job, identity));
     std::optional<ShotSource> shot;
     if (!job.shot.camera.name.empty()) shot.emplace(job.shot, job.files, job.mesh);
     const TriangleMesh mesh = loadMesh(job.files, job.mesh);
@@ -144,8 +187,9 @@ void run(const BakeJob& job) {
     times.loaded = secondsNow();
     Scene scene(mesh);
     times.built = secondsNow();
-    Task task(job, shot, scene);
+    Task task(job, shot, scene, found);
     times.selected = secondsNow();
+    if (job.lookupsOnly) return finishLookups(job, scene.mesh(), task, identity, times);
     if (job.estimate) {
         const BakeEstimate estimate =
             estimateBake(scene, task.options, task.selection, times.selected - times.start);

@@ -121,21 +121,22 @@ private:
         return chosen;
     }
 
-    std::vector<Patch> patches(std::size_t v) const {
-        return makePatches(scene_, voxels_.frame(), voxels_.fragments(v), options_.seed);
+    std::vector<Patch> patches(std::size_t v, const SideSet& sides) const {
+        return makePatches(scene_, voxels_.frame(), voxels_.fragments(v), options_.seed, sides);
     }
 
-    bool isWanted(std::size_t v, const Patch& patch) const {
-        return selection_.everything() ||
-               choice_[v].sides.test(static_cast<std::size_t>(patch.code.side));
+    SideSet wantedSides(std::size_t v) const {
+        return selection_.everything() ? SideSet().set() : choice_[v].sides;
     }
 
-    /// Whether a wanted patch takes this one's pilot into account (mixedAround).
-    bool needsPilot(std::size_t v, const Patch& patch) const {
+    /// Whether a wanted patch takes the pilot of one with this normal into account (mixedAround).
+    bool needsPilot(std::size_t v, const Vec3f& normal) const {
         if (selection_.everything()) return true;
         const auto isNear = [&](std::size_t other) {
-            return std::ranges::any_of(choice_[other].normals, [&](const Vec3f& normal) {
-                return isAlike(patch.normal, normal);
+            const ChosenSides& chosen = choice_[other];
+            return std::ranges::any_of(chosen.outlines, [&](const Outline& patch) {
+                return chosen.sides[static_cast<std::size_t>(patch.side)] &&
+                       isAlike(normal, patch.normal);
             });
         };
         bool needed = isNear(v);
@@ -177,10 +178,32 @@ private:
     /// Pilots of a voxel, in the order of its patches.
     std::vector<Pilot> tracePilots(std::size_t v) const {
         throwIfInterrupted();
+        if (!selection_.everything() && !choice_[v].outlines.empty()) return outlinedPilots(v);
         std::vector<Pilot> pilots;
-        for (const Patch& patch : patches(v))
-            pilots.push_back(needsPilot(v, patch) ? baker_.tracePilot(patch)
-                                                  : Pilot{patch.normal, patch.meanPosition});
+        for (const Patch& patch : patches(v, SideSet().set()))
+            pilots.push_back(needsPilot(v, patch.normal) ? baker_.tracePilot(patch)
+                                                         : Pilot{patch.normal, patch.meanPosition});
+        return pilots;
+    }
+
+    /// The same where the outlines of the patches are known: only those that need pilots are made.
+    std::vector<Pilot> outlinedPilots(std::size_t v) const {
+        const std::vector<Outline>& outlines = choice_[v].outlines;
+        std::vector<bool> needed;
+        SideSet sides;
+        for (const Outline& outline : outlines) {
+            needed.push_back(needsPilot(v, outline.normal));
+            if (needed.back()) sides.set(static_cast<std::size_t>(outline.side));
+        }
+        const std::vector<Patch> made = patches(v, sides);
+        auto patch = made.begin();
+        std::vector<Pilot> pilots;
+        for (std::size_t k = 0; k < outlines.size(); ++k) {
+            const bool isMade = sides[static_cast<std::size_t>(outlines[k].side)];
+            pilots.push_back(needed[k] ? baker_.tracePilot(*patch)
+                                       : Pilot{outlines[k].normal, outlines[k].position});
+            if (isMade) ++patch;
+        }
         return pilots;
     }
 
@@ -207,17 +230,23 @@ private:
     }
 
     void bakeUniformly(std::size_t v, Baked& out) const {
-        for (const Patch& patch : patches(v))
-            if (isWanted(v, patch)) add(baker_.countUniformly(patch), patch, v, out);
+        for (const Patch& patch : patches(v, wantedSides(v)))
+            add(baker_.countUniformly(patch), patch, v, out);
     }
 
     void bakeAdaptively(std::size_t v, const Pilots& pilots, Baked& out) const {
-        const std::vector<Patch> all = patches(v);
-        for (std::size_t k = 0; k < all.size(); ++k) {
-            if (!isWanted(v, all[k])) continue;
-            const Pilot& pilot = pilots[v][k];
-            bakePatch(v, all[k], pilot, mixedAround(v, pilot, pilots), out);
+        std::size_t k = 0;
+        for (const Patch& patch : patches(v, wantedSides(v))) {
+            while (!isPilotOf(v, k, patch)) ++k;
+            const Pilot& pilot = pilots[v][k++];
+            bakePatch(v, patch, pilot, mixedAround(v, pilot, pilots), out);
         }
+    }
+
+    /// Whether pilot `k` of a voxel is of the patch's side. Pilots and patches are in the same
+    /// order, so the first such one is the patch's.
+    bool isPilotOf(std::size_t v, std::size_t k, const Patch& patch) const {
+        return selection_.everything() || choice_[v].outlines[k].side == patch.code.side;
     }
 
     /// Bakes a patch as one item, or its subpatches if they see different amounts of sky.

@@ -73,7 +73,7 @@ private:
         bytes_.remove_prefix(count);
         return at;
     }
-    [[noreturn]] static void fail() { throw Error("a checkpoint's region is cut short"); }
+    [[noreturn]] static void fail() { throw Error("bytes of an earlier bake are cut short"); }
 
     std::string_view bytes_;
 };

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cstdio>
 #include <fstream>
-#include <span>
 
 #include "bake/core/byte_stream.h"
 #include "common/base/atomic_file.h"
@@ -23,32 +22,9 @@ namespace fs = std::filesystem;
 constexpr std::string_view kMagic = "Shadowcache checkpoint 1\n";
 constexpr const char* kExtension = ".regions";
 
-std::uint64_t checksumOf(std::string_view bytes) {
-    return checksum(std::as_bytes(std::span(bytes)));
-}
-
 /// "RUN.NUMBER.regions" -> RUN.
 std::string runOf(const fs::path& path) {
     return path.stem().stem().string();
-}
-
-/// What differs between two bakes, in words.
-std::string differences(const BakeIdentity& found, const BakeIdentity& wanted) {
-    std::string text;
-    const auto valueIn = [](const BakeIdentity& identity, const std::string& name) {
-        const auto entry = std::ranges::find(identity, name, &BakeIdentity::value_type::first);
-        return entry == identity.end() ? std::string("none") : entry->second;
-    };
-    const auto add = [&](const std::string& name) {
-        const std::string has = valueIn(found, name), needs = valueIn(wanted, name);
-        if (has != needs)
-            text += (text.empty() ? "" : "; ") + name + " " + has + ", expected " + needs;
-    };
-    for (const auto& [name, value] : wanted) add(name);
-    for (const auto& [name, value] : found)
-        if (std::ranges::find(wanted, name, &BakeIdentity::value_type::first) == wanted.end())
-            add(name);
-    return text;
 }
 
 }  // namespace
@@ -96,17 +72,12 @@ void Checkpoint::readFile(const fs::path& path) {
     const bool whole = bytes.starts_with(kMagic) && bytes.size() >= kMagic.size() + sizeof sum;
     const auto content = std::string_view(bytes).substr(0, bytes.size() - (whole ? sizeof sum : 0));
     if (whole) std::memcpy(&sum, bytes.data() + content.size(), sizeof sum);
-    if (!whole || checksumOf(content) != sum) {
+    if (!whole || checksum(content) != sum) {
         std::printf("%s: damaged, what it holds is baked again\n", path.c_str());
         return;
     }
     ByteReader in(content.substr(kMagic.size()));
-    BakeIdentity identity(in.get<std::uint64_t>());
-    for (auto& [name, value] : identity) {
-        name = in.getText();
-        value = in.getText();
-    }
-    const std::string other = differences(identity, identity_);
+    const std::string other = differences(getIdentity(in), identity_);
     if (!other.empty())
         throwFileError(folder_, "checkpoint of another bake: " + other +
                                     " (bake without --resume to drop it)");
@@ -186,15 +157,11 @@ bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
     std::size_t start = 0;  // of the records in the file
     try {
         ByteWriter head;
-        head.put(std::uint64_t{identity_.size()});
-        for (const auto& [name, value] : identity_) {
-            head.put(std::string_view(name));
-            head.put(std::string_view(value));
-        }
+        put(head, identity_);
         std::string content = std::string(kMagic) + head.take();
         start = content.size();
         content += records;
-        const std::uint64_t sum = checksumOf(content);
+        const std::uint64_t sum = checksum(content);
         std::error_code ignored;
         if (fs::create_directory(folder_, ignored))
             syncFolder(folder_.has_parent_path() ? folder_.parent_path() : ".");

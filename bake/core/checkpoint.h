@@ -11,10 +11,9 @@
 #include <utility>
 #include <vector>
 
-namespace shadowcache {
+#include "bake/core/bake_identity.h"
 
-/// All that the items of a bake depend on: the set's content, the options, the program's version.
-using BakeIdentity = std::vector<std::pair<std::string, std::string>>;
+namespace shadowcache {
 
 /// Finished regions of a bake, kept on the disk beside its output in a folder "OUTPUT.checkpoint"
 /// until the bake is finished. Every run adds files of its own, under names that no other run has.

@@ -36,7 +36,7 @@ Vec3d areaVector(const std::array<Vec3d, 3>& corner) {
 }  // namespace
 
 void validate(const BakeOptions& options) {
-    requireRange("spacing", options.spacing, 0.0, 1e12);
+    requireRange("spacing", options.spacing, 0.0, kMostSpacing);
     requireRange("level", options.level, 0, kMaxCacheLevel);
     requireRange("rays", options.rays, 1, 255);
     if (options.shards < 1 || options.shard < 0 || options.shard >= options.shards)

@@ -74,10 +74,10 @@ Patch makePatch(const Scene& scene, const Vec3d& voxelCenter, double spacing,
             polygon = clipToBox(scene.mesh(), piece.triangle, box);
             polygonOf = at;
         }
-        const Vec3d p = polygon.count >= 3
-                            ? samplePolygon(polygon, toUnit(hashWords(h, BakeSalt::originU)),
-                                            toUnit(hashWords(h, BakeSalt::originV)))
-                            : box.center;
+        const Vec3d p = polygon.count < 3
+                            ? box.center
+                            : samplePolygon(polygon, toUnit(hashWords(h, BakeSalt::originU)),
+                                            toUnit(hashWords(h, BakeSalt::originV)));
         const auto k = static_cast<std::size_t>(i);
         patch.originNormal[k] = piece.normal;
         patch.origin[k] = scene.rayOrigin(Vec3f(p), piece.triangle, piece.normal);
@@ -109,7 +109,8 @@ bool maySubdivide(const Patch& patch, double spacing) {
 }
 
 std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
-                               std::span<const Fragment> fragments, std::uint64_t seed) {
+                               std::span<const Fragment> fragments, std::uint64_t seed,
+                               const SideSet& only) {
     std::array<std::vector<Piece>, kSides> sides;
     for (const Fragment& fragment : fragments) {
         const Vec3f n = scene.normal(fragment.triangle);
@@ -125,7 +126,7 @@ std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
     std::vector<Patch> patches;
     for (int side = 0; side < kSides; ++side) {
         const auto& pieces = sides[static_cast<std::size_t>(side)];
-        if (pieces.empty()) continue;
+        if (pieces.empty() || !only[static_cast<std::size_t>(side)]) continue;
         auto layers = splitDepthLayers(scene.mesh(), voxel, pieces);
         for (std::size_t k = 0; k < layers.size(); ++k) {
             const PatchCode code{side, static_cast<int>(k), 0};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "common/trace/scene.h"
 
 namespace shadowcache {
+
+/// Bit s stands for side s of PatchCode.
+using SideSet = std::bitset<kSides>;
 
 /// Where the rays of one item start: many points spread evenly over one side of the surface in a
 /// voxel, over one depth layer of it, or over a subpatch.
@@ -32,9 +36,11 @@ struct Patch {
 /// The patches of a voxel's sides and their depth layers, in the order of their codes. `fragments`
 /// are those of one voxel.
 ///
-/// @param seed decides where on the surface the origins lie
+/// @param seed  decides where on the surface the origins lie
+/// @param only  sides to make patches of; each patch is as with all sides
 std::vector<Patch> makePatches(const Scene& scene, const VoxelFrame& frame,
-                               std::span<const Fragment> fragments, std::uint64_t seed);
+                               std::span<const Fragment> fragments, std::uint64_t seed,
+                               const SideSet& only = SideSet().set());
 
 /// Whether a patch may be cut: it is one flat surface, neither small nor cut too often.
 bool maySubdivide(const Patch& patch, double spacing);

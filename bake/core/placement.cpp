@@ -12,6 +12,9 @@ namespace {
 
 /// Keeps the part of `polygon` where sign * (corner[axis] - limit) <= 0.
 void clipAxis(Polygon& polygon, int axis, double limit, double sign) {
+    const auto isOutside = [&](const Vec3d& corner) { return sign * (corner[axis] - limit) > 0; };
+    const auto corners = std::span(polygon.corner).first(polygon.count);
+    if (std::ranges::none_of(corners, isOutside)) return;
     Polygon out;
     for (std::size_t i = 0; i < polygon.count; ++i) {
         const Vec3d& a = polygon.corner[i];
@@ -62,6 +65,11 @@ private:
     void addSlabs(const Polygon& polygon, const Range& range, int axis, std::uint32_t triangle,
                   std::vector<Fragment>& out) const {
         if (axis == 3) return addFragment(polygon, range.first, triangle, out);
+        if (range.first[axis] == range.last[axis]) {
+            if (!only_ || only_->mayTouch(frame_, range.first, range.last))
+                addSlabs(polygon, range, axis + 1, triangle, out);
+            return;
+        }
         for (int v = range.first[axis]; v <= range.last[axis]; ++v) {
             Range part = range;
             part.first[axis] = part.last[axis] = v;

@@ -20,13 +20,6 @@ constexpr std::size_t kPlacesPerChunk = 4096;
 /// is used with: patches that are cut can weigh more than whole.
 SHADOWCACHE_TUNED(float, kShareOfLeast, 0.25f);
 
-/// What lookups use of a patch.
-struct Outline {
-    int side;
-    Vec3f normal;
-    Vec3f position;  ///< mean point, from the voxel's middle, in spacings
-};
-
 using Bits = std::uint8_t;
 
 class SideChooser {
@@ -37,7 +30,7 @@ public:
           voxels_(voxels),
           selection_(selection),
           seed_(seed),
-          outlines_(voxels.size()),
+          chosen_(voxels.size()),
           wanted_(voxels.size(), 0) {}
 
     std::vector<ChosenSides> choose() {
@@ -46,15 +39,13 @@ public:
             lookUpAll();
             if (selection_.margin > 0) addMargin();
         }
-        std::vector<ChosenSides> chosen(voxels_.size());
         for (const std::size_t v : voxels_.wanted())
-            for (const Outline& patch : outlines_[v]) {
+            for (const Outline& patch : chosen_[v].outlines) {
                 if (selection_.lookups && (wanted_[v] >> patch.side & 1) == 0) continue;
                 if (selection_.present.contains(voxels_.key(v), patch.side)) continue;
-                chosen[v].sides.set(static_cast<std::size_t>(patch.side));
-                chosen[v].normals.push_back(patch.normal);
+                chosen_[v].sides.set(static_cast<std::size_t>(patch.side));
             }
-        return chosen;
+        return std::move(chosen_);
     }
 
 private:
@@ -73,7 +64,8 @@ private:
                 const std::size_t v = candidates[i];
                 for (const Patch& patch :
                      makePatches(scene_, voxels_.frame(), voxels_.fragments(v), seed_))
-                    outlines_[v].push_back({patch.code.side, patch.normal, patch.meanPosition});
+                    chosen_[v].outlines.push_back(
+                        {patch.code.side, patch.normal, patch.meanPosition});
             }
         });
     }
@@ -114,7 +106,7 @@ private:
             double trilinear = 1;
             for (int axis = 0; axis < 3; ++axis)
                 trilinear *= static_cast<double>(step[axis] ? f[axis] : 1 - f[axis]);
-            for (const Outline& patch : outlines_[v]) {
+            for (const Outline& patch : chosen_[v].outlines) {
                 const float agreement = agreementOf(patch.normal, normal);
                 if (agreement <= 0) continue;
                 const float weight = itemWeight(nearOf(trilinear), agreement,
@@ -138,9 +130,9 @@ private:
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                 const std::size_t v = candidates[i];
                 voxels_.visitAround(v, selection_.margin, [&](std::size_t other) {
-                    for (const Outline& from : outlines_[other]) {
+                    for (const Outline& from : chosen_[other].outlines) {
                         if ((seen[other] >> from.side & 1) == 0) continue;
-                        for (const Outline& patch : outlines_[v])
+                        for (const Outline& patch : chosen_[v].outlines)
                             if (agreementOf(patch.normal, from.normal) > 0)
                                 wanted_[v] |= static_cast<Bits>(1u << patch.side);
                     }
@@ -153,8 +145,8 @@ private:
     const SurfaceVoxels& voxels_;
     const VoxelSelection& selection_;
     const std::uint64_t seed_;
-    std::vector<std::vector<Outline>> outlines_;  ///< by voxel
-    std::vector<Bits> wanted_;                    ///< by voxel: sides of lookups
+    std::vector<ChosenSides> chosen_;  ///< by voxel
+    std::vector<Bits> wanted_;         ///< by voxel: sides of lookups
 };
 
 }  // namespace

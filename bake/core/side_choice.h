@@ -1,6 +1,5 @@
 #pragma once
 
-#include <bitset>
 #include <vector>
 
 #include "bake/core/patch.h"
@@ -9,17 +8,25 @@
 
 namespace shadowcache {
 
+/// What lookups use of a patch, before it is cut.
+struct Outline {
+    int side;
+    Vec3f normal;
+    Vec3f position;  ///< mean point, from the voxel's middle, in spacings
+};
+
 /// What a bake makes of a voxel.
 struct ChosenSides {
-    std::bitset<kSides> sides;
-    std::vector<Vec3f> normals;  ///< of the patches on these sides, before they are cut
+    SideSet sides;
+    std::vector<Outline> outlines;  ///< of all its patches, in their order
 };
 
 /// Finds the sides of voxels that a selection wants: those whose items would have a share in one of
 /// its lookups, and their margin.
 ///
 /// @param seed  of the bake
-/// @return by voxel's number; nothing for voxels of other shards
+/// @return by voxel's number; no sides for voxels of other shards, and no outlines either for those
+/// that no lookup reaches
 std::vector<ChosenSides> chooseSides(const Scene& scene, const SurfaceVoxels& voxels,
                                      const VoxelSelection& selection, std::uint64_t seed);
 

@@ -55,7 +55,13 @@ SurfaceCount countSurface(const TriangleMesh& mesh, const VoxelFrame& frame) {
             fragments.clear();
             cutTriangle(mesh, frame, triangle, fragments);
             const std::uint32_t bits = bitsOf(mesh, triangle);
-            for (const Fragment& fragment : fragments) masks.push_back({fragment.voxelKey, bits});
+            for (const Fragment& fragment : fragments) {
+                // Neighbouring triangles are often listed together.
+                if (!masks.empty() && masks.back().key == fragment.voxelKey)
+                    masks.back().bits |= bits;
+                else
+                    masks.push_back({fragment.voxelKey, bits});
+            }
         }
         unite(masks);
     });

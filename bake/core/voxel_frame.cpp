@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kLeafBits = 17;  // 8^3 leaves along an axis
 constexpr int kMaxVoxels = 1 << (kLeafBits + 3);
+static_assert(VoxelFrame::kKeys == std::uint64_t{1} << (3 * kLeafBits + 9));
 
 Vec3i floorVector(const Vec3d& v) {
     return {static_cast<int>(std::floor(v.x)), static_cast<int>(std::floor(v.y)),

@@ -19,6 +19,9 @@ public:
     /// spacing
     VoxelFrame(const TriangleMesh& mesh, double spacing);
 
+    /// Keys are less than this.
+    static constexpr std::uint64_t kKeys = std::uint64_t{1} << 60;
+
     double spacing() const { return spacing_; }
     /// Order of a voxel that the frame holds.
     std::uint64_t key(const Vec3i& voxel) const;

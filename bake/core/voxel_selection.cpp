@@ -1,6 +1,7 @@
 #include "bake/core/voxel_selection.h"
 
 #include <algorithm>
+#include <cassert>
 
 #include "common/math/direction_mesh.h"
 
@@ -32,7 +33,17 @@ Vec3f LookupPlaces::Place::position() const {
 }
 
 Vec3f LookupPlaces::Place::normal() const {
-    return Vec3f(cellCenter(kNormalLevel, code / (kSteps * kSteps * kSteps)));
+    return Vec3f(cellCenter(kNormalLevel, normalCell(kNormalLevel)));
+}
+
+std::uint32_t LookupPlaces::Place::normalCell(int level) const {
+    assert(level >= 0 && level <= kNormalLevel);
+    return code / (kSteps * kSteps * kSteps) >> 2 * (kNormalLevel - level);
+}
+
+bool LookupPlaces::Place::isValid() const {
+    return voxelKey < VoxelFrame::kKeys &&
+           code < cellCount(kNormalLevel) * kSteps * kSteps * kSteps;
 }
 
 void LookupPlaces::add(std::vector<Place> places) {

@@ -21,6 +21,10 @@ public:
         /// Its position from the middle of that voxel, in spacings, in [0, 1).
         Vec3f position() const;
         Vec3f normal() const;
+        /// Cell of the direction mesh that the normal is in, at a level <= 4.
+        std::uint32_t normalCell(int level) const;
+        /// Whether its numbers are in their ranges, as those of makePlace() are.
+        bool isValid() const;
 
         auto operator<=>(const Place&) const = default;
     };

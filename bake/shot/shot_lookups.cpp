@@ -4,6 +4,7 @@
 #include <bitset>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -72,15 +73,9 @@ public:
     }
 
 private:
-    /// A place, and its normal's cell of kNormalLevel.
-    struct Seen {
-        LookupPlaces::Place place;
-        std::uint32_t normal;
-    };
-
     /// What the rays of some rows of a round's grid meet.
     struct Part {
-        std::vector<Seen> seen;
+        std::vector<LookupPlaces::Place> seen;
         std::size_t newRays = 0;
     };
 
@@ -94,48 +89,72 @@ private:
         std::vector<Part> parts((rows + kRowsPerChunk - 1) / kRowsPerChunk);
         parallelFor(rows, kRowsPerChunk, [&](const Chunk& chunk) {
             throwIfInterrupted();
+            std::array<FilmPosition, RayPacket::kSize> at;
             for (std::size_t row = chunk.begin; row < chunk.end; ++row)
-                for (std::size_t column = 0; column < columns; ++column) {
-                    const std::uint64_t number = row * columns + column;
-                    const double u = toUnit(hashWords(seed, BakeSalt::filmColumn, number));
-                    const double v = toUnit(hashWords(seed, BakeSalt::filmRow, number));
-                    look((static_cast<double>(column) + u) / static_cast<double>(columns),
-                         (static_cast<double>(row) + v) / static_cast<double>(rows),
-                         parts[chunk.index]);
+                for (std::size_t first = 0; first < columns; first += at.size()) {
+                    const std::size_t count = std::min(at.size(), columns - first);
+                    for (std::size_t i = 0; i < count; ++i) {
+                        const std::size_t column = first + i;
+                        const std::uint64_t number = row * columns + column;
+                        const double u = toUnit(hashWords(seed, BakeSalt::filmColumn, number));
+                        const double v = toUnit(hashWords(seed, BakeSalt::filmRow, number));
+                        at[i] =
+                            onFilm((static_cast<double>(column) + u) / static_cast<double>(columns),
+                                   (static_cast<double>(row) + v) / static_cast<double>(rows));
+                    }
+                    look(std::span(at).first(count), parts[chunk.index]);
                 }
         });
         std::size_t newRays = 0;
         std::vector<LookupPlaces::Place> places;
         for (const Part& part : parts) {
             newRays += part.newRays;
-            for (const Seen& seen : part.seen) {
-                known_[seen.place.voxelKey].set(seen.normal);
-                places.push_back(seen.place);
-            }
+            for (const LookupPlaces::Place& place : part.seen)
+                known_[place.voxelKey].set(place.normalCell(kNormalLevel));
+            places.insert(places.end(), part.seen.begin(), part.seen.end());
         }
         places_.add(std::move(places));
         return static_cast<double>(newRays) / static_cast<double>(rows * columns);
     }
 
     /// @param x, y  in [0, 1] over the film and its border
-    void look(double x, double y, Part& out) const {
-        const auto onFilm = [](double share, int pixels) {
+    FilmPosition onFilm(double x, double y) const {
+        const auto along = [](double share, int pixels) {
             return (share * (pixels + 2 * kFilmBorder) - kFilmBorder) / pixels;
         };
-        const View view = lookThrough(rays_, scene_, {onFilm(x, size_[0]), onFilm(y, size_[1])});
+        return {along(x, size_[0]), along(y, size_[1])};
+    }
+
+    /// @param at  as many as a packet has rays, or fewer
+    void look(std::span<const FilmPosition> at, Part& out) const {
+        RayPacket packet{};
+        std::array<View, RayPacket::kSize> views;
+        std::array<Hit, RayPacket::kSize> hits;
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            views[i].direction = Vec3f(rays_.direction(at[i]));
+            packet.set(static_cast<int>(i), rayStart(rays_, scene_, at[i]), views[i].direction);
+        }
+        scene_.intersect(packet, static_cast<int>(at.size()), hits.data());
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            views[i].hit = hits[i];
+            note(views[i], out);
+        }
+    }
+
+    void note(const View& view, Part& out) const {
         if (!view.hit.found) return;
         const Vec3d p = worldPosition(scene_, view.hit) / frame_.spacing();
         const Vec3d low(std::floor(p.x), std::floor(p.y), std::floor(p.z));
         const Vec3i voxel(low);
         // What moves may be far from the set.
         if (!frame_.holds(voxel)) return;
-        const Vec3f normal = view.geometricNormal();
-        const Seen seen{LookupPlaces::makePlace(frame_.key(voxel), Vec3f(p - low), normal),
-                        locateCell(kNormalLevel, Vec3d(normal))};
-        const auto known = known_.find(seen.place.voxelKey);
-        if (known == known_.end() || (known->second & cellsNear()[seen.normal]).none())
+        const auto place =
+            LookupPlaces::makePlace(frame_.key(voxel), Vec3f(p - low), view.geometricNormal());
+        const auto known = known_.find(place.voxelKey);
+        if (known == known_.end() ||
+            (known->second & cellsNear()[place.normalCell(kNormalLevel)]).none())
             ++out.newRays;
-        if (out.seen.empty() || out.seen.back().place != seen.place) out.seen.push_back(seen);
+        if (out.seen.empty() || out.seen.back() != place) out.seen.push_back(place);
     }
 
     const CameraRays rays_;

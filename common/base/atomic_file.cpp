@@ -7,6 +7,7 @@
 #include <cstring>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/base/error.h"
 #include "common/base/leftovers.h"
@@ -88,6 +89,14 @@ void AtomicFile::commit() {
 void AtomicFile::fail(const char* action) {
     failed_ = true;
     throwFileError(path_, std::string("cannot be ") + action + ": " + std::strerror(errno));
+}
+
+void writeWhole(const std::filesystem::path& path, std::string_view bytes) {
+    std::vector<Leftover> kept;
+    removeLeftovers(path, kept);
+    AtomicFile file(path);
+    file.write(bytes.data(), bytes.size());
+    file.commit();
 }
 
 }  // namespace shadowcache

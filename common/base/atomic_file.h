@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <string_view>
 
 namespace shadowcache {
 
@@ -41,5 +42,10 @@ private:
     std::FILE* file_ = nullptr;
     bool failed_ = false;  ///< a library may have swallowed the exception
 };
+
+/// Writes a file that appears when it is complete, and removes what dead runs left of it.
+///
+/// @throws Error if the disk refuses
+void writeWhole(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace shadowcache

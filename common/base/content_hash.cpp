@@ -21,6 +21,10 @@ std::uint64_t checksum(std::span<const std::byte> bytes) noexcept {
     return XXH3_64bits(bytes.data(), bytes.size());
 }
 
+std::uint64_t checksum(std::string_view bytes) noexcept {
+    return checksum(std::as_bytes(std::span(bytes)));
+}
+
 ContentHash::ContentHash() : state_(std::make_unique<State>()) {
     XXH3_128bits_reset(&state_->hash);
 }

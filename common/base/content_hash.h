@@ -13,6 +13,7 @@ namespace shadowcache {
 /// 64 bits that differ, in practice always, where bytes differ; the same on every machine. Against
 /// accidents, not against forgery. [XXH3, https://github.com/Cyan4973/xxHash]
 std::uint64_t checksum(std::span<const std::byte> bytes) noexcept;
+std::uint64_t checksum(std::string_view bytes) noexcept;
 
 /// Hash of a content that is met in pieces: 128 bits, so that two contents of one hash are not met
 /// with. It does not depend on how the content is cut into pieces.

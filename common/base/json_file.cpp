@@ -42,10 +42,7 @@ std::string JsonFile::text() const {
 }
 
 void JsonFile::write(const std::filesystem::path& path) const {
-    const std::string json = text();
-    AtomicFile file(path);
-    file.write(json.data(), json.size());
-    file.commit();
+    writeWhole(path, text());
 }
 
 }  // namespace shadowcache

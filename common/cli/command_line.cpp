@@ -222,10 +222,7 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
     if (!written.empty()) {
         requireExtension(written, ".toml");
         // Only what was given: a default, read back, would count as given and may exclude another.
-        const std::string text = app.config_to_str(false, false);
-        AtomicFile file(written);
-        file.write(text.data(), text.size());
-        file.commit();
+        writeWhole(written, app.config_to_str(false, false));
     }
     return std::nullopt;
 }

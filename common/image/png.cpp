@@ -65,10 +65,7 @@ std::string encodePng(const Image& image, float exposure) {
 }
 
 void writePng(const std::filesystem::path& path, const Image& image, float exposure) {
-    const std::string png = encodePng(image, exposure);
-    AtomicFile file(path);
-    file.write(png.data(), png.size());
-    file.commit();
+    writeWhole(path, encodePng(image, exposure));
 }
 
 }  // namespace shadowcache

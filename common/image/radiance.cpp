@@ -122,12 +122,16 @@ void requireAllHdrRows(const std::filesystem::path& path, const HdrHeader& heade
 }
 
 Image readHdr(const std::filesystem::path& path) {
-    const std::string content = readFileBytes(path);
+    std::string content = readFileBytes(path);
     const HdrHeader header = parseHdrHeader(path, content);
     requireAllHdrRows(path, header, std::string_view(content).substr(header.bytes));
     if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
         throwFileError(path, "larger than 2 GB, expected a smaller HDR file");
     }
+    // stb meets a plain header: of one with two resolutions it might take the other.
+    content.replace(0, header.bytes,
+                    "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(header.height) +
+                        " +X " + std::to_string(header.width) + "\n");
     int width = 0;
     int height = 0;
     int channels = 0;
@@ -137,7 +141,6 @@ Image readHdr(const std::filesystem::path& path) {
         &std::free);
     if (!texels)
         throwFileError(path, std::string("is not a Radiance HDR file: ") + stbi_failure_reason());
-
     Image image{width, height, {}};
     image.pixels.resize(header.width * header.height);
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {

@@ -73,6 +73,12 @@ std::size_t gltfTypeSize(int type) {
     return 0;
 }
 
+std::string badIndexType(int type) {
+    for (const GltfType good : {GltfType::uint8, GltfType::uint16, GltfType::uint32})
+        if (type == static_cast<int>(good)) return {};
+    return "type " + std::to_string(type) + ", expected 5121, 5123 or 5125";
+}
+
 std::vector<double> decode(const GltfAccessor& accessor, std::string& cause) {
     const GltfArray& array = accessor.array;
     std::vector<double> values(accessor.count * array.components, 0.0);
@@ -102,6 +108,8 @@ std::vector<double> decode(const GltfAccessor& accessor, std::string& cause) {
 }
 
 std::vector<std::uint32_t> decodeIndices(const GltfAccessor& accessor, std::string& cause) {
+    cause = badIndexType(static_cast<int>(accessor.array.type));
+    if (!cause.empty()) return {};
     const std::vector<double> values = decode(accessor, cause);
     return {values.begin(), values.end()};
 }

@@ -21,6 +21,9 @@ enum class GltfType : int {
 /// Bytes of a component; 0 if the number is no type.
 std::size_t gltfTypeSize(int type);
 
+/// Why indices may not have components of a type, or nothing if they may.
+std::string badIndexType(int type);
+
 /// Elements in memory, each of some components, `stride` bytes apart. All lie within `bytes`.
 struct GltfArray {
     std::string_view bytes;
@@ -48,6 +51,8 @@ struct GltfAccessor {
 std::vector<double> decode(const GltfAccessor& accessor, std::string& cause);
 
 /// A scalar accessor of whole numbers.
+///
+/// @param cause set if its type is none of indices, or as by decode(); the result is then empty
 std::vector<std::uint32_t> decodeIndices(const GltfAccessor& accessor, std::string& cause);
 
 }  // namespace shadowcache

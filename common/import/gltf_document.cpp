@@ -111,11 +111,8 @@ private:
             fail(owner + ": sparse accessor without a buffer view");
         const auto count = static_cast<std::size_t>(sparse.count);
         const int type = sparse.indices.componentType;
-        if (type != static_cast<int>(GltfType::uint8) &&
-            type != static_cast<int>(GltfType::uint16) &&
-            type != static_cast<int>(GltfType::uint32))
-            fail(owner + ": sparse indices of type " + std::to_string(type) +
-                 ", expected 5121, 5123 or 5125");
+        const std::string bad = badIndexType(type);
+        if (!bad.empty()) fail(owner + ": sparse indices of " + bad);
         to.sparse =
             GltfSparse{count,
                        array(owner, sparse.indices.bufferView,

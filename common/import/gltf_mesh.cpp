@@ -297,7 +297,8 @@ private:
         if (texture.rgba.empty())
             throwFileError(document_.path, from.name + ": " + cause + ", expected PNG or JPEG");
         // A picture that several textures show is kept for each.
-        if (!decoded_.insert(from.encoded.data()).second) budget_.take(texture.rgba.size() / 4);
+        if (!decoded_.insert(from.encoded.data()).second)
+            budget_.take((texture.rgba.size() + texture.low.size()) / 4);
         texture.wrapS = from.sampler.wrapS;
         texture.wrapT = from.sampler.wrapT;
         texture.smooth = from.sampler.smooth;

@@ -76,6 +76,10 @@ bool hasSoundHuffmanTables(std::string_view jpeg) {
     return true;
 }
 
+/// What stb has allocated.
+template <class T>
+using Texels = std::unique_ptr<T, decltype(&std::free)>;
+
 }  // namespace
 
 Texture decodeTexture(std::string_view bytes, std::string& cause) {
@@ -101,16 +105,32 @@ Texture decodeTexture(std::string_view bytes, std::string& cause) {
             return {};
         }
     }
-    const std::unique_ptr<stbi_uc, decltype(&std::free)> texels(
-        stbi_load_from_memory(data, size, &texture.width, &texture.height, &channels, 4),
+    const bool has16 = stbi_is_16_bit_from_memory(data, size) != 0;
+    const Texels<stbi_us> wide(
+        has16 ? stbi_load_16_from_memory(data, size, &texture.width, &texture.height, &channels, 4)
+              : nullptr,
         &std::free);
-    if (!texels) {
+    const Texels<stbi_uc> narrow(
+        has16 ? nullptr
+              : stbi_load_from_memory(data, size, &texture.width, &texture.height, &channels, 4),
+        &std::free);
+    if (!wide && !narrow) {
         const char* reason = stbi_failure_reason();
         cause = reason && *reason ? reason : "damaged";
         return {};
     }
-    texture.rgba.assign(texels.get(), texels.get() + 4 * static_cast<std::size_t>(texture.width) *
-                                                         static_cast<std::size_t>(texture.height));
+    const std::size_t count =
+        4 * static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height);
+    if (narrow) {
+        texture.rgba.assign(narrow.get(), narrow.get() + count);
+        return texture;
+    }
+    texture.rgba.reserve(count);
+    texture.low.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        texture.rgba.push_back(static_cast<std::uint8_t>(wide.get()[i] >> 8));
+        texture.low.push_back(static_cast<std::uint8_t>(wide.get()[i] & 0xff));
+    }
     return texture;
 }
 

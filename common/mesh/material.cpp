@@ -31,7 +31,7 @@ int wrapped(int i, int size, Texture::Wrap wrap) {
 
 /// Four texels around a place and their weights.
 struct Footprint {
-    std::array<const std::uint8_t*, 4> texel;
+    std::array<std::size_t, 4> texel;  ///< where they begin in Texture::rgba
     std::array<float, 4> weight;
 };
 
@@ -47,12 +47,26 @@ Footprint footprint(const Texture& texture, float s, float t) {
         const int i = wrapped(static_cast<int>(left) + (k & 1), texture.width, texture.wrapS);
         const int j = wrapped(static_cast<int>(top) + (k >> 1), texture.height, texture.wrapT);
         const auto at = static_cast<std::size_t>(k);
-        result.texel[at] = texture.rgba.data() + 4 * (static_cast<std::size_t>(j) *
-                                                          static_cast<std::size_t>(texture.width) +
-                                                      static_cast<std::size_t>(i));
+        result.texel[at] =
+            4 * (static_cast<std::size_t>(j) * static_cast<std::size_t>(texture.width) +
+                 static_cast<std::size_t>(i));
         result.weight[at] = ((k & 1) != 0 ? fx : 1 - fx) * ((k >> 1) != 0 ? fy : 1 - fy);
     }
     return result;
+}
+
+/// A channel's value, in steps of 8 bits: 0 to 255.
+float channel(const Texture& texture, std::size_t at) {
+    const auto high = static_cast<float>(texture.rgba[at]);
+    return texture.low.empty() ? high : (high * 256 + static_cast<float>(texture.low[at])) / 257;
+}
+
+/// The linear value of one that is sRGB-encoded.
+float linear(const Texture& texture, std::size_t at, const std::array<float, 256>& table) {
+    if (texture.low.empty()) return table[texture.rgba[at]];
+    const float encoded = channel(texture, at);
+    const auto step = std::min(static_cast<std::size_t>(encoded), table.size() - 2);
+    return table[step] + (encoded - static_cast<float>(step)) * (table[step + 1] - table[step]);
 }
 
 }  // namespace
@@ -62,8 +76,10 @@ Rgb textureColor(const Texture& texture, float s, float t) noexcept {
     const Footprint around = footprint(texture, s, t);
     Rgb color(0.0f);
     for (std::size_t k = 0; k < 4; ++k) {
-        const std::uint8_t* texel = around.texel[k];
-        color += Rgb(kLinear[texel[0]], kLinear[texel[1]], kLinear[texel[2]]) * around.weight[k];
+        const std::size_t at = around.texel[k];
+        color += Rgb(linear(texture, at, kLinear), linear(texture, at + 1, kLinear),
+                     linear(texture, at + 2, kLinear)) *
+                 around.weight[k];
     }
     return color;
 }
@@ -73,7 +89,7 @@ std::array<float, 4> textureValue(const Texture& texture, float s, float t) noex
     std::array<float, 4> value{};
     for (std::size_t k = 0; k < 4; ++k)
         for (std::size_t c = 0; c < 4; ++c)
-            value[c] += static_cast<float>(around.texel[k][c]) * (around.weight[k] / 255.0f);
+            value[c] += channel(texture, around.texel[k] + c) * (around.weight[k] / 255.0f);
     return value;
 }
 
@@ -81,7 +97,7 @@ float textureOpacity(const Texture& texture, float s, float t) noexcept {
     const Footprint around = footprint(texture, s, t);
     float sum = 0;
     for (std::size_t k = 0; k < 4; ++k)
-        sum += static_cast<float>(around.texel[k][3]) * around.weight[k];
+        sum += static_cast<float>(texture.rgba[around.texel[k] + 3]) * around.weight[k];
     return sum / 255.0f;
 }
 

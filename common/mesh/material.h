@@ -13,13 +13,15 @@ namespace shadowcache {
 /// Place on a picture.
 using Vec2f = Imath::V2f;
 
-/// Picture on surfaces: 8 bits a channel, colour sRGB-encoded, all else linear; row 0 at t = 0.
+/// Picture on surfaces: 8 or 16 bits a channel, colour sRGB-encoded, all else linear; row 0 at t =
+/// 0.
 struct Texture {
     enum class Wrap { repeat, mirror, clamp };
 
     int width = 0;
     int height = 0;
-    std::vector<std::uint8_t> rgba;
+    std::vector<std::uint8_t> rgba;  ///< the upper 8 of 16 bits
+    std::vector<std::uint8_t> low;   ///< the lower 8, as many; none of 8 bits
     Wrap wrapS = Wrap::repeat;
     Wrap wrapT = Wrap::repeat;
     bool smooth = true;  ///< bilinear; else the nearest texel

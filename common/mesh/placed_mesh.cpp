@@ -39,7 +39,12 @@ std::array<Vec3d, 3> placedCorners(const TriangleMesh& mesh, std::uint32_t numbe
 }
 
 Vec3f placedNormal(const TriangleMesh& mesh, std::uint32_t number) noexcept {
-    const auto [a, b, c] = placedCorners(mesh, number);
+    return placedNormal(mesh, number, placedCorners(mesh, number));
+}
+
+Vec3f placedNormal(const TriangleMesh& mesh, std::uint32_t number,
+                   const std::array<Vec3d, 3>& corners) noexcept {
+    const auto& [a, b, c] = corners;
     const MeshInstance* instance = placedTriangle(mesh, number).instance;
     const Vec3d n = (b - a).cross(c - a).normalized();
     return Vec3f(instance && instance->toWorld.mirrors() ? -n : n);

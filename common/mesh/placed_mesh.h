@@ -27,6 +27,9 @@ std::array<Vec3d, 3> placedCorners(const TriangleMesh& mesh, std::uint32_t numbe
 
 /// Its unit geometric normal, by its winding in the file.
 Vec3f placedNormal(const TriangleMesh& mesh, std::uint32_t number) noexcept;
+/// The same where its corners are known.
+Vec3f placedNormal(const TriangleMesh& mesh, std::uint32_t number,
+                   const std::array<Vec3d, 3>& corners) noexcept;
 
 /// Whether both of its sides are seen.
 bool isDoubleSided(const TriangleMesh& mesh, std::uint32_t number) noexcept;

@@ -17,8 +17,9 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Sets of more are traced as single rays: the packets of neighbouring rays that win in the kitchen
-/// (83 k triangles, by a third) and tie in the atrium (155 k) lose around the dragon (871 k).
+/// Shadow rays in larger sets are traced as single rays: the packets of neighbouring rays that win
+/// in the kitchen (83 k triangles, by a third) and tie in the atrium (155 k) lose around the dragon
+/// (871 k).
 SHADOWCACHE_TUNED(std::size_t, kManyTriangles, 300000);
 
 /// Moving sets of more instances are one ball: every ball costs every shading point a little.
@@ -66,6 +67,11 @@ struct Lanes {
 RTCIntersectContextFlags packetFlags(const TriangleMesh& mesh) {
     return mesh.instances.empty() ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
                                   : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+}
+
+/// Shadow rays of a packet stay together among large triangles and part among small ones.
+RTCIntersectContextFlags shadowFlags(bool many) {
+    return many ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
 }
 
 float maxAbs(const Vec3f& v) {
@@ -123,7 +129,8 @@ Vec3f Scene::normal(std::uint32_t triangle) const noexcept {
 /// @param byEmbree  u, v and distance, for a ray in the triangle's plane
 Hit Scene::hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t triangle,
                  const Hit& byEmbree) const noexcept {
-    const auto [a, b, c] = placedCorners(mesh_, triangle);
+    const std::array<Vec3d, 3> corners = placedCorners(mesh_, triangle);
+    const auto& [a, b, c] = corners;
     const Vec3d d(direction), ab = b - a, ac = c - a, toOrigin = Vec3d(origin) - a;
     const Vec3d across = d.cross(ac), along = toOrigin.cross(ab);
     const double determinant = ab.dot(across);
@@ -139,7 +146,7 @@ Hit Scene::hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t tria
         hit.distance = static_cast<float>(ac.dot(along) / determinant);
     }
     hit.position = Vec3f(a + ab * static_cast<double>(hit.u) + ac * static_cast<double>(hit.v));
-    hit.normal = normal(triangle);
+    hit.normal = placedNormal(mesh_, triangle, corners);
     return hit;
 }
 
@@ -219,7 +226,7 @@ bool Scene::isFree(const Vec3f& origin, const Vec3f& way) const noexcept {
 std::uint32_t Scene::visibility(const RayPacket& rays, int count) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = packetFlags(mesh_);
+    context.flags = shadowFlags(many_);
     alignas(32) RTCRay8 query;
     fillRays(rays, blends_, query);
     const Lanes lanes(count);
@@ -248,9 +255,7 @@ void Scene::trace(RayStream& rays, std::size_t count) const noexcept {
     if (blends_) query.id = numbers;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    // Rays of a packet stay together among large triangles and part among small ones.
-    context.flags =
-        many_ ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    context.flags = shadowFlags(many_);
     rtcOccludedNp(embree_->root(), &context, &query, static_cast<unsigned>(count));
 }
 

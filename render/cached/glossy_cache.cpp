@@ -11,6 +11,14 @@ namespace {
 /// follows the counts: more than for the irradiance, as the other lobes differ from the central.
 SHADOWCACHE_TUNED(double, kGlossyDefensiveShare, 0.8);
 
+/// Part of what a point reflects from which on a sample is reused: less than of the irradiance, as
+/// fewer regions make up for one that is mispredicted.
+SHADOWCACHE_TUNED(double, kGlossyHeavy, 0.02);
+
+/// Predicted visibility from which on reuse expects the sky: almost surely, as a lobe that is
+/// wrongly predicted bright is all that a dark point has.
+SHADOWCACHE_TUNED(float, kGlossyMostlyVisible, 0.97f);
+
 /// Least width of a lobe that fits over the finest cells follow; regions are chosen for narrower
 /// ones as if they were so wide.
 SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
@@ -18,7 +26,8 @@ SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
 }  // namespace
 
 GlossyWorkspace::GlossyWorkspace(const Environment& environment, const DirectionTiers& tiers)
-    : builder(environment, tiers), planner(kGlossyDefensiveShare) {}
+    : builder(environment, tiers),
+      planner({kGlossyDefensiveShare, kGlossyHeavy, kGlossyMostlyVisible}) {}
 
 /// A batch under way.
 struct GlossyCache::Batch {
@@ -51,7 +60,7 @@ void GlossyCache::estimate(const PointBatch& batch, std::span<const GlossyPoint>
     own.estimates.assign(points.size(), {});
     PointBatch reseeded = batch;
     reseeded.points = own.points;
-    tools.clusters.build(reseeded.points, context_.cache->header().spacing);
+    tools.clusters.build(reseeded.points, context_.cache->header().spacing, batch.cameraRays);
     const Batch task{reseeded, points, frame, lookup, tools, own};
     NeighborReuse::Batch reuse = tools.reuse.begin(reseeded, tools.clusters, points);
     for (const PointCluster& cluster : tools.clusters.clusters()) {

@@ -13,6 +13,8 @@ namespace {
 /// Points of a group for each that is mispredicted, on average: the gain saturates at one, but a
 /// reused ray costs a tenth of a sample.
 SHADOWCACHE_TUNED(double, kGroupPerFind, 8);
+/// The same of glossy points, whose lobes differ: fewer of them gain from a misprediction.
+SHADOWCACHE_TUNED(double, kGlossyGroupPerFind, 16);
 /// Most points of a group.
 SHADOWCACHE_TUNED(double, kMostGroupPoints, 256);
 
@@ -139,8 +141,9 @@ std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
         weight += samples;
         chance += samples * static_cast<double>(offer.chance);
     }
+    const double perFind = glossy_.empty() ? kGroupPerFind : kGlossyGroupPerFind;
     const double mean = weight > 0 ? std::max(chance / weight, 1e-12) : 1.0;
-    const double most = std::clamp(kGroupPerFind / mean, 1.0, kMostGroupPoints);
+    const double most = std::clamp(perFind / mean, 1.0, kMostGroupPoints);
     sizeBatch_[found.cell] = batchNumber_;
     return sizes_[found.cell] = std::max(1u, std::bit_floor(static_cast<std::uint32_t>(most)));
 }

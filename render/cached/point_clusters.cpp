@@ -22,23 +22,29 @@ SHADOWCACHE_TUNED(float, kFineExtent, 0.35f);
 SHADOWCACHE_TUNED(float, kCoarseExtent, 1.4f);
 /// Most points of a cluster that counts as one of few.
 SHADOWCACHE_TUNED(std::uint32_t, kFewPoints, 32);
+/// Pixels whose camera rays count as few points, whatever their number: where a cluster has fewer
+/// points than a pixel, its samples hardly pay for the set-up.
+SHADOWCACHE_TUNED(std::uint32_t, kFewPixels, 2);
 
 /// Normals whose mean is longer than this have a plane in common.
 SHADOWCACHE_TUNED(float, kPlanar, 0.8f);
 
 }  // namespace
 
-void PointClusters::build(std::span<const ShadingPoint> points, double spacing) {
+void PointClusters::build(std::span<const ShadingPoint> points, double spacing,
+                          std::uint32_t cameraRays) {
     points_ = points;
     spacing_ = spacing;
+    fewPoints_ = std::max(kFewPoints, kFewPixels * cameraRays);
     order_.resize(points.size());
     std::iota(order_.begin(), order_.end(), 0u);
+    above_.resize(points.size());
     keys_.resize(points.size());
     clusters_.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec3f place((points[i].position - points[0].position) / spacing);
         const Vec3f normal = points[i].normal * kNormalWeight;
-        keys_[i] = {place.x, place.y, place.z, normal.x, normal.y, normal.z};
+        keys_[i] = {{place.x, place.y, place.z, normal.x, normal.y, normal.z, 0, 0}};
     }
     if (!points.empty()) split(0, static_cast<std::uint32_t>(points.size()));
 }
@@ -46,15 +52,9 @@ void PointClusters::build(std::span<const ShadingPoint> points, double spacing) 
 void PointClusters::split(std::uint32_t begin, std::uint32_t end) {
     const Extent extent = extentOf(begin, end);
     const std::uint32_t count = end - begin;
-    if (extent.size <= kFineExtent || (extent.size <= kCoarseExtent && count <= kFewPoints))
+    if (extent.size <= kFineExtent || (extent.size <= kCoarseExtent && count <= fewPoints_))
         return addCluster(begin, end);
-    const auto cut =
-        std::partition(order_.begin() + begin, order_.begin() + end, [&](std::uint32_t point) {
-            const float at =
-                extent.axis == kAxes ? heightOf(extent.up, point) : keys_[point][extent.axis];
-            return at < extent.middle;
-        });
-    const auto middle = static_cast<std::uint32_t>(cut - order_.begin());
+    const std::uint32_t middle = divide(begin, end, extent);
     if (middle == begin || middle == end) {  // an extent that floats cannot halve
         for (std::uint32_t i = begin; i < end; ++i) addCluster(i, i + 1);
         return;
@@ -63,15 +63,30 @@ void PointClusters::split(std::uint32_t begin, std::uint32_t end) {
     split(middle, end);
 }
 
+std::uint32_t PointClusters::divide(std::uint32_t begin, std::uint32_t end, const Extent& extent) {
+    const bool byHeight = extent.axis == kAxes;
+    std::uint32_t middle = begin, above = 0;
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const std::uint32_t point = order_[i];
+        const float at = byHeight ? heightOf(extent.up, point) : keys_[point][extent.axis];
+        // Written to both: the sides of neighbours cannot be foreseen.
+        order_[middle] = above_[above] = point;
+        middle += at < extent.middle ? 1 : 0;
+        above += at < extent.middle ? 0 : 1;
+    }
+    std::copy_n(above_.begin(), above, order_.begin() + middle);
+    return middle;
+}
+
 PointClusters::Extent PointClusters::extentOf(std::uint32_t begin, std::uint32_t end) const {
     Key low = keys_[order_[begin]], high = low;
     Key sum{};
     for (std::uint32_t i = begin; i < end; ++i) {
         const Key& key = keys_[order_[i]];
-        for (std::size_t k = 0; k < kAxes; ++k) {
-            low[k] = std::min(low[k], key[k]);
-            high[k] = std::max(high[k], key[k]);
-            sum[k] += key[k];
+        for (std::size_t k = 0; k < key.at.size(); ++k) {
+            low.at[k] = std::min(low.at[k], key.at[k]);
+            high.at[k] = std::max(high.at[k], key.at[k]);
+            sum.at[k] += key.at[k];
         }
     }
     Extent extent;
@@ -98,17 +113,17 @@ float PointClusters::heightOf(const Vec3f& up, std::uint32_t point) const {
 }
 
 void PointClusters::addCluster(std::uint32_t begin, std::uint32_t end) {
-    std::sort(order_.begin() + begin, order_.begin() + end);
     const float share = 1 / static_cast<float>(end - begin);
     Key mean{};
     for (std::uint32_t i = begin; i < end; ++i)
-        for (std::size_t k = 0; k < kAxes; ++k) mean[k] += share * keys_[order_[i]][k];
+        for (std::size_t k = 0; k < mean.at.size(); ++k)
+            mean.at[k] += share * keys_[order_[i]].at[k];
     PointCluster cluster{begin, end, order_[begin]};
     float nearest = std::numeric_limits<float>::max();
     for (std::uint32_t i = begin; i < end; ++i) {
         float distance = 0;
-        for (std::size_t k = 0; k < kAxes; ++k) {
-            const float d = keys_[order_[i]][k] - mean[k];
+        for (std::size_t k = 0; k < mean.at.size(); ++k) {
+            const float d = keys_[order_[i]].at[k] - mean.at[k];
             distance += d * d;
         }
         if (distance < nearest) nearest = distance, cluster.centre = order_[i];

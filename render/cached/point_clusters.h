@@ -23,7 +23,8 @@ struct PointCluster {
 class PointClusters {
 public:
     /// @param spacing  of the cache's items [world], > 0
-    void build(std::span<const ShadingPoint> points, double spacing);
+    /// @param cameraRays  of a pixel, > 0
+    void build(std::span<const ShadingPoint> points, double spacing, std::uint32_t cameraRays);
 
     std::span<const PointCluster> clusters() const { return clusters_; }
     /// Numbers of the points, cluster by cluster; in a cluster they ascend.
@@ -31,7 +32,11 @@ public:
 
 private:
     static constexpr std::size_t kAxes = 6;
-    using Key = std::array<float, kAxes>;  ///< position in spacings, and weighted normal
+    /// Position in spacings, weighted normal, and two zeros: so many numbers fill a register.
+    struct alignas(32) Key {
+        std::array<float, 8> at{};
+        float operator[](std::size_t axis) const { return at[axis]; }
+    };
 
     struct Extent {
         float size = 0;
@@ -41,14 +46,19 @@ private:
     };
 
     void split(std::uint32_t begin, std::uint32_t end);
+    /// Moves the points of `order_` below the middle of an extent to the front, in order.
+    ///
+    /// @return where the others begin
+    std::uint32_t divide(std::uint32_t begin, std::uint32_t end, const Extent& extent);
     Extent extentOf(std::uint32_t begin, std::uint32_t end) const;
     void addCluster(std::uint32_t begin, std::uint32_t end);
     float heightOf(const Vec3f& up, std::uint32_t point) const;
 
     std::span<const ShadingPoint> points_;
     double spacing_ = 1;
+    std::uint32_t fewPoints_ = 0;  ///< most points of a cluster that counts as one of few
     std::vector<Key> keys_;
-    std::vector<std::uint32_t> order_;
+    std::vector<std::uint32_t> order_, above_;  ///< points; those above a middle
     std::vector<PointCluster> clusters_;
 };
 

@@ -10,10 +10,6 @@ namespace shadowcache {
 
 namespace {
 
-/// Part of the irradiance from which on a sample is heavy enough to be reused: what its rays to the
-/// neighbours cost is then well spent.
-SHADOWCACHE_TUNED(double, kHeavy, 0.045);
-
 /// Regions whose mispredictions are reused need this much of the samples that they would need
 /// alone.
 SHADOWCACHE_TUNED(float, kReuseWeight, 0.5f);
@@ -30,13 +26,13 @@ const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples
     plan_.weightSum = 0;
     if (!(regions.lightSum > 0)) return plan_;
     const auto defence =
-        static_cast<float>(defensiveShare_ * regions.deviationSum / regions.lightSum);
+        static_cast<float>(rules_.defensiveShare * regions.deviationSum / regions.lightSum);
     const double unsure = std::max(0.0, regions.predictedLuminance - regions.surelyVisible);
     const double bright =
         brightness.darkest + regions.surelyVisible + brightness.unsureShare * unsure;
     // A sample weighs light / (samples * weight / deviation).
-    const double deviation = (1 + defensiveShare_) * regions.deviationSum;
-    const auto least = static_cast<float>(kHeavy * bright * samples / deviation);
+    const double deviation = (1 + rules_.defensiveShare) * regions.deviationSum;
+    const auto least = static_cast<float>(rules_.heavy * bright * samples / deviation);
     for (std::size_t g = 0; g < regions.groups.size(); ++g) {
         const RegionGroup& from = regions.groups[g];
         PlannedGroup& to = plan_.groups[g];
@@ -44,7 +40,7 @@ const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples
         for (int i = 0; i < kBlockCells; ++i) {
             const float weight = from.deviation[i] + defence * from.light[i];
             const float heavy = from.light[i] > least * weight ? 1.0f : 0.0f;
-            const float sign = from.visibility[i] < kMostlyVisible ? 1.0f : -from.above[i];
+            const float sign = from.visibility[i] < rules_.mostlyVisible ? 1.0f : -from.above[i];
             to.reuse[i] = heavy * sign;
             marked[i] = std::abs(to.reuse[i]);
             to.weight[i] = weight * (1 - marked[i] * (1 - kReuseWeight));

@@ -44,6 +44,20 @@ inline SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 /// counts: bounds what a misprediction can weigh.
 inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
 
+/// Part of the irradiance from which on a sample is heavy enough to be reused: what its rays to the
+/// neighbours cost is then well spent.
+inline SHADOWCACHE_TUNED(double, kHeavy, 0.045);
+
+/// Constants of a plan.
+struct PlanRules {
+    /// Samples drawn in proportion to the light alone, for each that follows the counts: bounds
+    /// what a misprediction can weigh.
+    double defensiveShare = kDefensiveShare;
+    double heavy = kHeavy;  ///< part of a point's brightness from which on a sample is reused
+    /// Predicted visibility from which on reuse expects the sky.
+    float mostlyVisible = kMostlyVisible;
+};
+
 /// Standard deviation of one sample of a point, as the regions predict it.
 double deviationOf(const Regions& regions);
 
@@ -52,19 +66,15 @@ double deviationOf(const Regions& regions);
 /// would contribute more than a small part of the point's brightness; there the prediction is
 /// rounded to fully occluded or fully visible, and fewer samples do, since the neighbours' count as
 /// well.
-///
 class SamplingPlanner {
 public:
-    /// @param defensiveShare  samples drawn in proportion to the light alone, for each that follows
-    ///                        the counts: bounds what a misprediction can weigh
-    explicit SamplingPlanner(double defensiveShare = kDefensiveShare)
-        : defensiveShare_(defensiveShare) {}
+    explicit SamplingPlanner(const PlanRules& rules = {}) : rules_(rules) {}
 
     /// @return valid until the next call
     const SamplingPlan& plan(const Regions& regions, double samples, const Brightness& brightness);
 
 private:
-    double defensiveShare_;
+    PlanRules rules_;
     SamplingPlan plan_;
 };
 

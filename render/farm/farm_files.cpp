@@ -10,9 +10,7 @@ namespace shadowcache {
 namespace {
 
 void writeText(const std::filesystem::path& path, const FarmFile& content) {
-    AtomicFile file(path);
-    file.write(content.text.data(), content.text.size());
-    file.commit();
+    writeWhole(path, content.text);
     if (content.executable)
         std::filesystem::permissions(path,
                                      std::filesystem::perms::owner_exec |

@@ -31,6 +31,7 @@ public:
         if (job_.shards == 1) {
             bake({cache()});
         } else {
+            lookUp();
             bake({in("parts/"), true, ".vdb"});
             merge();
         }
@@ -42,18 +43,37 @@ public:
 private:
     std::string in(const std::string& name) const { return (plan_.folder / name).string(); }
     std::string cache() const { return in("cache.vdb"); }
+    std::string lookups() const { return in("shot.lookups"); }
 
     /// Options that only say how a task runs.
     std::vector<FarmWord> running() const {
         return wordsOf({"--threads", std::to_string(plan_.threads), "--progress", "lines"});
     }
 
-    void bake(const FarmWord& output) {
-        FarmStep step{"bake", "shadowcache-bake", wordsOf(job_.set), {}, output, {}};
+    /// A step of the bake for all frames.
+    FarmStep baking(const std::string& name, const FarmWord& output) const {
+        FarmStep step{name, "shadowcache-bake", wordsOf(job_.set), {}, output, {}};
         append(step.arguments, wordsOf(job_.bakeOnly));
         append(step.arguments, wordsOf({"--frames", frames_}));
+        return step;
+    }
+
+    /// What the shot looks up is the same for all shards: found once.
+    void lookUp() {
+        FarmStep step = baking("lookup", {lookups()});
+        append(step.arguments, wordsOf({"--lookups-only", "-o", lookups()}));
+        append(step.arguments, running());
+        step.values = {"1"};
+        plan_.steps.push_back(std::move(step));
+    }
+
+    void bake(const FarmWord& output) {
+        FarmStep step = baking("bake", output);
         if (job_.shards > 1)
-            append(step.arguments, {{"--shard"}, {"", true, "/" + std::to_string(job_.shards)}});
+            append(step.arguments, {{"--lookups"},
+                                    {lookups()},
+                                    {"--shard"},
+                                    {"", true, "/" + std::to_string(job_.shards)}});
         append(step.arguments, {{"-o"}, output, {"--resume"}});
         append(step.arguments, running());
         for (int i = 1; i <= job_.shards; ++i) step.values.push_back(std::to_string(i));

@@ -62,7 +62,7 @@ constexpr int kMostShards = 10000;
 /// @param frames  at least one
 std::string framesText(const std::vector<int>& frames);
 
-/// Bakes, merge, frames, check.
+/// Lookups, bakes, merge, frames, check.
 ///
 /// @param place  folders and threads; its steps are not read
 /// @throws Error naming the option if `job` is out of range

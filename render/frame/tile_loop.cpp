@@ -27,25 +27,32 @@ void RayCounts::addTo(RenderStats& stats) const {
     stats.reusedRays += reused;
 }
 
-std::unique_ptr<Workspace> Workspaces::take() {
-    const std::lock_guard lock(mutex_);
-    if (free_.empty()) return estimator_.makeWorkspace();
-    std::unique_ptr<Workspace> workspace = std::move(free_.back());
-    free_.pop_back();
-    return workspace;
+std::unique_ptr<TileTools> Workspaces::take() {
+    {
+        const std::lock_guard lock(mutex_);
+        if (!free_.empty()) {
+            std::unique_ptr<TileTools> tools = std::move(free_.back());
+            free_.pop_back();
+            return tools;
+        }
+    }
+    auto tools = std::make_unique<TileTools>();
+    tools->workspace = estimator_.makeWorkspace();
+    return tools;
 }
 
-void Workspaces::giveBack(std::unique_ptr<Workspace> workspace) {
+void Workspaces::giveBack(std::unique_ptr<TileTools> tools) {
     const std::lock_guard lock(mutex_);
-    free_.push_back(std::move(workspace));
+    free_.push_back(std::move(tools));
 }
 
 void Workspaces::addCounts(RenderStats& stats) {
     std::uint64_t setup = 0, trace = 0;
-    for (const auto& workspace : free_) {
-        setup += std::exchange(workspace->setupNanoseconds, 0);
-        trace += std::exchange(workspace->traceNanoseconds, 0);
-        stats.raysWithoutItems += std::exchange(workspace->pointsWithoutItems, 0);
+    for (const auto& tools : free_) {
+        Workspace& workspace = *tools->workspace;
+        setup += std::exchange(workspace.setupNanoseconds, 0);
+        trace += std::exchange(workspace.traceNanoseconds, 0);
+        stats.raysWithoutItems += std::exchange(workspace.pointsWithoutItems, 0);
     }
     stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
     stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();
@@ -58,15 +65,13 @@ void forEachTile(const FrameRequest& frame, std::span<const std::size_t> tiles,
     const Tiles all(frame.options);
     const std::size_t run = frame.estimator.inOrder() ? std::max<std::size_t>(1, tiles.size()) : 4;
     parallelFor(tiles.size(), run, [&](const Chunk& chunk) {
-        std::unique_ptr<Workspace> workspace = workspaces.take();
-        TileScratch scratch;
-        std::vector<FilmPlace> places;
+        std::unique_ptr<TileTools> tools = workspaces.take();
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             throwIfInterrupted();
-            all.findPlaces(tiles[i], places);
-            work({i, places, scratch, *workspace});
+            all.findPlaces(tiles[i], tools->places);
+            work({i, tools->places, tools->scratch, *tools->workspace});
         }
-        workspaces.giveBack(std::move(workspace));
+        workspaces.giveBack(std::move(tools));
     });
     workspaces.addCounts(stats);
 }

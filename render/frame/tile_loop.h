@@ -10,13 +10,21 @@
 
 namespace shadowcache {
 
-/// Workspaces that go from one chunk of a frame to the next: what one has met is kept.
+/// What a thread lights tiles with.
+struct TileTools {
+    std::unique_ptr<Workspace> workspace;
+    TileScratch scratch;
+    std::vector<FilmPlace> places;
+};
+
+/// Workspaces that go from one chunk of a frame to the next: what one has met is kept, its memory
+/// too.
 class Workspaces {
 public:
     explicit Workspaces(const Estimator& estimator) : estimator_(estimator) {}
 
-    std::unique_ptr<Workspace> take();
-    void giveBack(std::unique_ptr<Workspace> workspace);
+    std::unique_ptr<TileTools> take();
+    void giveBack(std::unique_ptr<TileTools> tools);
 
     /// Adds times and counts of all that were given back since the last call.
     void addCounts(RenderStats& stats);
@@ -24,7 +32,7 @@ public:
 private:
     const Estimator& estimator_;
     std::mutex mutex_;
-    std::vector<std::unique_ptr<Workspace>> free_;
+    std::vector<std::unique_ptr<TileTools>> free_;
 };
 
 /// Rays that pixels took.

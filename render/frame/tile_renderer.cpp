@@ -64,22 +64,30 @@ ShadingPoint TileRenderer::shadingPoint(const View& view, std::uint64_t seed, in
             filmY};
 }
 
-FilmPosition TileRenderer::filmPosition(const FilmPlace& place, int cameraRay) const {
-    double dx = 0, dy = 0;
+void TileRenderer::aim(const FilmPlace& place, std::uint32_t pixel, int first, int count,
+                       TileScratch& scratch) const {
     if (options_.cameraRays > 1) {
-        std::uint32_t u = 0, v = 0;
+        scratch.columns.resize(static_cast<std::size_t>(count));
+        scratch.rows.resize(static_cast<std::size_t>(count));
         const std::uint64_t film = pixelSeed(options_.seed, number_, place.x, place.y, -1);
-        owenSobol(static_cast<std::uint32_t>(cameraRay), 0, film, {&u, 1});
-        owenSobol(static_cast<std::uint32_t>(cameraRay), 1, film, {&v, 1});
-        dx = filter_.offset(static_cast<double>(toUnitFloat(u)));
-        dy = filter_.offset(static_cast<double>(toUnitFloat(v)));
+        owenSobol(static_cast<std::uint32_t>(first), 0, film, scratch.columns);
+        owenSobol(static_cast<std::uint32_t>(first), 1, film, scratch.rows);
     }
-    return {(place.x + (0.5 + dx)) / options_.width, (place.y + (0.5 + dy)) / options_.height};
+    for (int k = 0; k < count; ++k) {
+        double dx = 0, dy = 0;
+        if (options_.cameraRays > 1) {
+            const auto i = static_cast<std::size_t>(k);
+            dx = filter_.offset(static_cast<double>(toUnitFloat(scratch.columns[i])));
+            dy = filter_.offset(static_cast<double>(toUnitFloat(scratch.rows[i])));
+        }
+        const FilmPosition at{(place.x + (0.5 + dx)) / options_.width,
+                              (place.y + (0.5 + dy)) / options_.height};
+        scratch.rays.push_back({pixel, first + k, at, {Vec3f(camera_.direction(at)), {}}, 0});
+    }
 }
 
 /// Of neighbours eight at a time.
-void TileRenderer::intersect(std::span<TileScratch::Ray> rays,
-                             std::span<const FilmPlace> places) const {
+void TileRenderer::intersect(std::span<TileScratch::Ray> rays) const {
     constexpr auto kSize = static_cast<std::size_t>(RayPacket::kSize);
     RayPacket packet{};
     std::array<Hit, kSize> hits;
@@ -87,10 +95,8 @@ void TileRenderer::intersect(std::span<TileScratch::Ray> rays,
         const auto some = rays.subspan(first, std::min(kSize, rays.size() - first));
         const auto count = static_cast<int>(some.size());
         for (int i = 0; i < count; ++i) {
-            TileScratch::Ray& ray = some[static_cast<std::size_t>(i)];
-            const FilmPosition at = filmPosition(places[ray.pixel], ray.number);
-            ray.view.direction = Vec3f(camera_.direction(at));
-            packet.set(i, rayStart(camera_, context_.scene, at), ray.view.direction);
+            const TileScratch::Ray& ray = some[static_cast<std::size_t>(i)];
+            packet.set(i, rayStart(camera_, context_.scene, ray.at), ray.view.direction);
         }
         context_.scene.intersect(packet, count, hits.data());
         for (std::size_t i = 0; i < some.size(); ++i) some[i].view.hit = hits[i];
@@ -154,10 +160,12 @@ void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int co
 void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, int count,
                                   TileScratch& scratch, std::span<PixelSum> sums) const {
     scratch.rays.clear();
-    for (std::size_t i = 0; i < places.size(); ++i)
-        for (int k = first; k < first + count; ++k)
-            scratch.rays.push_back({static_cast<std::uint32_t>(i), k, {}, 0});
-    intersect(scratch.rays, places);
+    scratch.seeds.clear();
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        aim(places[i], static_cast<std::uint32_t>(i), first, count, scratch);
+        scratch.seeds.push_back(pixelSeed(options_.seed, number_, places[i].x, places[i].y, 0));
+    }
+    intersect(scratch.rays);
     scratch.places.clear();
     for (TileScratch::Ray& ray : scratch.rays) {
         if (!ray.view.hit.found) {
@@ -170,7 +178,7 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
         }
         const auto [x, y] = places[ray.pixel];
         TileScratch::Place& place = scratch.places.emplace_back();
-        place.point = shadingPoint(ray.view, pixelSeed(options_.seed, number_, x, y, 0), x, y);
+        place.point = shadingPoint(ray.view, scratch.seeds[ray.pixel], x, y);
         place.point.cameraRay = static_cast<std::uint32_t>(ray.number);
         place.point.pixel = ray.pixel;
         const Hit& hit = ray.view.hit;

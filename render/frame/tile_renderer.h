@@ -19,7 +19,8 @@ struct TileScratch {
     struct Ray {
         std::uint32_t pixel = 0;  ///< number in the tile
         int number = 0;           ///< of the pixel's camera rays
-        View view;                ///< no hit: the sky
+        FilmPosition at;
+        View view;  ///< no hit: the sky
         double skyLuminance = 0;
     };
     /// What one of them meets on the set.
@@ -31,6 +32,8 @@ struct TileScratch {
         std::optional<std::uint32_t> diffuse;  ///< number in `points`; none: nothing is diffuse
         std::optional<std::uint32_t> glossy;   ///< number in `glossyPoints`
     };
+    std::vector<std::uint32_t> columns, rows;  ///< Sobol' words of a pixel's camera rays
+    std::vector<std::uint64_t> seeds;          ///< of what lights a pixel
     std::vector<Ray> rays;
     std::vector<Place> places;         ///< of the rays that meet the set
     std::vector<ShadingPoint> points;  ///< those to estimate the irradiance of
@@ -67,8 +70,10 @@ public:
     void observe(int x, int y, const CameraSampleObserver& observer);
 
 private:
-    FilmPosition filmPosition(const FilmPlace& place, int cameraRay) const;
-    void intersect(std::span<TileScratch::Ray> rays, std::span<const FilmPlace> places) const;
+    /// Adds camera rays `first` to `first + count - 1` of a pixel to scratch.rays.
+    void aim(const FilmPlace& place, std::uint32_t pixel, int first, int count,
+             TileScratch& scratch) const;
+    void intersect(std::span<TileScratch::Ray> rays) const;
     void addBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
                   Workspace& workspace, std::span<PixelSum> sums) const;
     void sendCameraRays(std::span<const FilmPlace> places, int first, int count,

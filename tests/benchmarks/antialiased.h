@@ -40,19 +40,15 @@ struct Measured {
     double efficiencyOfP99() const { return 1 / (error.p99 * seconds); }
 };
 
-/// A frame of a set under a map, and what it should look like.
+/// A frame and what it should look like.
 struct Picture {
-    const EstimatorContext& context;
-    const Set& set;
-    std::string map;
-    int frame;
+    const Frame& frame;
     const View& view;
     const Image& reference;
     int seeds;
 
     std::string key(const Split& split, const std::string& estimator) const {
-        return set.name + "." + map + ".frame" + std::to_string(frame) + "." + view.name + "." +
-               split.name() + "." + estimator;
+        return frame.key() + "." + view.name + "." + split.name() + "." + estimator;
     }
 };
 
@@ -61,9 +57,8 @@ Measured measure(const Picture& picture, const Split& split, const std::string& 
 /// `mis` at every split of so many rays: a power of 4 less samples with each, or what is left.
 std::vector<std::pair<Split, Measured>> measureMis(const Picture& picture, int rays);
 
-/// 64 samples for each of 64 camera rays; an earlier run's, if one left it in `work`.
-Reference antialiasedReference(const EstimatorContext& context, const Set& set,
-                               const std::string& map, int frame, const View& view,
+/// 8 samples for each of 1,024 camera rays; an earlier run's, if one left it in `work`.
+Reference antialiasedReference(const Frame& frame, const View& view,
                                const std::filesystem::path& work);
 
 }  // namespace shadowcache::bench

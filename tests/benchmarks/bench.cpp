@@ -109,6 +109,18 @@ BakedCache keptCache(const Settings& settings, const Set& set) {
     return kept;
 }
 
+void forEachFrame(const Settings& settings, const std::function<void(const Frame&)>& measure) {
+    for (const std::string& sceneName : settings.scenes) {
+        const auto set = loadSet(settings, sceneName);
+        const BakedCache baked = keptCache(settings, *set);
+        for (const std::string& mapName : settings.maps) {
+            const auto environment = loadMap(settings, mapName);
+            const EstimatorContext context{*set->scene, *environment, baked.cache.get(), {}};
+            for (const int frame : settings.frames) measure({context, *set, mapName, frame});
+        }
+    }
+}
+
 Settings fullMatrix(Settings settings) {
     settings.maps = {"courtyard", "sunrise",        "circus_arena",
                      "interior",  "kloppenheim_05", "aristea_wreck_puresky"};

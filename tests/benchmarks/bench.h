@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,6 +66,19 @@ BakedCache bakeCache(const Settings& settings, const Set& set, const BakeOptions
 /// The cache that an earlier run left in the work folder, or a new one, which stays there.
 BakedCache keptCache(const Settings& settings, const Set& set);
 
+/// A frame of a set under a map, with what it takes to render it.
+struct Frame {
+    const EstimatorContext& context;
+    const Set& set;
+    std::string map;
+    int number;
+
+    /// Name in the JSON files.
+    std::string key() const { return set.name + "." + map + ".frame" + std::to_string(number); }
+};
+/// Each scene, with its kept cache, under each map and from each frame of the settings.
+void forEachFrame(const Settings& settings, const std::function<void(const Frame&)>& measure);
+
 /// Under all maps, from the first frame and from the middle of the move.
 Settings fullMatrix(Settings settings);
 
@@ -104,6 +118,7 @@ void bakeSpeed(const Settings& settings);
 void timeShares(const Settings& settings);
 void memory(const Settings& settings);
 void cycles(const Settings& settings);
+void overCycles(const Settings& settings);
 void scaling(const Settings& settings);
 void trade(const Settings& settings);
 void oracle(const Settings& settings);

@@ -83,12 +83,11 @@ void compare(const Picture& picture, const ShotBake& baked, const Split& split, 
     const double frames = breakEven(baked.seconds, own, byMean);
     const double framesByP99 = breakEven(baked.seconds, own, byP99);
     std::printf("%-9s %-14s %5d %6s %8.1f %8.1f %9.3g %8.1f %8.0f %8.2g %8.0f %8.2g\n",
-                picture.set.name.c_str(), picture.map.c_str(), picture.frame, split.name().c_str(),
-                baked.seconds, baked.megabytes, cache.error.mean, own, byMean, frames, byP99,
-                framesByP99);
+                picture.frame.set.name.c_str(), picture.frame.map.c_str(), picture.frame.number,
+                split.name().c_str(), baked.seconds, baked.megabytes, cache.error.mean, own, byMean,
+                frames, byP99, framesByP99);
     std::fflush(stdout);
-    const std::string key = picture.set.name + "." + picture.map + ".frame" +
-                            std::to_string(picture.frame) + "." + split.name() + ".";
+    const std::string key = picture.frame.key() + "." + split.name() + ".";
     json.set(key + "bake_seconds", baked.seconds);
     json.set(key + "bake_megabytes", baked.megabytes);
     json.set(key + "relmse", cache.error.mean);
@@ -118,10 +117,10 @@ void breakEven(const Settings& settings) {
             for (const std::string& mapName : settings.maps) {
                 const auto environment = loadMap(settings, mapName);
                 const EstimatorContext context{*set->scene, *environment, baked.cache.get(), {}};
-                const Reference reference =
-                    antialiasedReference(context, *set, mapName, frame, view, settings.work);
+                const Frame shown{context, *set, mapName, frame};
+                const Reference reference = antialiasedReference(shown, view, settings.work);
                 const int seeds = settings.seeds > 0 ? settings.seeds : settings.full ? 4 : 2;
-                const Picture picture{context, *set, mapName, frame, view, reference.image, seeds};
+                const Picture picture{shown, view, reference.image, seeds};
                 for (const std::string& split : settings.splits)
                     compare(picture, baked, parseSplit(split), json);
             }

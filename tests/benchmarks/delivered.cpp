@@ -42,9 +42,9 @@ struct Best {
 void report(const Picture& picture, const Split& split, const std::string& estimator,
             const Measured& m, const Gain& gain, JsonFile& json) {
     std::printf("%-9s %-14s %5d %-5s %6s %-6s %9.3g %9.3g %9.3g %8.3f %8.1f %8.1f %8.2f %8.2f\n",
-                picture.set.name.c_str(), picture.map.c_str(), picture.frame, picture.view.name,
-                split.name().c_str(), estimator.c_str(), m.error.mean, m.error.p99, m.error.max,
-                m.seconds, m.own, m.reused, gain.byMean, gain.byP99);
+                picture.frame.set.name.c_str(), picture.frame.map.c_str(), picture.frame.number,
+                picture.view.name, split.name().c_str(), estimator.c_str(), m.error.mean,
+                m.error.p99, m.error.max, m.seconds, m.own, m.reused, gain.byMean, gain.byP99);
     std::fflush(stdout);
     const std::string key = picture.key(split, estimator);
     json.set(key + ".relmse", m.error.mean);
@@ -106,7 +106,7 @@ void compare(const Picture& picture, const std::vector<Split>& splits, JsonFile&
         const Gain gain = best.gainOf(cache);
         report(picture, split, "cache", cache, gain, json);
         const std::string row = std::string(picture.view.name) + " " + split.name();
-        for (const std::string& group : {std::string("all"), picture.set.name}) {
+        for (const std::string& group : {std::string("all"), picture.frame.set.name}) {
             summary.gain.add(row + " " + group, gain.byMean);
             summary.gainByP99.add(row + " " + group, gain.byP99);
         }
@@ -117,22 +117,22 @@ void compare(const Picture& picture, const std::vector<Split>& splits, JsonFile&
     std::printf(
         "%-9s %-14s %5d %-5s mis over the reference (made with `cache`): %+.2f %%, %+.1f "
         "standard errors; over one 2 %% brighter: %+.1f\n",
-        picture.set.name.c_str(), picture.map.c_str(), picture.frame, picture.view.name,
-        100 * m.fromReference.mean(), m.fromReference.significance(),
+        picture.frame.set.name.c_str(), picture.frame.map.c_str(), picture.frame.number,
+        picture.view.name, 100 * m.fromReference.mean(), m.fromReference.significance(),
         m.fromBrighter.significance());
     json.set(picture.key({0, 0}, "mis_over_reference"), m.fromReference.mean());
     json.set(picture.key({0, 0}, "mis_over_reference_standard_errors"),
              m.fromReference.significance());
 }
 
-void compareView(const EstimatorContext& context, const Set& set, const std::string& map, int frame,
-                 const View& view, const std::vector<Split>& splits, const Settings& settings,
-                 JsonFile& json, Summary& summary) {
-    const Reference reference = antialiasedReference(context, set, map, frame, view, settings.work);
+void compareView(const Frame& frame, const View& view, const std::vector<Split>& splits,
+                 const Settings& settings, JsonFile& json, Summary& summary) {
+    const Reference reference = antialiasedReference(frame, view, settings.work);
     const int seeds = settings.seeds > 0 ? settings.seeds : settings.full ? 4 : 2;
-    compare({context, set, map, frame, view, reference.image, seeds}, splits, json, summary);
-    std::printf("%-9s %-14s %5d %-5s relMSE of the reference itself: %.2g\n", set.name.c_str(),
-                map.c_str(), frame, view.name, reference.ownError);
+    compare({frame, view, reference.image, seeds}, splits, json, summary);
+    std::printf("%-9s %-14s %5d %-5s relMSE of the reference itself: %.2g\n",
+                frame.set.name.c_str(), frame.map.c_str(), frame.number, view.name,
+                reference.ownError);
 }
 
 }  // namespace
@@ -147,21 +147,10 @@ void delivered(const Settings& chosen) {
     std::printf("%-9s %-14s %5s %-5s %6s %-6s %9s %9s %9s %8s %8s %8s %8s %8s\n", "scene", "map",
                 "frame", "view", "split", "", "relMSE", "p99", "max", "seconds", "own", "reused",
                 "x mis", "by p99");
-    for (const std::string& sceneName : settings.scenes) {
-        const auto set = loadSet(settings, sceneName);
-        const BakedCache baked = keptCache(settings, *set);
-        for (const std::string& mapName : settings.maps) {
-            const auto environment = loadMap(settings, mapName);
-            const EstimatorContext context{*set->scene, *environment, baked.cache.get(), {}};
-            for (const int frame : settings.frames) {
-                compareView(context, *set, mapName, frame, wholeView(), splits, settings, json,
-                            summary);
-                if (settings.crop)
-                    compareView(context, *set, mapName, frame, cropView(), {kCropSplit}, settings,
-                                json, summary);
-            }
-        }
-    }
+    forEachFrame(settings, [&](const Frame& frame) {
+        compareView(frame, wholeView(), splits, settings, json, summary);
+        if (settings.crop) compareView(frame, cropView(), {kCropSplit}, settings, json, summary);
+    });
     summary.gain.print("efficiency over the best mis of equal rays", "gain", json);
     summary.gainByP99.print("the same by p99", "gain_by_p99", json);
     summary.seconds.print("seconds over those of mis", "seconds", json);

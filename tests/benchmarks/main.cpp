@@ -49,6 +49,8 @@ int main(int argc, char** argv) try {
     add("time", "Where the time of a render goes: Embree, set-up, the rest", bench::timeShares);
     add("memory", "Peak memory by triangles and items; opening a large cache", bench::memory);
     add("cycles", "Our pictures against those of Blender Cycles (kitchen, atrium)", bench::cycles);
+    add("over-cycles", "Noise and seconds of antialiased pictures against Blender Cycles",
+        bench::overCycles);
     add("scaling", "Time per pixel as items and triangles grow", bench::scaling);
     add("trade", "Error against the cost of spacing, level, rays and samples (first map)",
         bench::trade);

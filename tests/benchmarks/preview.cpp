@@ -39,52 +39,48 @@ RenderOptions optionsOf(const Row& row, RenderOptions options) {
     return options;
 }
 
-void measure(const EstimatorContext& context, const Set& set, const std::string& map, int frame,
-             const Settings& settings, JsonFile& json) {
+void measure(const Frame& frame, const Settings& settings, JsonFile& json) {
     RenderOptions best = largePicture();
-    best.cameraRays = 32;
-    best.samples = 4;
-    const std::string tag = set.name + "." + map + ".frame" + std::to_string(frame) + ".preview";
-    const Reference reference = makeReference(context, set, frame, best, settings.work, tag);
+    best.cameraRays = 256;  // of each half: edges rule the error of a preview
+    best.samples = 1;
+    const Reference reference = makeReference(frame.context, frame.set, frame.number, best,
+                                              settings.work, frame.key() + ".preview");
     for (const Row& row : kRows) {
-        const Rendered rendered =
-            renderWith(context, set, row.estimator, frame, optionsOf(row, largePicture()));
+        const Rendered rendered = renderWith(frame.context, frame.set, row.estimator, frame.number,
+                                             optionsOf(row, largePicture()));
         const RelativeError error = relativeError(rendered.image, reference.image);
         const double pixels = static_cast<double>(rendered.image.pixels.size());
         const double rays = static_cast<double>(rendered.stats.shadowRays) / pixels;
         const double microseconds = rendered.processorSeconds / pixels * 1e6;
-        std::printf("%-8s %-22s %5d %-13s %9.2f %9.2f %9.2f %8.1f %9.2f\n", set.name.c_str(),
-                    map.c_str(), frame, row.name, 100 * std::sqrt(error.mean),
+        std::printf("%-8s %-22s %5d %-13s %9.2f %9.2f %9.2f %8.1f %9.2f\n", frame.set.name.c_str(),
+                    frame.map.c_str(), frame.number, row.name, 100 * std::sqrt(error.mean),
                     100 * std::sqrt(error.p50), 100 * std::sqrt(error.p99), rays, microseconds);
         std::fflush(stdout);
-        const std::string key =
-            set.name + "." + map + ".frame" + std::to_string(frame) + "." + row.name;
+        const std::string key = frame.key() + "." + row.name;
         json.set(key + ".relative_rmse", std::sqrt(error.mean));
         json.set(key + ".p50", std::sqrt(error.p50));
         json.set(key + ".p99", std::sqrt(error.p99));
         json.set(key + ".rays", rays);
         json.set(key + ".microseconds_a_pixel", microseconds);
     }
-    std::printf("%-8s %-22s %5d relative RMSE of the reference itself: %.2f %%\n", set.name.c_str(),
-                map.c_str(), frame, 100 * std::sqrt(reference.ownError));
+    std::printf("%-8s %-22s %5d relative RMSE of the reference itself: %.2f %%\n",
+                frame.set.name.c_str(), frame.map.c_str(), frame.number,
+                100 * std::sqrt(reference.ownError));
 }
 
 /// Seconds of a viewport's picture.
-void measureViewport(const EstimatorContext& context, const Set& set, const std::string& map,
-                     int frame, const Settings& settings, JsonFile& json) {
+void measureViewport(const Frame& frame, const Settings& settings, JsonFile& json) {
     for (const Row& row : kRows) {
         if (!row.preview || row.cameraRays > 4) continue;
         double least = 0;
         for (int i = 0; i < settings.repeats; ++i) {
-            const Rendered rendered =
-                renderWith(context, set, row.estimator, frame, optionsOf(row, RenderOptions()));
+            const Rendered rendered = renderWith(frame.context, frame.set, row.estimator,
+                                                 frame.number, optionsOf(row, RenderOptions()));
             if (i == 0 || rendered.stats.seconds < least) least = rendered.stats.seconds;
         }
-        std::printf("%-8s %-22s %5d %-13s 960x540: %.2f s\n", set.name.c_str(), map.c_str(), frame,
-                    row.name, least);
-        json.set(set.name + "." + map + ".frame" + std::to_string(frame) + "." + row.name +
-                     ".seconds_960x540",
-                 least);
+        std::printf("%-8s %-22s %5d %-13s 960x540: %.2f s\n", frame.set.name.c_str(),
+                    frame.map.c_str(), frame.number, row.name, least);
+        json.set(frame.key() + "." + row.name + ".seconds_960x540", least);
     }
 }
 
@@ -95,18 +91,10 @@ void preview(const Settings& settings) {
     std::printf("relative RMSE in %%; us/pixel: processor time over the threads\n");
     std::printf("%-8s %-22s %5s %-13s %9s %9s %9s %8s %9s\n", "scene", "map", "frame", "picture",
                 "RMSE", "median", "p99", "rays/pix", "us/pixel");
-    for (const std::string& sceneName : settings.scenes) {
-        const auto set = loadSet(settings, sceneName);
-        const BakedCache baked = keptCache(settings, *set);
-        for (const std::string& mapName : settings.maps) {
-            const auto environment = loadMap(settings, mapName);
-            const EstimatorContext context{*set->scene, *environment, baked.cache.get(), {}};
-            for (const int frame : settings.frames) {
-                measure(context, *set, mapName, frame, settings, json);
-                measureViewport(context, *set, mapName, frame, settings, json);
-            }
-        }
-    }
+    forEachFrame(settings, [&](const Frame& frame) {
+        measure(frame, settings, json);
+        measureViewport(frame, settings, json);
+    });
     if (!settings.json.empty()) json.write(settings.json);
 }
 

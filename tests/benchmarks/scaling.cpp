@@ -1,4 +1,4 @@
-// Time per pixel of `cache` as items and triangles grow by powers of ten.
+// Time per pixel of `cache` and of `mis` as items and triangles grow by powers of ten.
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "common/import/load_mesh.h"
 #include "scenes/sets.h"
-#include "tests/benchmarks/bench.h"
+#include "tests/benchmarks/antialiased.h"
 
 namespace shadowcache::bench {
 
@@ -26,9 +26,12 @@ std::unique_ptr<Set> makeScatter(const Settings& settings, std::int64_t triangle
     return set;
 }
 
+constexpr Split kSplit{16, 4};
+
 struct Point {
     double triangles = 0, items = 0;
-    double preview = 0, full = 0;  ///< seconds a pixel at 0 samples and at those asked for
+    /// Processor seconds a pixel, over the threads.
+    double prediction = 0, cache = 0, mis = 0;
 };
 
 Point measure(const Settings& settings, const Set& set, double spacing) {
@@ -37,27 +40,33 @@ Point measure(const Settings& settings, const Set& set, double spacing) {
     const BakedCache baked = bakeCache(settings, set, bake, "scaling");
     const Environment sky({1, 1, {Rgb(1, 1, 1)}}, 0, Rgb(0.2126f, 0.7152f, 0.0722f));
     const EstimatorContext context{*set.scene, sky, baked.cache.get(), {}};
-    const auto perPixel = [&](int samples) {
+    const auto perPixel = [&](const std::string& estimator, const Split& split) {
+        RenderOptions options;
+        options.width = settings.width;
+        options.height = settings.height;
+        options.cameraRays = split.cameraRays;
+        options.samples = split.samples;
         double best = 0;
         for (int i = 0; i < settings.repeats; ++i) {
-            const double seconds =
-                renderFrame(context, set, "cache", 1, samples, 1, settings).stats.seconds;
+            const double seconds = renderWith(context, set, estimator, 1, options).processorSeconds;
             best = i == 0 ? seconds : std::min(best, seconds);
         }
         return best / (settings.width * settings.height);
     };
-    Point point{static_cast<double>(set.mesh.triangles.size()),
-                static_cast<double>(baked.cache->itemCount()), perPixel(0),
-                perPixel(settings.samples)};
-    std::printf("%12.0f %9.4g %12.0f %9.1f %14.2f %14.2f\n", point.triangles, spacing, point.items,
-                baked.seconds, point.preview * 1e6, point.full * 1e6);
+    const Point point{static_cast<double>(set.mesh.triangles.size()),
+                      static_cast<double>(baked.cache->itemCount()), perPixel("cache", {1, 0}),
+                      perPixel("cache", kSplit), perPixel("mis", kSplit)};
+    std::printf("%12.0f %9.4g %12.0f %9.1f %12.2f %12.2f %12.2f\n", point.triangles, spacing,
+                point.items, baked.seconds, point.prediction * 1e6, point.cache * 1e6,
+                point.mis * 1e6);
     std::fflush(stdout);
     return point;
 }
 
 void judge(const char* what, const std::vector<Point>& points, JsonFile& json) {
     for (const auto& [name, seconds] :
-         {std::pair{"0_samples", &Point::preview}, std::pair{"all_samples", &Point::full}}) {
+         {std::pair{"prediction", &Point::prediction}, std::pair{"cache", &Point::cache},
+          std::pair{"mis", &Point::mis}}) {
         double least = points[0].*seconds, most = least;
         for (const Point& p : points) {
             least = std::min(least, p.*seconds);
@@ -71,8 +80,9 @@ void judge(const char* what, const std::vector<Point>& points, JsonFile& json) {
         const std::string key = std::string(what) + ".step" + std::to_string(i);
         json.set(key + ".triangles", points[i].triangles);
         json.set(key + ".items", points[i].items);
-        json.set(key + ".seconds_per_pixel.0_samples", points[i].preview);
-        json.set(key + ".seconds_per_pixel.all_samples", points[i].full);
+        json.set(key + ".seconds_per_pixel.prediction", points[i].prediction);
+        json.set(key + ".seconds_per_pixel.cache", points[i].cache);
+        json.set(key + ".seconds_per_pixel.mis", points[i].mis);
     }
 }
 
@@ -80,9 +90,11 @@ void judge(const char* what, const std::vector<Point>& points, JsonFile& json) {
 
 void scaling(const Settings& settings) {
     JsonFile json;
-    std::printf("Time per pixel of `cache`, %dx%d, constant sky\n%12s %9s %12s %9s %14s %11d %s\n",
-                settings.width, settings.height, "triangles", "spacing", "items", "bake s",
-                "0 samples us", settings.samples, "us");
+    std::printf(
+        "Microseconds of the processor a pixel over the threads, %dx%d, constant sky\n"
+        "%12s %9s %12s %9s %12s %12s %12s\n",
+        settings.width, settings.height, "triangles", "spacing", "items", "bake s", "0 samples",
+        ("cache " + kSplit.name()).c_str(), ("mis " + kSplit.name()).c_str());
     // Items go roughly with the inverse square of the spacing.
     std::vector<double> spacings{1.0, 0.32, 0.1};
     std::vector<std::int64_t> triangles{100'000, 1'000'000};

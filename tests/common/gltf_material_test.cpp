@@ -6,7 +6,9 @@
 
 #include "common/image/image.h"
 #include "common/image/png.h"
+#include "common/image/srgb.h"
 #include "common/import/load_mesh.h"
+#include "common/import/texture_decoder.h"
 #include "common/mesh/looks.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/temporary_folder.h"
@@ -50,10 +52,46 @@ void addPicture(GltfBuilder& file, const Rgb& left, const Rgb& right) {
     file.append("textures", {{"source", image}, {"sampler", 0}});
 }
 
+/// A PNG of 2 x 1 texels of 16 bits a channel: 0x8000, 0x80ff, 0xffff; 0x8140, 0x0001, 0x1234.
+std::string widePng() {
+    constexpr unsigned char kBytes[] = {
+        0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49,
+        0x48, 0x44, 0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x10, 0x02,
+        0x00, 0x00, 0x00, 0x2b, 0xd0, 0x34, 0x9e, 0x00, 0x00, 0x00, 0x15, 0x49, 0x44,
+        0x41, 0x54, 0x78, 0xda, 0x63, 0x68, 0x60, 0x68, 0xf8, 0xff, 0xff, 0x7f, 0xa3,
+        0x03, 0x03, 0xa3, 0x90, 0x09, 0x00, 0x27, 0x96, 0x05, 0x06, 0x05, 0xae, 0x5e,
+        0x99, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+    return {std::begin(kBytes), std::end(kBytes)};
+}
+
 /// At (x, y) of the square.
 Surface at(const TriangleMesh& mesh, float x, float y) {
     // Of the triangles (0,0) (1,0) (1,1) and (0,0) (1,1) (0,1).
     return y <= x ? surfaceAt(mesh, 0, x - y, y, {}) : surfaceAt(mesh, 1, x, y - x, {});
+}
+
+TEST(GltfMaterial, PicturesOf16BitsKeepThem) {
+    std::string cause;
+    Texture wide = decodeTexture(widePng(), cause);
+    ASSERT_EQ(cause, "");
+    ASSERT_EQ(wide.width, 2);
+    wide.smooth = false;
+    const auto left = textureValue(wide, 0.25f, 0.5f), right = textureValue(wide, 0.75f, 0.5f);
+    const std::array<int, 4> stored[] = {{0x8000, 0x80ff, 0xffff, 0xffff},
+                                         {0x8140, 0x0001, 0x1234, 0xffff}};
+    for (std::size_t c = 0; c < 4; ++c) {
+        EXPECT_NEAR(left[c], static_cast<float>(stored[0][c]) / 65535.0f, 1e-7f) << c;
+        EXPECT_NEAR(right[c], static_cast<float>(stored[1][c]) / 65535.0f, 1e-7f) << c;
+    }
+    const Rgb color = textureColor(wide, 0.25f, 0.5f);
+    EXPECT_NEAR(color.x, srgbToLinear(32768.0f / 65535.0f), 1e-5f);
+    EXPECT_NEAR(color.y, srgbToLinear(33023.0f / 65535.0f), 1e-5f);
+    EXPECT_FLOAT_EQ(color.z, 1.0f);
+    EXPECT_FLOAT_EQ(textureColor(wide, 0.75f, 0.5f).y, srgbToLinear(1.0f / 65535.0f));
+    EXPECT_FLOAT_EQ(textureOpacity(wide, 0.75f, 0.5f), 1.0f);
+    // Control: 8 bits cannot tell the first two apart.
+    wide.low.clear();
+    EXPECT_EQ(textureValue(wide, 0.25f, 0.5f)[0], textureValue(wide, 0.25f, 0.5f)[1]);
 }
 
 TEST(GltfMaterial, FactorsAreTheSpecifications) {

@@ -347,6 +347,16 @@ TEST(Gltf, RefusesWhatItCannotDo) {
     refuses([](Json& j) { j["bufferViews"][0]["byteLength"] = 1 << 20; },
             "expected them within it");
     refuses([](Json& j) { j["accessors"][0]["componentType"] = 5124; }, "component type 5124");
+    // Signed and floating numbers may be negative.
+    for (const int type : {5120, 5122, 5126})
+        refuses(
+            [&](Json& j) {
+                Json& indices =
+                    j["accessors"][j["meshes"][0]["primitives"][0]["indices"].get<int>()];
+                indices["componentType"] = type;
+                indices["count"] = 3;
+            },
+            "indices: type " + std::to_string(type) + ", expected 5121, 5123 or 5125");
     refuses([](Json& j) { j["nodes"][0]["children"] = {0}; }, "has a parent");
     refuses([](Json& j) { j["meshes"][0]["weights"] = {1}; }, "morph target");
     refuses([](Json& j) { j["nodes"][0]["skin"] = 0; }, "an armature is not supported");

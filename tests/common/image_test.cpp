@@ -264,6 +264,18 @@ TEST(Hdr, EveryCutOffFileIsRefused) {
     }
 }
 
+// A line of white space ends the header for one reader, and none but an empty line for the other.
+TEST(Hdr, WithTwoResolutionsHasTheFirst) {
+    const TemporaryFolder folder;
+    const std::string row = std::string("\2\2\0\10", 4) + "\x88\x81\x88\x81\x88\x81\x88\x81";
+    const std::string two = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\v\n-Y 2 +X 8\n" + row + row +
+                            "\n\n-Y 2 +X 2\n" + std::string(16, '\x81');
+    const Image read = readRadiance(folder.write("a.hdr", two)).image;
+    EXPECT_EQ(read.width, 8);
+    EXPECT_EQ(read.height, 2);
+    EXPECT_EQ(read.pixels.size(), 16u);
+}
+
 TEST(Png, EncodesSrgb) {
     const TemporaryFolder folder;
     const auto path = folder.path() / "a.png";

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "bake/shot/lookup_file.h"
 #include "common/base/report_failure.h"
 #include "common/cache/cache_items.h"
 #include "common/image/exr.h"
@@ -173,6 +174,17 @@ void writeCaches(const fs::path& folder) {
     }
 }
 
+void writeShotLookups(const fs::path& folder) {
+    const test::TemporaryFolder work;
+    ShotLookups lookups{0.5, {8, 9, 10}, {}};
+    lookups.places.add({{1, 2}, {1, 700}, {std::uint64_t{1} << 40, 3}});
+    writeLookups(work.path() / "a.lookups", {{"version", "1"}}, lookups);
+    // The fuzzer adds the checksum.
+    std::string bytes = test::readBytes(work.path() / "a.lookups");
+    bytes.resize(bytes.size() - sizeof(std::uint64_t));
+    write(folder / "lookups/three", bytes);
+}
+
 }  // namespace
 }  // namespace shadowcache
 
@@ -184,6 +196,7 @@ int main(int argc, char** argv) try {
     writePictures(argv[1]);
     writeTexts(argv[1]);
     writeCaches(argv[1]);
+    writeShotLookups(argv[1]);
 } catch (const std::exception& e) {
     return shadowcache::reportFailure("fuzz_seeds", e);
 }

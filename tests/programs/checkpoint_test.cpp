@@ -175,6 +175,14 @@ TEST_F(CheckpointTest, LeftoversAreFoundAndNamed) {
     folder_.write(frame, "x");
     const auto drawn = runWell("render", still("-o a.exr"));
     EXPECT_NE(drawn.out.find(frame + ": removed"), std::string::npos) << drawn.out;
+    // What is written beside a program's main output, and what shadowcache-info writes.
+    for (const char* name : {"a.json", "a.png", "a.html", "grids.vdb"})
+        folder_.write(name + dead.substr(std::string("set.vdb").size()), "x");
+    runWell("render", still("-o a.exr --png --stats a.json"));
+    runWell("info", "set.vdb --report a.html --export-grid openness -o grids.vdb");
+    for (const auto& entry : fs::directory_iterator(path(".")))
+        EXPECT_TRUE(entry.path().string().find(".part-2147483646") == std::string::npos)
+            << entry.path();
 }
 
 }  // namespace

@@ -68,11 +68,14 @@ TEST_F(Farm, RunsToTheFramesOfOneMachine) {
     const ProgramRun written = farm(job());
     EXPECT_EQ(written.status, kDone) << written.err;
     EXPECT_EQ(written.out,
-              "bake: 2 tasks\nmerge: 1 task\nrender: 3 tasks\ncheck: 1 task\n"
+              "lookup: 1 task\nbake: 2 tasks\nmerge: 1 task\nrender: 3 tasks\ncheck: 1 task\n"
               "-> a job: submit [OPTIONS of parallel]\n");
     const std::string run = "'a job/run' ";
     EXPECT_EQ(shell(run + "check"), kFailed) << "there is no cache yet";
-    EXPECT_EQ(shell(run + "bake 1 && " + run + "bake 2 && " + run + "merge"), kDone) << output();
+    EXPECT_EQ(shell(run + "bake 1"), kFailed) << "what the shot looks up is not yet known";
+    EXPECT_EQ(shell(run + "lookup && " + run + "bake 1 && " + run + "bake 2 && " + run + "merge"),
+              kDone)
+        << output();
     EXPECT_EQ(shell(run + "render 1 && " + run + "again render 2"), kDone) << output();
     EXPECT_EQ(shell(run + "check"), kFailed);
     EXPECT_NE(output().find("frame.0005.exr: missing\n"), std::string::npos) << output();
@@ -143,7 +146,9 @@ TEST_F(Farm, RefusesWhatItCannotPlan) {
     refuses(job({"--frames", "5-1"}), "--frames 5-1: expected");
     refuses(job({"--size", "12"}), "--size 12: expected");
     refuses(job({"--pictures", "a.exr"}), "expected a frame number in the name");
-    refuses(job({"--bake-with", "--shard 1/2 --output x"}), "--output: set by shadowcache-farm");
+    refuses(job({"--bake-with", "--rays 5 --output x"}), "--output: set by shadowcache-farm");
+    refuses(job({"--bake-with", "--lookups x"}), "--lookups: set by shadowcache-farm");
+    refuses(job({"--bake-with", "--shard 1/2"}), "--shard: set by shadowcache-farm");
     auto twice = job();
     twice.insert(twice.end(), {"--frames", "1"});
     refuses(twice, "-- --frames: set by shadowcache-farm");

@@ -29,10 +29,11 @@ struct Subject {
 /// Options that hold no number.
 const std::set<std::string>& wordOptions() {
     static const std::set<std::string> words{
-        "--up",        "--env",      "--dynamic",   "--normals",      "--camera",   "--filter",
-        "--budget",    "--sequence", "--estimator", "--cache",        "--output",   "--aov",
-        "--reference", "--stats",    "--config",    "--write-config", "--progress", "--convolution",
-        "--extend",    "--report",   "--bake-with", "--for",          "--pictures", "--surfaces"};
+        "--up",           "--env",      "--dynamic",     "--normals",   "--camera",
+        "--filter",       "--budget",   "--sequence",    "--estimator", "--cache",
+        "--output",       "--aov",      "--reference",   "--stats",     "--config",
+        "--write-config", "--progress", "--convolution", "--extend",    "--report",
+        "--bake-with",    "--for",      "--pictures",    "--surfaces",  "--lookups"};
     return words;
 }
 

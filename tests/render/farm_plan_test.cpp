@@ -40,22 +40,28 @@ std::string lineOf(const FarmStep& step, std::size_t task) {
 
 TEST(FarmPlan, BakesMergesRendersChecks) {
     const FarmPlan plan = planOf(2);
-    ASSERT_EQ(plan.steps.size(), 4u);
+    ASSERT_EQ(plan.steps.size(), 5u);
     const std::string set = "'a set.ply' --camera cam.json ",
                       running = " --threads 3 --progress lines";
-    EXPECT_EQ(lineOf(plan.steps[0], 1),
+    EXPECT_EQ(lineOf(plan.steps[0], 0),
               "shadowcache-bake " + set +
-                  "--rays 8 --frames 1-5 --shard 2/2 -o /j/parts/2.vdb --resume" + running);
-    EXPECT_EQ(plan.steps[0].values.size(), 2u);
-    EXPECT_EQ(plan.steps[0].product.with("2"), "/j/parts/2.vdb");
-    EXPECT_EQ(lineOf(plan.steps[1], 0),
+                  "--rays 8 --frames 1-5 --lookups-only -o /j/shot.lookups" + running);
+    EXPECT_EQ(plan.steps[0].values.size(), 1u);
+    EXPECT_EQ(plan.steps[0].product.with("1"), "/j/shot.lookups");
+    EXPECT_EQ(lineOf(plan.steps[1], 1), "shadowcache-bake " + set +
+                                            "--rays 8 --frames 1-5 --lookups /j/shot.lookups "
+                                            "--shard 2/2 -o /j/parts/2.vdb --resume" +
+                                            running);
+    EXPECT_EQ(plan.steps[1].values.size(), 2u);
+    EXPECT_EQ(plan.steps[1].product.with("2"), "/j/parts/2.vdb");
+    EXPECT_EQ(lineOf(plan.steps[2], 0),
               "shadowcache-merge /j/parts/1.vdb /j/parts/2.vdb -o /j/cache.vdb --progress lines");
     const std::string shot =
         "shadowcache-render " + set + "--env sky.exr --cache /j/cache.vdb --frames ";
-    EXPECT_EQ(plan.steps[2].values, (Words{"1-2", "3-4", "5"}));
-    EXPECT_EQ(lineOf(plan.steps[2], 2),
+    EXPECT_EQ(plan.steps[3].values, (Words{"1-2", "3-4", "5"}));
+    EXPECT_EQ(lineOf(plan.steps[3], 2),
               shot + "5 -o '/j/frames/frame.####.exr' --resume" + running);
-    EXPECT_EQ(lineOf(plan.steps[3], 0), shot + "1-5 -o '/j/frames/frame.####.exr' --check");
+    EXPECT_EQ(lineOf(plan.steps[4], 0), shot + "1-5 -o '/j/frames/frame.####.exr' --check");
 }
 
 TEST(FarmPlan, OfOneShardMakesTheCacheAtOnce) {
@@ -71,7 +77,7 @@ TEST(FarmPlan, OfOneShardMakesTheCacheAtOnce) {
 TEST(FarmPlan, RefusesWhatIsOutOfRange) {
     EXPECT_THROW(planOf(0), Error);
     EXPECT_THROW(planOf(kMostShards + 1), Error);
-    EXPECT_EQ(planOf(kMostShards).steps[0].values.size(), std::size_t{kMostShards});
+    EXPECT_EQ(planOf(kMostShards).steps[1].values.size(), std::size_t{kMostShards});
 }
 
 TEST(FarmPlan, FramesReadBackAsTheyWere) {
@@ -111,7 +117,8 @@ TEST(FarmFiles, SlurmWaitsForSuccessAndRequeues) {
     const auto files = slurmFiles(planOf(2));
     const std::string submit = fileOf(files, "submit"), task = fileOf(files, "slurm-task");
     const char* const steps =
-        "submit bake --output=log/bake.%a.log --array=1-2 \"$@\"\nsubmit merge "
+        "submit lookup --output=log/lookup.log \"$@\"\nsubmit bake --output=log/bake.%a.log "
+        "--array=1-2 \"$@\"\nsubmit merge "
         "--output=log/merge.log "
         "\"$@\"\nsubmit render --output=log/render.%a.log --array=1-3 \"$@\"\nsubmit check";
     for (const char* part : {"--requeue", "--kill-on-invalid-dep=yes", "--cpus-per-task=3",
@@ -131,8 +138,8 @@ TEST(FarmFiles, OpenJdTemplateHasItsForm) {
     const auto& folder = json.at("parameterDefinitions").at(0);
     EXPECT_EQ(folder.at("type"), "PATH");
     EXPECT_EQ(folder.at("default"), ".") << "a default must be relative";
-    ASSERT_EQ(json.at("steps").size(), 4u);
-    const auto& render = json.at("steps").at(2);
+    ASSERT_EQ(json.at("steps").size(), 5u);
+    const auto& render = json.at("steps").at(3);
     EXPECT_EQ(render.at("dependencies"), nlohmann::json::parse(R"([{"dependsOn": "merge"}])"));
     EXPECT_EQ(
         render.at("parameterSpace"),
@@ -140,6 +147,8 @@ TEST(FarmFiles, OpenJdTemplateHasItsForm) {
             R"({"taskParameterDefinitions": [{"name": "Task", "type": "INT", "range": "1-3"}]})"));
     EXPECT_EQ(render.at("script").at("actions").at("onRun").at("args"),
               nlohmann::json::parse(R"(["again", "render", "{{Task.Param.Task}}"])"));
+    EXPECT_EQ(json.at("steps").at(1).at("dependencies"),
+              nlohmann::json::parse(R"([{"dependsOn": "lookup"}])"));
     EXPECT_FALSE(json.at("steps").at(0).contains("dependencies"));
 }
 

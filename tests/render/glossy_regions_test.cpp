@@ -169,7 +169,7 @@ protected:
         lookup.pool(world_.scene, point_, 0);
         GlossyRegionBuilder builder(world_.environment, world_.cache.cache().header().tiers());
         glossy_ = builder.build(cells_, lookup.pooled(), lobe_, 0.01f, Calibration());
-        plan_ = SamplingPlanner(0.8).plan(glossy_.regions, 64, {0, 0.2});
+        plan_ = SamplingPlanner({.defensiveShare = 0.8}).plan(glossy_.regions, 64, {0, 0.2});
     }
 
     test::World world_{test::slabMesh(), test::noiseMap(64, 32, 7)};

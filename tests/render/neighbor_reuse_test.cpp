@@ -2,13 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "common/random/sequence.h"
-#include "render/estimators/estimator.h"
 #include "render/table/estimator_table.h"
+#include "tests/support/lit_floor.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
 
@@ -39,65 +40,128 @@ std::vector<ShadingPoint> floorPoints(const Scene& scene) {
     return points;
 }
 
-/// The bake of `mesh`, or with `counts` of it all replaced by n of d.
-BakeResult bakeOf(const TriangleMesh& mesh, int n, int d) {
-    const Scene scene(mesh);
+BakeResult bakeOf(const TriangleMesh& mesh) {
     BakeOptions options;
     options.spacing = 0.5;
-    BakeResult result = bake(scene, options);
-    if (d == 0) return result;
-    std::fill(result.items.n.begin(), result.items.n.end(), static_cast<std::uint8_t>(n));
-    std::fill(result.items.d.begin(), result.items.d.end(), static_cast<std::uint8_t>(d));
-    result.items.blocks.clear();
-    std::fill(result.items.firstBlock.begin(), result.items.firstBlock.end(), 0u);
-    return result;
+    return bake(Scene(mesh), options);
+}
+
+/// What a cache tells of each base cell of each item: n of d rays.
+struct Told {
+    std::string name;
+    std::function<std::array<int, 2>(std::size_t)> counts;  ///< null: what the bake found
+};
+
+Told tells(int n, int d) {
+    return {"Says" + std::to_string(n) + "Of" + std::to_string(d), [=](std::size_t) {
+                return std::array{n, d};
+            }};
+}
+
+/// Every other cell is visible, all others are not: both kinds of mispredictions are heavy.
+Told tellsOther() {
+    return {"SaysEveryOther", [](std::size_t i) { return std::array{i % 2 == 0 ? 200 : 0, 200}; }};
+}
+
+/// Lights points that are the only ones of their pixels.
+using LightPoints = std::vector<Rgb>(const Estimator&, std::span<const ShadingPoint>, int samples,
+                                     Workspace&);
+
+/// One value of each estimate.
+template <typename T>
+std::vector<Rgb> valuesOf(const std::vector<T>& estimates, Rgb T::*value) {
+    std::vector<Rgb> values;
+    values.reserve(estimates.size());
+    for (const T& estimate : estimates) values.push_back(estimate.*value);
+    return values;
+}
+
+std::vector<Rgb> irradianceOf(const Estimator& estimator, std::span<const ShadingPoint> points,
+                              int samples, Workspace& workspace) {
+    std::vector<Estimate> found(points.size());
+    estimator.estimate(points, samples, workspace, found);
+    return valuesOf(found, &Estimate::irradiance);
+}
+
+/// What a metal floor reflects to a viewer who looks toward the slit. It is rougher toward there,
+/// so that one fit follows no lobe exactly.
+std::vector<Rgb> reflectionOf(const Estimator& estimator, std::span<const ShadingPoint> points,
+                              int samples, Workspace& workspace) {
+    const Vec3f toViewer = Vec3f(-0.8f, 0.35f, 0.05f).normalized();
+    std::vector<ShadingPoint> alone(points.begin(), points.end());
+    std::vector<GlossyPoint> lobes;
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+        alone[i].pixel = static_cast<std::uint32_t>(i);
+        const float roughness = 0.28f + 0.8f * (alone[i].rayOrigin.x - 0.8f);
+        const Surface metal =
+            glossy(Rgb(0.9f, 0.7f, 0.3f), {.metallic = 1, .roughness = roughness});
+        lobes.push_back({alone[i], GlossyLobe(metal, alone[i].normal, toViewer)});
+    }
+    PointBatch batch{alone, samples, static_cast<std::uint32_t>(alone.size())};
+    batch.pixelSamples = static_cast<std::uint32_t>(samples);
+    std::vector<GlossEstimate> found(points.size());
+    estimator.estimateGloss(batch, lobes, workspace, found);
+    return valuesOf(found, &GlossEstimate::radiance);
 }
 
 /// Estimates of each point, `count` times with numbers of their own; together or one by one.
-std::vector<test::Estimates> run(const Estimator& estimator, std::vector<ShadingPoint> points,
-                                 int samples, int count, bool together) {
+std::vector<test::Estimates> run(LightPoints& light, const Estimator& estimator,
+                                 std::vector<ShadingPoint> points, int samples, int count,
+                                 bool together) {
     std::vector<test::Estimates> all(points.size());
-    std::vector<Estimate> found(points.size());
     const auto workspace = estimator.makeWorkspace();
     for (int i = 0; i < count; ++i) {
         for (std::size_t p = 0; p < points.size(); ++p)
             points[p].seed = hashWords(static_cast<std::uint64_t>(i), p);
+        std::vector<Rgb> found;
         if (together)
-            estimator.estimate(points, samples, *workspace, found);
+            found = light(estimator, points, samples, *workspace);
         else
             for (std::size_t p = 0; p < points.size(); ++p)
-                found[p] = estimator.estimate(points[p], samples, *workspace);
+                found.push_back(light(estimator, {&points[p], 1}, samples, *workspace).front());
         for (std::size_t p = 0; p < points.size(); ++p)
             for (int c = 0; c < 3; ++c)
                 all[p].color[static_cast<std::size_t>(c)].push_back(
-                    static_cast<double>(found[p].irradiance[c]));
+                    static_cast<double>(found[p][c]));
     }
     return all;
 }
 
-class Mispredictions : public testing::TestWithParam<std::pair<int, int>> {};
+class Mispredictions : public testing::TestWithParam<Told> {};
 
 INSTANTIATE_TEST_SUITE_P(Caches, Mispredictions,
-                         testing::Values(std::pair(0, 0), std::pair(0, 200), std::pair(200, 200),
-                                         std::pair(120, 200), std::pair(190, 200)),
-                         [](const auto& test) {
-                             return test.param.second == 0
-                                        ? std::string("Correct")
-                                        : "Says" + std::to_string(test.param.first) + "Of" +
-                                              std::to_string(test.param.second);
-                         });
+                         testing::Values(Told{"Correct", nullptr}, tells(0, 200), tells(200, 200),
+                                         tells(120, 200), tells(190, 200), tellsOther()),
+                         [](const auto& test) { return test.param.name; });
 
-// Against `mis`, and with its control: the same estimates must not agree with 10 % more.
-TEST_P(Mispredictions, ChangeNoMean) {
+/// A slit, a cache of it, and points on the floor.
+struct Slit {
+    explicit Slit(const Told& told) : cache(baked(told)) {}
+
+    std::vector<test::Estimates> run(LightPoints& light, const std::string& name, int samples,
+                                     int count, bool together) const {
+        const auto estimator = findEstimator(name).make({scene, environment, &cache.cache(), {}});
+        return shadowcache::run(light, *estimator, floorPoints(scene), samples, count, together);
+    }
+
     const TriangleMesh mesh = slitMesh();
-    const Scene scene(mesh);
+    const Scene scene{mesh};
     const Environment environment = test::environmentOf(test::noiseMap(16, 8, 3));
-    const test::TestCache cache(bakeOf(mesh, GetParam().first, GetParam().second));
-    const auto estimator = findEstimator("cache").make({scene, environment, &cache.cache(), {}});
-    const std::vector<ShadingPoint> points = floorPoints(scene);
-    const auto together = run(*estimator, points, 16, 1500, true);
-    const auto mis =
-        run(*findEstimator("mis").make({scene, environment, nullptr, {}}), points, 64, 1500, false);
+    const test::TestCache cache;
+
+private:
+    BakeResult baked(const Told& told) const {
+        BakeResult result = bakeOf(mesh);
+        if (told.counts) test::fillCounts(result, told.counts);
+        return result;
+    }
+};
+
+/// `cache`, all points together, against `mis`, and with a control: the same estimates must not
+/// agree with 10 % more.
+void expectMeansOfMis(LightPoints& light, const Slit& slit, int misSamples) {
+    const auto together = slit.run(light, "cache", 16, 1500, true);
+    const auto mis = slit.run(light, "mis", misSamples, 1500, false);
     const double level = test::significance(kPoints);
     int rejected = 0;
     for (std::size_t p = 0; p < kPoints; ++p) {
@@ -110,27 +174,41 @@ TEST_P(Mispredictions, ChangeNoMean) {
     EXPECT_GT(rejected, static_cast<int>(kPoints) / 2);
 }
 
-// Control: alone, the same points with the same numbers are noisier.
-TEST(NeighborReuse, LessensTheNoise) {
-    const TriangleMesh mesh = slitMesh();
-    const Scene scene(mesh);
-    const Environment environment = test::environmentOf(test::noiseMap(16, 8, 3));
-    const test::TestCache cache(bakeOf(mesh, 0, 200));
-    const auto estimator = findEstimator("cache").make({scene, environment, &cache.cache(), {}});
-    const std::vector<ShadingPoint> points = floorPoints(scene);
-    const auto together = run(*estimator, points, 16, 200, true);
-    const auto alone = run(*estimator, points, 16, 200, false);
+/// Noise of points together over that of the same points alone, with the same numbers.
+double noiseTogether(LightPoints& light, const Slit& slit) {
+    const auto together = slit.run(light, "cache", 16, 200, true);
+    const auto alone = slit.run(light, "cache", 16, 200, false);
     double shared = 0, own = 0;
     for (std::size_t p = 0; p < kPoints; ++p) {
         shared += together[p].sampleVariance(1);
         own += alone[p].sampleVariance(1);
     }
-    EXPECT_LT(shared, own / 4);
+    return shared / own;
+}
+
+TEST_P(Mispredictions, ChangeNoMean) {
+    expectMeansOfMis(irradianceOf, Slit(GetParam()), 64);
+}
+
+// Where every other cell is visible, c is rounded to 1 in these: there the fit's error is added
+// whatever a ray finds, and an occluder is a misprediction.
+TEST_P(Mispredictions, ChangeNoMeanOfAMetal) {
+    expectMeansOfMis(reflectionOf, Slit(GetParam()), 128);
+}
+
+// Points alone are the control.
+TEST(NeighborReuse, LessensTheNoise) {
+    EXPECT_LT(noiseTogether(irradianceOf, Slit(tells(0, 200))), 1 / 4.0);
+}
+
+TEST(NeighborReuse, LessensTheNoiseOfAMetal) {
+    EXPECT_LT(noiseTogether(reflectionOf, Slit(tells(0, 200))), 1 / 2.0);
+    EXPECT_LT(noiseTogether(reflectionOf, Slit(tellsOther())), 1 / 2.0);
 }
 
 /// The bake of `mesh` but for the base cell around `direction`, all of which counts as occluded.
 BakeResult bakeHiding(const TriangleMesh& mesh, const Vec3d& direction) {
-    BakeResult result = bakeOf(mesh, 0, 0);
+    BakeResult result = bakeOf(mesh);
     const DirectionTiers tiers = result.header.tiers();
     const std::uint32_t hidden = locateCell(tiers.baseLevel(), direction);
     CacheItems kept = result.items;
@@ -164,7 +242,8 @@ double noiseWith(int samples) {
     const test::TestCache cache(bakeHiding(mesh, direction));
     const auto estimator = findEstimator("cache").make({scene, environment, &cache.cache(), {}});
     double sum = 0;
-    for (const test::Estimates& e : run(*estimator, floorPoints(scene), samples, 400, true))
+    for (const test::Estimates& e :
+         run(irradianceOf, *estimator, floorPoints(scene), samples, 400, true))
         sum += e.sampleVariance(1);
     return sum;
 }

@@ -1,0 +1,57 @@
+#include "bake/app/job_identity.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <string_view>
+
+#include "common/base/version.h"
+#include "common/import/set_files.h"
+
+namespace shadowcache {
+
+namespace {
+
+constexpr std::string_view kExtended = "extended cache";
+
+/// Options that change items but not the places of lookups.
+constexpr std::string_view kNotOfTheLookups[] = {"level", "rays",  "uniform",
+                                                 "seed",  "shard", "margin"};
+
+/// Options that items do not depend on, or that identityOf() states by content.
+constexpr std::string_view kNotOfTheItems[] = {"SET",     "output",   "stats",      "threads",
+                                               "resume",  "extend",   "checkpoint", "camera",
+                                               "dynamic", "progress", "memory",     "lookups"};
+
+}  // namespace
+
+BakeIdentity identityOf(const BakeJob& job) {
+    BakeIdentity identity{{"version", kVersion},
+                          {"set", contentHashOf(job.files, job.mesh.references)}};
+    // Where things are read from and written to is no part of it; what is read is.
+    for (const auto& [name, value] : job.settings)
+        if (std::ranges::find(kNotOfTheItems, name) == std::end(kNotOfTheItems))
+            identity.emplace_back(name, value);
+    const std::filesystem::path camera = job.shot.camera.name;
+    identity.emplace_back("camera", camera.filename().string());
+    std::vector<std::filesystem::path> moving{camera};
+    for (const DynamicFile& file : job.shot.dynamic) {
+        moving.push_back(file.mesh);
+        moving.push_back(file.track);
+    }
+    identity.emplace_back("shot's files", contentHashOf(moving, job.mesh.references));
+    identity.emplace_back(kExtended, contentHashOf(std::vector{job.extend}, job.mesh.references));
+    return identity;
+}
+
+BakeIdentity identityOfLookups(const BakeJob& job, const BakeIdentity& ofItems) {
+    BakeIdentity identity;
+    std::ranges::copy_if(ofItems, std::back_inserter(identity), [&](const auto& entry) {
+        // A cache that is extended has the spacing, if none is given.
+        if (entry.first == kExtended) return job.bake.spacing == 0;
+        return std::ranges::find(kNotOfTheLookups, entry.first) == std::end(kNotOfTheLookups);
+    });
+    return identity;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "bake/app/job.h"
+#include "bake/core/bake_identity.h"
+
+namespace shadowcache {
+
+/// All that the items of the job's cache depend on. Reads all files of the set and of the shot.
+///
+/// @throws Error if one cannot be read
+BakeIdentity identityOf(const BakeJob& job);
+
+/// What the shot's lookups depend on, of all that its items do: not its shard, rays or level.
+BakeIdentity identityOfLookups(const BakeJob& job, const BakeIdentity& ofItems);
+
+}  // namespace shadowcache

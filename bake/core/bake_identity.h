@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bake/core/byte_stream.h"
+
+namespace shadowcache {
+
+/// What the content of a file that a bake leaves depends on: the set's content, options, the
+/// program's version, by name.
+using BakeIdentity = std::vector<std::pair<std::string, std::string>>;
+
+/// What differs between two identities, in words; empty where nothing does.
+std::string differences(const BakeIdentity& found, const BakeIdentity& wanted);
+
+void put(ByteWriter& out, const BakeIdentity& identity);
+
+/// @throws Error at the end of the bytes
+BakeIdentity getIdentity(ByteReader& in);
+
+}  // namespace shadowcache

@@ -1,0 +1,96 @@
+#include "bake/shot/lookup_file.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "bake/core/options.h"
+#include "common/base/atomic_file.h"
+#include "common/base/content_hash.h"
+#include "common/base/error.h"
+#include "common/base/file_bytes.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// A file is this, the identity, spacing and counts, keys and codes of the places, and a checksum
+/// of all before it.
+constexpr std::string_view kMagic = "Shadowcache lookups 1\n";
+
+using Sum = std::uint64_t;
+
+}  // namespace
+
+void writeLookups(const std::filesystem::path& path, const BakeIdentity& identity,
+                  const ShotLookups& lookups) {
+    std::vector<std::uint64_t> keys;
+    std::vector<std::uint32_t> codes;
+    for (const LookupPlaces::Place& place : lookups.places.places()) {
+        keys.push_back(place.voxelKey);
+        codes.push_back(place.code);
+    }
+    ByteWriter out;
+    put(out, identity);
+    out.put(lookups.spacing);
+    for (const std::size_t count : {lookups.ofSet.voxels, lookups.ofSet.sides, lookups.ofSet.items})
+        out.put(std::uint64_t{count});
+    out.put(keys);
+    out.put(codes);
+    const std::string content = std::string(kMagic) + out.take();
+    const Sum sum = checksum(content);
+    writeWhole(path, content + std::string(reinterpret_cast<const char*>(&sum), sizeof sum));
+}
+
+ShotLookups readLookups(const std::filesystem::path& path, const BakeIdentity& identity) {
+    const std::string bytes = readFileBytes(path);
+    if (!bytes.starts_with(kMagic))
+        throwFileError(path, "not a lookups file, expected one of shadowcache-bake --lookups-only");
+    Sum sum = 0;
+    const std::size_t end = bytes.size() - std::min(bytes.size() - kMagic.size(), sizeof sum);
+    const auto content = std::string_view(bytes).substr(0, end);
+    if (bytes.size() - end == sizeof sum) std::memcpy(&sum, bytes.data() + end, sizeof sum);
+    if (bytes.size() - end != sizeof sum || checksum(content) != sum)
+        throwFileError(path, "damaged: its checksum differs; make it again by --lookups-only");
+    try {
+        return lookupsFromBytes(content, identity);
+    } catch (const Error& e) {
+        throwFileError(path, e.what());
+    }
+}
+
+ShotLookups lookupsFromBytes(std::string_view bytes, const BakeIdentity& identity) {
+    ByteReader in(bytes.substr(std::min(bytes.size(), kMagic.size())));
+    if (const std::string other = differences(getIdentity(in), identity); !other.empty())
+        throw Error("lookups of another shot: " + other);
+    ShotLookups lookups;
+    lookups.spacing = in.get<double>();
+    if (!(lookups.spacing > 0 && lookups.spacing <= kMostSpacing))
+        throw Error("spacing " + std::to_string(lookups.spacing) + ", expected above 0 and finite");
+    SurfaceCount& ofSet = lookups.ofSet;
+    for (std::size_t* count : {&ofSet.voxels, &ofSet.sides, &ofSet.items})
+        *count = in.get<std::uint64_t>();
+    if (ofSet.sides < 1 || ofSet.sides / kSides > ofSet.voxels)
+        throw Error(std::to_string(ofSet.sides) + " sides of " + std::to_string(ofSet.voxels) +
+                    " voxels, expected 1 to 6 of each");
+    const auto keys = in.getVector<std::uint64_t>();
+    const auto codes = in.getVector<std::uint32_t>();
+    if (keys.size() != codes.size())
+        throw Error(std::to_string(keys.size()) + " voxels of places, expected " +
+                    std::to_string(codes.size()));
+    if (!in.atEnd()) throw Error("bytes after the last place, expected none");
+    std::vector<LookupPlaces::Place> places;
+    places.reserve(keys.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        places.push_back({keys[i], codes[i]});
+        if (!places.back().isValid())
+            throw Error("place " + std::to_string(i) + " is " + std::to_string(keys[i]) + ", " +
+                        std::to_string(codes[i]) + ", which no bake writes");
+    }
+    lookups.places.add(std::move(places));
+    return lookups;
+}
+
+}  // namespace shadowcache

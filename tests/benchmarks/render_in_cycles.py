@@ -1,0 +1,136 @@
+"""Renders a frame of a set with Blender's Cycles: direct, diffuse light of a map alone, as shadowcache-render does.
+
+Usage: blender -b --factory-startup --python-exit-code 1 --python render_in_cycles.py -- REQUEST.json
+
+REQUEST.json: set (binary PLY of triangles, +Y up), map, camera (camera file), frame, size [width, height], albedo,
+samples of a pixel, threads, pictures (an .exr for each seed from 1 on) and stats, a JSON file that gets the processor
+seconds of the quickest picture, less those of a picture of one sample, which reads and writes as much.
+"""
+
+import json
+import resource
+import sys
+
+import bpy
+import numpy
+from mathutils import Matrix
+
+
+def to_blender(vectors):
+    """Our +Y up to Blender's +Z up, so that the middle of the map is where it is for us."""
+    return numpy.asarray(vectors)[..., [2, 0, 1]]
+
+
+def read_ply(path):
+    """Vertices (n, 3) and triangles (m, 3) of the only form that the benchmark's sets have."""
+    with open(path, "rb") as file:
+        header = []
+        while not header or header[-1] != "end_header":
+            header.append(file.readline().decode().strip())
+        properties = [line for line in header if line.startswith("property")]
+        wanted = [f"property float {axis}" for axis in "xyz"] + ["property list uchar int vertex_indices"]
+        if header[1] != "format binary_little_endian 1.0" or properties != wanted:
+            raise SystemExit(f"{path}: {header[1]}, {properties}; wanted binary_little_endian, {wanted}")
+        count = {line.split()[1]: int(line.split()[2]) for line in header if line.startswith("element")}
+        vertices = numpy.fromfile(file, "<f4", 3 * count["vertex"]).reshape(-1, 3)
+        faces = numpy.fromfile(file, [("corners", "u1"), ("vertices", "<i4", 3)], count["face"])
+    if not (faces["corners"] == 3).all():
+        raise SystemExit(f"{path}: has faces that are no triangles")
+    return vertices, faces["vertices"]
+
+
+def add_set(path, albedo):
+    vertices, triangles = read_ply(path)
+    mesh = bpy.data.meshes.new("set")
+    mesh.vertices.add(len(vertices))
+    mesh.vertices.foreach_set("co", to_blender(vertices).ravel())
+    mesh.loops.add(triangles.size)
+    mesh.loops.foreach_set("vertex_index", triangles.ravel())
+    mesh.polygons.add(len(triangles))
+    mesh.polygons.foreach_set("loop_start", numpy.arange(0, triangles.size, 3))
+    mesh.polygons.foreach_set("loop_total", numpy.full(len(triangles), 3))
+    mesh.update()
+    material = bpy.data.materials.new("diffuse")
+    material.use_nodes = True
+    tree = material.node_tree
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (albedo, albedo, albedo, 1)
+    tree.links.new(diffuse.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    mesh.materials.append(material)
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("set", mesh))
+
+
+def add_camera(path, frame):
+    with open(path, encoding="utf-8") as file:
+        track = json.load(file)["cam"]
+    pose = track["frames"][frame - 1]
+    back, up = -to_blender(pose["forward"]), to_blender(pose["up"])
+    axes = numpy.identity(4)
+    axes[:3] = numpy.column_stack([numpy.cross(up, back), up, back, to_blender(pose["origin"])])
+    camera = bpy.data.cameras.new("camera")
+    camera.sensor_fit = "VERTICAL"
+    camera.angle = track["yfov"]
+    camera.clip_start = 1e-4
+    thing = bpy.data.objects.new("camera", camera)
+    thing.matrix_world = Matrix(axes.tolist())
+    bpy.context.scene.collection.objects.link(thing)
+    bpy.context.scene.camera = thing
+
+
+def add_sky(path):
+    world = bpy.data.worlds.new("sky")
+    bpy.context.scene.world = world
+    world.use_nodes = True
+    texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = bpy.data.images.load(path)
+    world.node_tree.links.new(texture.outputs["Color"], world.node_tree.nodes["Background"].inputs["Color"])
+
+
+def choose_settings(request):
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.render.use_persistent_data = True
+    scene.render.threads_mode = "FIXED"
+    scene.render.threads = request["threads"]
+    scene.render.resolution_x, scene.render.resolution_y = request["size"]
+    scene.render.resolution_percentage = 100
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    cycles = scene.cycles
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.max_bounces = 0
+    cycles.light_sampling_threshold = 0  # else dim light is dropped at random, for speed
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+    cycles.pixel_filter_type = "BLACKMAN_HARRIS"
+    cycles.filter_width = 1.5
+
+
+def render(picture, samples, seed):
+    """Processor seconds."""
+    scene = bpy.context.scene
+    scene.cycles.samples = samples
+    scene.cycles.seed = seed
+    scene.render.filepath = picture
+    before = resource.getrusage(resource.RUSAGE_SELF)
+    bpy.ops.render.render(write_still=True)
+    after = resource.getrusage(resource.RUSAGE_SELF)
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+
+
+def main():
+    with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
+        request = json.load(file)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    add_set(request["set"], request["albedo"])
+    add_camera(request["camera"], request["frame"])
+    add_sky(request["map"])
+    choose_settings(request)
+    pictures = request["pictures"]
+    render(pictures[0], 1, 0)  # builds what later pictures use again
+    least = min(render(pictures[0], 1, 0) for _ in range(2))
+    seconds = [render(picture, request["samples"], seed) for seed, picture in enumerate(pictures, 1)]
+    with open(request["stats"], "w", encoding="utf-8") as file:
+        json.dump({"processor_seconds": min(seconds) - least}, file)
+
+
+main()
