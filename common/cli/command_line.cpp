@@ -20,23 +20,48 @@ namespace shadowcache {
 
 namespace {
 
+[[noreturn]] void refuseSettings(const std::string& cause) {
+    throw CLI::ConfigError("settings file: " + cause);
+}
+
+/// CLI11 drops the last character of a list that the file does not close.
+void requireClosedLists(const std::string& text) {
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        const std::size_t equals = line.find('=');
+        if (equals == line.npos) continue;
+        const std::string name = CLI::detail::trim_copy(line.substr(0, equals));
+        std::string value = CLI::detail::trim_copy(line.substr(equals + 1));
+        if (!value.starts_with('[') || name.starts_with('#') || name.starts_with(';')) continue;
+        for (std::string more; !value.ends_with(']');) {
+            if (!std::getline(lines, more)) refuseSettings(name + ": expected ] at the list's end");
+            value += CLI::detail::trim(more);
+        }
+    }
+}
+
 /// TOML without sections, whose contents CLI11 would ignore.
 class SettingsFormat final : public CLI::ConfigTOML {
 public:
-    SettingsFormat() {
-        // "shot.####.exr" would end at the first #, quoted or not: comments have lines of their
-        // own.
-        comment('\1');
-    }
+    // "shot.####.exr" would end at the first #, quoted or not: comments have lines of their own.
+    SettingsFormat() { comment(kNoText); }
 
     std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-        std::vector<CLI::ConfigItem> found = CLI::ConfigTOML::from_config(input);
-        for (const CLI::ConfigItem& item : found)
+        const std::string text(std::istreambuf_iterator<char>(input), {});
+        if (text.find(kNoText) != text.npos) refuseSettings("a byte of value 1, expected text");
+        requireClosedLists(text);
+        std::istringstream checked(text);
+        std::vector<CLI::ConfigItem> found = CLI::ConfigTOML::from_config(checked);
+        for (const CLI::ConfigItem& item : found) {
             if (!item.parents.empty())
-                throw CLI::ConfigError("settings file: section [" + item.parents.front() +
-                                       "], expected options only");
+                refuseSettings("section [" + item.parents.front() + "], expected options only");
+            if (item.inputs.empty()) refuseSettings(item.name + ": expected a value");
+        }
         return found;
     }
+
+private:
+    static constexpr char kNoText = '\1';
 };
 
 void printAndEnd(const std::string& text) {

@@ -25,9 +25,10 @@ SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
 
 }  // namespace
 
+PlanRules glossyRules() { return {kGlossyDefensiveShare, kGlossyHeavy, kGlossyMostlyVisible}; }
+
 GlossyWorkspace::GlossyWorkspace(const Environment& environment, const DirectionTiers& tiers)
-    : builder(environment, tiers),
-      planner({kGlossyDefensiveShare, kGlossyHeavy, kGlossyMostlyVisible}) {}
+    : builder(environment, tiers), planner(glossyRules()) {}
 
 /// A batch under way.
 struct GlossyCache::Batch {

@@ -11,6 +11,9 @@
 
 namespace shadowcache {
 
+/// How samples of glossy points are planned.
+PlanRules glossyRules();
+
 /// Scratch memory of GlossyCache, one a thread.
 struct GlossyWorkspace {
     GlossyWorkspace(const Environment& environment, const DirectionTiers& tiers);

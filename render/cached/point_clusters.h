@@ -23,7 +23,7 @@ struct PointCluster {
 class PointClusters {
 public:
     /// @param spacing  of the cache's items [world], > 0
-    /// @param cameraRays  of a pixel, > 0
+    /// @param cameraRays  of a pixel in the batch, > 0
     void build(std::span<const ShadingPoint> points, double spacing, std::uint32_t cameraRays);
 
     std::span<const PointCluster> clusters() const { return clusters_; }

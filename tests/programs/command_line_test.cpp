@@ -162,7 +162,17 @@ TEST_F(CommandLine, RefusesBadSettingsFiles) {
     folder_.write("empty.toml", "threads = \n");
     result = run("render", still("-o a.exr --config empty.toml"));
     EXPECT_NE(result.err.find("--threads: expected a value"), std::string::npos) << result.err;
-    before.insert(before.end(), {"empty.toml", "section.toml"});
+    const auto refuses = [&](const std::string& text, const std::string& cause) {
+        folder_.write("list.toml", text);
+        const ProgramRun refused = run("render", still("-o a.exr --config list.toml"));
+        EXPECT_EQ(refused.status, 2) << text;
+        EXPECT_NE(refused.err.find(cause), std::string::npos) << refused.err;
+    };
+    refuses("fps = [12\n", "settings file: fps: expected ] at the list's end");
+    refuses("eye = [\"1,2,\n3\"\nfps = 4", "settings file: eye: expected ] at the list's end");
+    refuses("eye = []\n", "settings file: eye: expected a value");
+    refuses("fps = [12\1]\n", "settings file: a byte of value 1");
+    before.insert(before.end(), {"empty.toml", "list.toml", "section.toml"});
     std::ranges::sort(before);
     EXPECT_EQ(files(), before);
     expectRefusal(run("render", still("-o a.exr --write-config none/a.toml")), "render",

@@ -11,6 +11,7 @@
 
 #include "common/math/direction_mesh.h"
 #include "render/cached/cluster_sampler.h"
+#include "render/cached/glossy_cache.h"
 #include "render/cached/lobe_match.h"
 #include "render/cached/place_lookup.h"
 #include "render/cached/region_index.h"
@@ -169,7 +170,7 @@ protected:
         lookup.pool(world_.scene, point_, 0);
         GlossyRegionBuilder builder(world_.environment, world_.cache.cache().header().tiers());
         glossy_ = builder.build(cells_, lookup.pooled(), lobe_, 0.01f, Calibration());
-        plan_ = SamplingPlanner({.defensiveShare = 0.8}).plan(glossy_.regions, 64, {0, 0.2});
+        plan_ = SamplingPlanner(glossyRules()).plan(glossy_.regions, 64, {0, 0.2});
     }
 
     test::World world_{test::slabMesh(), test::noiseMap(64, 32, 7)};

@@ -52,6 +52,9 @@ struct Told {
     std::function<std::array<int, 2>(std::size_t)> counts;  ///< null: what the bake found
 };
 
+/// What a test's name shows.
+void PrintTo(const Told& told, std::ostream* out) { *out << told.name; }
+
 Told tells(int n, int d) {
     return {"Says" + std::to_string(n) + "Of" + std::to_string(d), [=](std::size_t) {
                 return std::array{n, d};
