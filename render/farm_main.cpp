@@ -9,6 +9,7 @@
 
 #include "common/base/error.h"
 #include "common/base/exit_status.h"
+#include "common/base/number_text.h"
 #include "common/base/option_checks.h"
 #include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
@@ -103,15 +104,6 @@ void refuseOurOptions(const std::vector<std::string>& words, const char* where) 
             if (word == ours || word.starts_with(std::string(ours) + "="))
                 throw Error(std::string(where) + " " + word +
                             ": set by shadowcache-farm itself, expected other options");
-}
-
-/// A number as it was typed would be: the shortest text that reads back.
-std::string numberText(double value) {
-    std::ostringstream text;
-    text << value;
-    return std::strtod(text.str().c_str(), nullptr) == value
-               ? text.str()
-               : (text.precision(17), text.str(""), text << value, text.str());
 }
 
 FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {

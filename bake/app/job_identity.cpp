@@ -1,10 +1,12 @@
 #include "bake/app/job_identity.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <string_view>
 
+#include "common/base/number_text.h"
 #include "common/base/version.h"
 #include "common/import/set_files.h"
 
@@ -23,6 +25,15 @@ constexpr std::string_view kNotOfTheItems[] = {"SET",     "output",   "stats",  
                                                "resume",  "extend",   "checkpoint", "camera",
                                                "dynamic", "progress", "memory",     "lookups"};
 
+/// The same text for the same number: 0.25 for .25. Whole numbers may have more digits than a
+/// double.
+std::string asOneTypesIt(const std::string& value) {
+    if (value.find_first_not_of("0123456789") == value.npos) return value;
+    char* end = nullptr;
+    const double number = std::strtod(value.c_str(), &end);
+    return *end == '\0' ? numberText(number) : value;
+}
+
 }  // namespace
 
 BakeIdentity identityOf(const BakeJob& job) {
@@ -31,10 +42,10 @@ BakeIdentity identityOf(const BakeJob& job) {
     // Where things are read from and written to is no part of it; what is read is.
     for (const auto& [name, value] : job.settings)
         if (std::ranges::find(kNotOfTheItems, name) == std::end(kNotOfTheItems))
-            identity.emplace_back(name, value);
-    const std::filesystem::path camera = job.shot.camera.name;
-    identity.emplace_back("camera", camera.filename().string());
-    std::vector<std::filesystem::path> moving{camera};
+            identity.emplace_back(name, asOneTypesIt(value));
+    const CameraOptions& camera = job.shot.camera;
+    identity.emplace_back("camera", camera.isFile() ? "of a file" : camera.name);
+    std::vector<std::filesystem::path> moving{camera.name};
     for (const DynamicFile& file : job.shot.dynamic) {
         moving.push_back(file.mesh);
         moving.push_back(file.track);

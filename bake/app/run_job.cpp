@@ -14,6 +14,7 @@
 #include "common/base/interrupt.h"
 #include "common/base/json_file.h"
 #include "common/base/leftovers.h"
+#include "common/base/number_text.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/process.h"
@@ -82,8 +83,8 @@ BakeOptions optionsOf(const BakeJob& job, const TriangleMesh& mesh,
     BakeOptions options = job.bake;
     if (found) {
         if (options.spacing > 0 && options.spacing != found->spacing)
-            throwFileError(job.lookups, "spacing " + std::to_string(found->spacing) +
-                                            ", expected " + std::to_string(options.spacing));
+            throwFileError(job.lookups, "spacing " + numberText(found->spacing) + ", expected " +
+                                            numberText(options.spacing));
         options.spacing = found->spacing;
         count = found->ofSet;
     }
@@ -175,10 +176,10 @@ void run(const BakeJob& job) {
     if (!job.estimate) reportLeftovers(job.output);
     BakeIdentity identity;
     if (!job.estimate || !job.lookups.empty()) identity = identityOf(job);
-    const auto checkpoint =
-        job.estimate || job.lookupsOnly ? nullptr : startCheckpoint(job, identity);
     std::optional<ShotLookups> found;
     if (!job.lookups.empty()) found = readLookups(job.lookups, identityOfLookups(job, identity));
+    const auto checkpoint =
+        job.estimate || job.lookupsOnly ? nullptr : startCheckpoint(job, identity);
     std::optional<ShotSource> shot;
     if (!job.shot.camera.name.empty()) shot.emplace(job.shot, job.files, job.mesh);
     const TriangleMesh mesh = loadMesh(job.files, job.mesh);

@@ -7,10 +7,10 @@
 
 namespace shadowcache {
 
-/// What the bake of a set may choose.
 /// Largest spacing that is accepted.
 inline constexpr double kMostSpacing = 1e12;
 
+/// What the bake of a set may choose.
 struct BakeOptions {
     double spacing = 0;    ///< side of a voxel, world units; 0: chooseSpacing
     int level = 5;         ///< finest direction level, 0 .. 5

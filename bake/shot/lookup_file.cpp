@@ -11,6 +11,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/base/number_text.h"
 
 namespace shadowcache {
 
@@ -21,6 +22,41 @@ namespace {
 constexpr std::string_view kMagic = "Shadowcache lookups 1\n";
 
 using Sum = std::uint64_t;
+
+/// @param content  between magic and checksum
+ShotLookups parse(std::string_view content, const BakeIdentity& identity) {
+    ByteReader in(content);
+    if (const std::string other = differences(getIdentity(in), identity); !other.empty())
+        throw Error("lookups of another shot: " + other);
+    ShotLookups lookups;
+    lookups.spacing = in.get<double>();
+    if (!(lookups.spacing > 0 && lookups.spacing <= kMostSpacing))
+        throw Error("spacing " + numberText(lookups.spacing) + ", expected above 0, at most " +
+                    numberText(kMostSpacing));
+    SurfaceCount& ofSet = lookups.ofSet;
+    for (std::size_t* count : {&ofSet.voxels, &ofSet.sides, &ofSet.items})
+        *count = in.get<std::uint64_t>();
+    const std::size_t leastVoxels = ofSet.sides / kSides + (ofSet.sides % kSides != 0);
+    if (ofSet.sides < 1 || leastVoxels > ofSet.voxels)
+        throw Error(std::to_string(ofSet.sides) + " sides of " + std::to_string(ofSet.voxels) +
+                    " voxels, expected 1 to 6 of each");
+    const auto keys = in.getVector<std::uint64_t>();
+    const auto codes = in.getVector<std::uint32_t>();
+    if (keys.size() != codes.size())
+        throw Error(std::to_string(keys.size()) + " voxels of places, expected " +
+                    std::to_string(codes.size()));
+    if (!in.atEnd()) throw Error("bytes after the last place, expected none");
+    std::vector<LookupPlaces::Place> places;
+    places.reserve(keys.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        places.push_back({keys[i], codes[i]});
+        if (!places.back().isValid())
+            throw Error("place " + std::to_string(i) + " is " + std::to_string(keys[i]) + ", " +
+                        std::to_string(codes[i]) + ", which no bake writes");
+    }
+    lookups.places.add(std::move(places));
+    return lookups;
+}
 
 }  // namespace
 
@@ -55,42 +91,10 @@ ShotLookups readLookups(const std::filesystem::path& path, const BakeIdentity& i
     if (bytes.size() - end != sizeof sum || checksum(content) != sum)
         throwFileError(path, "damaged: its checksum differs; make it again by --lookups-only");
     try {
-        return lookupsFromBytes(content, identity);
+        return parse(content.substr(kMagic.size()), identity);
     } catch (const Error& e) {
         throwFileError(path, e.what());
     }
-}
-
-ShotLookups lookupsFromBytes(std::string_view bytes, const BakeIdentity& identity) {
-    ByteReader in(bytes.substr(std::min(bytes.size(), kMagic.size())));
-    if (const std::string other = differences(getIdentity(in), identity); !other.empty())
-        throw Error("lookups of another shot: " + other);
-    ShotLookups lookups;
-    lookups.spacing = in.get<double>();
-    if (!(lookups.spacing > 0 && lookups.spacing <= kMostSpacing))
-        throw Error("spacing " + std::to_string(lookups.spacing) + ", expected above 0 and finite");
-    SurfaceCount& ofSet = lookups.ofSet;
-    for (std::size_t* count : {&ofSet.voxels, &ofSet.sides, &ofSet.items})
-        *count = in.get<std::uint64_t>();
-    if (ofSet.sides < 1 || ofSet.sides / kSides > ofSet.voxels)
-        throw Error(std::to_string(ofSet.sides) + " sides of " + std::to_string(ofSet.voxels) +
-                    " voxels, expected 1 to 6 of each");
-    const auto keys = in.getVector<std::uint64_t>();
-    const auto codes = in.getVector<std::uint32_t>();
-    if (keys.size() != codes.size())
-        throw Error(std::to_string(keys.size()) + " voxels of places, expected " +
-                    std::to_string(codes.size()));
-    if (!in.atEnd()) throw Error("bytes after the last place, expected none");
-    std::vector<LookupPlaces::Place> places;
-    places.reserve(keys.size());
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-        places.push_back({keys[i], codes[i]});
-        if (!places.back().isValid())
-            throw Error("place " + std::to_string(i) + " is " + std::to_string(keys[i]) + ", " +
-                        std::to_string(codes[i]) + ", which no bake writes");
-    }
-    lookups.places.add(std::move(places));
-    return lookups;
 }
 
 }  // namespace shadowcache

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
-#include <string_view>
 
 #include "bake/core/bake_identity.h"
 #include "bake/core/surface_count.h"
@@ -27,10 +25,5 @@ void writeLookups(const std::filesystem::path& path, const BakeIdentity& identit
 /// @throws Error naming the file if it is not such a file, is damaged, or is of another shot; then
 /// the message says what differs
 ShotLookups readLookups(const std::filesystem::path& path, const BakeIdentity& identity);
-
-/// The same from a file's bytes without its checksum.
-///
-/// @throws Error
-ShotLookups lookupsFromBytes(std::string_view bytes, const BakeIdentity& identity);
 
 }  // namespace shadowcache

@@ -30,9 +30,11 @@ LookupPlaces ShotSource::lookups(Scene& scene, const VoxelFrame& frame) const {
 }
 
 std::string ShotSource::text() const {
-    std::string text = std::filesystem::path(options_.camera.name).filename().string() +
-                       ", frames " + options_.frames + ", " + std::to_string(options_.size[0]) +
-                       "x" + std::to_string(options_.size[1]);
+    const std::string& camera = options_.camera.name;
+    std::string text =
+        (options_.camera.isFile() ? std::filesystem::path(camera).filename().string() : camera) +
+        ", frames " + options_.frames + ", " + std::to_string(options_.size[0]) + "x" +
+        std::to_string(options_.size[1]);
     if (options_.margin > 0) text += ", margin " + std::to_string(options_.margin);
     return text;
 }

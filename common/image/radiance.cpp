@@ -37,15 +37,25 @@ struct HdrHeader {
 
 /// Header lines up to an empty one, then "-Y HEIGHT +X WIDTH".
 HdrHeader parseHdrHeader(const std::filesystem::path& path, const std::string& content) {
+    static constexpr std::string_view kFormat = "FORMAT=32-bit_rle_rgbe";
     HdrHeader header;
+    if (!content.starts_with("#?RADIANCE\n") && !content.starts_with("#?RGBE\n"))
+        throwFileError(path, "starts with '" +
+                                 content.substr(0, std::min<std::size_t>(content.find('\n'), 20)) +
+                                 "', expected #?RADIANCE or #?RGBE");
     TextScanner text(path, content, false);
-    while (true) {
+    for (bool hasFormat = false;;) {
         if (!text.nextLine()) throwFileError(path, "truncated: ends within the HDR header");
         const std::string_view word = text.wordOnLine();
-        if (word.empty()) break;
-        if (word.starts_with("FORMAT=") && word != "FORMAT=32-bit_rle_rgbe") {
-            text.fail("'" + std::string(word.substr(0, 30)) + "', expected FORMAT=32-bit_rle_rgbe");
+        if (word.empty()) {
+            if (!hasFormat) text.fail("no FORMAT before, expected " + std::string(kFormat));
+            break;
         }
+        if (word == kFormat)
+            hasFormat = true;
+        else if (word.starts_with("FORMAT"))
+            text.fail("'" + std::string(word.substr(0, 30)) + "', expected " +
+                      std::string(kFormat));
         if (word.starts_with("EXPOSURE=")) {
             const std::string_view value = word.substr(9);
             header.exposure *=
@@ -125,13 +135,13 @@ Image readHdr(const std::filesystem::path& path) {
     std::string content = readFileBytes(path);
     const HdrHeader header = parseHdrHeader(path, content);
     requireAllHdrRows(path, header, std::string_view(content).substr(header.bytes));
-    if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-        throwFileError(path, "larger than 2 GB, expected a smaller HDR file");
-    }
     // stb meets a plain header: of one with two resolutions it might take the other.
     content.replace(0, header.bytes,
                     "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(header.height) +
                         " +X " + std::to_string(header.width) + "\n");
+    if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+        throwFileError(path, "larger than 2 GB, expected a smaller HDR file");
+    }
     int width = 0;
     int height = 0;
     int channels = 0;

@@ -175,8 +175,11 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
         }
         soup.materials.push_back(material);
     }
-    for (std::size_t i = 0; i < used.size(); ++i)
-        if (!used[i]) raw.textures[i].rgba = raw.textures[i].low = {};
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        if (used[i]) continue;
+        raw.textures[i].rgba = std::vector<std::uint8_t>();  // {} would keep the memory
+        raw.textures[i].low = std::vector<std::uint8_t>();
+    }
     for (Texture& texture : raw.textures) soup.textures.push_back(std::move(texture));
     int groups = 0;
     for (const RawInstance& instance : raw.instances) {

@@ -21,7 +21,7 @@ namespace {
 /// Texels that a byte of a file stands for, at most: deflate makes 1032 bytes of one, each of eight
 /// texels of one bit.
 constexpr double kMostTexelsPerByte = 8256;
-/// Small pictures may be as empty as they like: 16 MB.
+/// Small pictures may be as empty as they like: 16 MB, of 16 bits 32 MB.
 constexpr double kAlwaysAllowed = 0x1p22;
 
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";

@@ -14,7 +14,7 @@ namespace shadowcache {
 using Vec2f = Imath::V2f;
 
 /// Picture on surfaces: 8 or 16 bits a channel, colour sRGB-encoded, all else linear; row 0 at t =
-/// 0.
+/// 0. Opacity is that of the upper 8 bits.
 struct Texture {
     enum class Wrap { repeat, mirror, clamp };
 

@@ -4,10 +4,14 @@
 
 namespace shadowcache {
 
+bool CameraOptions::isFile() const {
+    return std::filesystem::path(name).extension() == ".json";
+}
+
 CameraSource::CameraSource(const CameraOptions& options, std::span<const GltfShot> shots)
     : options_(options) {
     if (options.name.empty()) return;
-    if (shots.empty() || std::filesystem::path(options.name).extension() == ".json")
+    if (shots.empty() || options.isFile())
         track_ = readCameraFile(options.name);
     else
         named_ = findCamera(shots, options.name);

@@ -14,6 +14,9 @@ struct CameraOptions {
     std::string name;  ///< a file, or one of the set's cameras; empty: the one that stands still
     std::optional<Vec3d> eye, lookAt;  ///< of that one
     double fovYDegrees = 45;
+
+    /// Whether `name` is a file's, whatever the set holds.
+    bool isFile() const;
 };
 
 /// Cameras of a shot, by frame: of a camera file, of a glTF set, or the one that stands still.

@@ -25,7 +25,9 @@ SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
 
 }  // namespace
 
-PlanRules glossyRules() { return {kGlossyDefensiveShare, kGlossyHeavy, kGlossyMostlyVisible}; }
+PlanRules glossyRules() {
+    return {kGlossyDefensiveShare, kGlossyHeavy, kGlossyMostlyVisible};
+}
 
 GlossyWorkspace::GlossyWorkspace(const Environment& environment, const DirectionTiers& tiers)
     : builder(environment, tiers), planner(glossyRules()) {}

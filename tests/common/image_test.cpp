@@ -255,6 +255,21 @@ TEST(Hdr, ReadsRuns) {
     for (const Rgb& pixel : read.image.pixels) EXPECT_EQ(pixel, Rgb(1.0f, 0.5f, 0.25f));
 }
 
+TEST(Hdr, OtherFormatsAreRefused) {
+    const TemporaryFolder folder;
+    const std::string good = hdr("FORMAT=32-bit_rle_rgbe\n", 1, 1, "\x80\x80\x80\x81");
+    const auto refused = [&](const std::string& from, const std::string& to) {
+        std::string bytes = good;
+        bytes.replace(bytes.find(from), from.size(), to);
+        expectError([&] { readRadiance(folder.write("a.hdr", bytes)); }, "a.hdr", "expected");
+    };
+    readRadiance(folder.write("a.hdr", good));
+    refused("RADIANCE", "PICTURE");
+    refused("FORMAT=32-bit_rle_rgbe\n", "");
+    refused("rgbe", "xyze");
+    refused("FORMAT=", "FORMAT =");
+}
+
 TEST(Hdr, EveryCutOffFileIsRefused) {
     const TemporaryFolder folder;
     const std::string whole = codedHdr();

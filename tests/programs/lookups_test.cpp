@@ -11,6 +11,7 @@
 
 #include "common/base/content_hash.h"
 #include "tests/support/cli_fixture.h"
+#include "tests/support/gltf_builder.h"
 
 namespace shadowcache::test {
 namespace {
@@ -75,8 +76,10 @@ TEST_F(Lookups, OfAnotherShotAreRefused) {
     refused(shot("a.vdb", "--spacing 0.3"), "spacing 0.25, expected 0.3");
     refused(shot("a.vdb", "--up z"), "up y, expected z");
     refused(shot("a.vdb", "--dynamic other.obj"), "shot's files ");
-    // The camera file's content, whatever its name.
+    // The camera file's content, whatever its name; numbers, however typed.
     std::string camera = readBytes(path("camera.json"));
+    folder_.write("copy.json", camera);
+    runWell("bake", shot("copy.vdb", "--camera copy.json --spacing .250 --lookups shot.lookups"));
     folder_.write("camera.json", camera.replace(camera.find("1.2"), 3, "1.3"));
     refused(shot("a.vdb"), "shot's files ");
 }
@@ -104,29 +107,69 @@ TEST_F(Lookups, DamagedOrForeignAreRefused) {
     expectRefusal(run("bake", shot("a.vdb", "--lookups-only")), "bake", "a.vdb", ".lookups");
 }
 
+// Cameras of a set are told apart by their whole names.
+TEST_F(Lookups, OfAnotherCameraOfTheSetAreRefused) {
+    GltfBuilder file = squareGltf();
+    file.root({{"mesh", 0}, {"translation", {-0.5, -0.5, -3}}});
+    const int lens = file.append(
+        "cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}});
+    for (const char* side : {"left", "right"})
+        file.root({{"camera", lens}, {"name", std::string(side) + "/cam"}});
+    folder_.write("set.glb", file.glb());
+    const std::string shot = "set.glb --frames 1 --size 12x8 --spacing 0.25 --level 1 ";
+    runWell("bake", shot + "-o a.lookups --lookups-only --camera left/cam");
+    runWell("bake", shot + "-o a.vdb --lookups a.lookups --camera left/cam");
+    expectRefusal(run("bake", shot + "-o b.vdb --lookups a.lookups --camera right/cam"), "bake",
+                  "a.lookups", "camera left/cam, expected right/cam");
+}
+
+/// What such a file has between its head and its checksum, from the keys of places on.
+struct Tail {
+    explicit Tail(const std::string& whole, std::size_t keysAt) {
+        std::memcpy(&count, whole.data() + keysAt, sizeof count);
+        keys = whole.substr(keysAt + 8, count * 8);
+        codes = whole.substr(keysAt + 16 + count * 8, count * 4);
+    }
+    std::string first(std::uint64_t kept) const {
+        const std::string length(reinterpret_cast<const char*>(&kept), sizeof kept);
+        return length + keys.substr(0, kept * 8) + length + codes.substr(0, kept * 4);
+    }
+    std::uint64_t count = 0;
+    std::string keys, codes;
+};
+
 // With the right checksum, as no bake writes them.
 TEST_F(Lookups, ForgedNumbersAreRefused) {
     find("shot.lookups");
     const std::string whole = readBytes(path("shot.lookups"));
-    const auto refused = [&](std::size_t at, std::uint64_t bits, const std::string& cause) {
-        std::string bytes = whole.substr(0, whole.size() - sizeof bits);
-        std::memcpy(bytes.data() + at, &bits, sizeof bits);
+    const auto bakeWith = [&](std::string bytes) {
         const std::uint64_t sum = checksum(std::string_view(bytes));
         bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum);
         folder_.write("bad.lookups", bytes);
-        expectRefusal(run("bake", shot("a.vdb", "--lookups bad.lookups")), "bake", "bad.lookups",
-                      cause);
+        return run("bake", shot("a.vdb", "--lookups bad.lookups"));
+    };
+    const auto refused = [&](std::size_t at, std::uint64_t bits, const std::string& cause) {
+        std::string bytes = whole.substr(0, whole.size() - sizeof bits);
+        std::memcpy(bytes.data() + at, &bits, sizeof bits);
+        expectRefusal(bakeWith(bytes), "bake", "bad.lookups", cause);
     };
     const auto spacing = std::bit_cast<std::array<char, 8>>(0.25);
     const std::size_t at = whole.find(std::string(spacing.data(), spacing.size()));
     ASSERT_NE(at, std::string::npos);
     for (const double wrong : {0.0, -1.0, 1e13, std::nan("")})
-        refused(at, std::bit_cast<std::uint64_t>(wrong), "above 0 and finite");
-    refused(at, std::bit_cast<std::uint64_t>(0.5), "spacing 0.5");
+        refused(at, std::bit_cast<std::uint64_t>(wrong), "above 0, at most 1e+12");
+    refused(at, std::bit_cast<std::uint64_t>(0.5), "spacing 0.5, expected 0.25");
     refused(at + 16, 0, " sides of ");
     refused(at + 16, ~std::uint64_t{0}, " sides of ");
     refused(at + 16, 1, " sides of the set, expected ");
     refused(at + 32, ~std::uint64_t{0}, "cut short");
+    // Places are baked as the file has them, not found again.
+    const Tail tail(whole, at + 32);
+    ASSERT_GT(tail.count, 20u);
+    EXPECT_EQ(bakeWith(whole.substr(0, at + 32) + tail.first(tail.count)).status, 0);
+    const std::string all = readBytes(path("a.vdb"));
+    EXPECT_EQ(bakeWith(whole.substr(0, at + 32) + tail.first(3)).status, 0);
+    EXPECT_LT(readBytes(path("a.vdb")).size(), all.size());
 }
 
 // The spacing can come from the cache that is extended.

@@ -53,7 +53,9 @@ struct Told {
 };
 
 /// What a test's name shows.
-void PrintTo(const Told& told, std::ostream* out) { *out << told.name; }
+void PrintTo(const Told& told, std::ostream* out) {
+    *out << told.name;
+}
 
 Told tells(int n, int d) {
     return {"Says" + std::to_string(n) + "Of" + std::to_string(d), [=](std::size_t) {
