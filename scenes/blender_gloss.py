@@ -1,6 +1,7 @@
 """Makes a small set of smooth, textured and glossy things in Blender, exports it as glTF, and renders it with Cycles.
 
 Usage: blender -b --factory-startup --python-exit-code 1 --python blender_gloss.py -- MAP.exr SET.glb PICTURE.exr SAMPLES
+       [WIDTH HEIGHT]     of the picture [160 90]
 
 Exported are Blender's own materials (Principled BSDF). Cycles then renders the BRDF that glTF's specification makes of
 them, built from nodes: a dielectric whose reflectance is the same at all angles is a mix of Diffuse and Glossy by that
@@ -16,7 +17,6 @@ import sys
 
 import bpy
 
-SIZE = (160, 90)
 # Name, metallic, reflectance of the dielectric, roughness. The first has a normal map and nothing diffuse: where a
 # normal map bends the normal, Cycles darkens the diffuse part alone (Chiang et al. 2019).
 LOOKS = (("floor", 0, 1, 0.5), ("smooth", 0, 0.5, 0.1), ("satin", 0, 0.5, 0.3), ("rough", 0, 0.5, 0.5),
@@ -143,7 +143,7 @@ def use_nodes_of_the_brdf(material, metallic, reflectance):
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
 
 
-def render(sky, picture_path, samples):
+def render(sky, picture_path, samples, width=160, height=90):
     scene = bpy.context.scene
     world = bpy.data.worlds.new("sky")
     scene.world = world
@@ -165,7 +165,7 @@ def render(sky, picture_path, samples):
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0
     cycles.pixel_filter_type = "BOX"
     cycles.filter_width = 1
-    scene.render.resolution_x, scene.render.resolution_y = SIZE
+    scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
@@ -174,14 +174,14 @@ def render(sky, picture_path, samples):
 
 
 def main():
-    sky, glb, picture_path, samples = sys.argv[sys.argv.index("--") + 1 :]
+    sky, glb, picture_path, *numbers = sys.argv[sys.argv.index("--") + 1 :]
     bpy.ops.wm.read_factory_settings(use_empty=True)
     make_set()
     bpy.ops.export_scene.gltf(filepath=glb, export_cameras=True, export_tangents=True)
     add_reflectance(glb)
     for name, metallic, reflectance, _ in LOOKS:
         use_nodes_of_the_brdf(bpy.data.materials[name], metallic, reflectance)
-    render(sky, picture_path, int(samples))
+    render(sky, picture_path, *map(int, numbers))
 
 
 main()

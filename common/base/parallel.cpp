@@ -63,7 +63,8 @@ void runAll(std::size_t count, const std::function<void(std::size_t)>& run) {
 
 void applyLimit(int threads) {
     static std::mutex mutex;
-    static std::optional<tbb::global_control> control;
+    // Not destroyed at the end, where TBB may wait for ever after an allocation of its own failed.
+    static auto& control = *new std::optional<tbb::global_control>;
     const std::lock_guard lock(mutex);
     control.reset();  // first: of several controls TBB takes the smallest
     if (threads > 0)
