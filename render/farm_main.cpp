@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "common/base/number_text.h"
 #include "common/base/option_checks.h"
 #include "common/base/report_failure.h"
+#include "common/base/text_streams.h"
 #include "common/cli/command_line.h"
 #include "common/import/mesh_options.h"
 #include "common/shot/frames.h"
@@ -124,7 +124,7 @@ FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
         add("--size", a.size);
     }
     for (const std::string& moving : a.dynamic) add("--dynamic", moving);
-    std::istringstream words(a.bakeWith);
+    TextReader words(a.bakeWith);
     for (std::string word; words >> word;) job.bakeOnly.push_back(word);
     refuseOurOptions(job.bakeOnly, "--bake-with");
     refuseOurOptions(forRenderer, "--");

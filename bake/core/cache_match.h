@@ -1,10 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <sstream>
 #include <string>
 
 #include "common/base/error.h"
+#include "common/base/text_streams.h"
 
 namespace shadowcache {
 
@@ -17,7 +17,7 @@ template <class T>
 void requireSame(const std::filesystem::path& path, const char* what, const T& found,
                  const T& wanted, const char* reason) {
     if (found == wanted) return;
-    std::ostringstream text;
+    TextWriter text;
     text.precision(15);
     text << what << ' ' << found << ", expected " << wanted << ' ' << reason;
     throwFileError(path, text.str());

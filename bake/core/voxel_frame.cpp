@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "common/base/error.h"
+#include "common/base/text_streams.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {
@@ -22,7 +22,7 @@ Vec3i floorVector(const Vec3d& v) {
 }
 
 std::string refusal(double spacing, double least) {
-    std::ostringstream text;
+    TextWriter text;
     text << "--spacing " << spacing << ": too small for this set, expected at least " << least;
     return text.str();
 }

@@ -1,11 +1,11 @@
 #include "bake/inspect/report.h"
 
 #include <cstdio>
-#include <sstream>
 
 #include "bake/inspect/grid_export.h"
 #include "bake/inspect/html_page.h"
 #include "bake/inspect/section_view.h"
+#include "common/base/text_streams.h"
 
 namespace shadowcache {
 
@@ -14,7 +14,7 @@ namespace {
 constexpr int kPictureSide = 480;
 
 std::string text(double value) {
-    std::ostringstream out;
+    TextWriter out;
     out << value;
     return out.str();
 }

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <sstream>
 #include <string>
 
 #include "common/base/error.h"
+#include "common/base/text_streams.h"
 
 namespace shadowcache {
 
@@ -16,7 +16,7 @@ inline constexpr int kMaxThreads = 4096;
 template <class T>
 void requireRange(const char* name, T value, T least, T most) {
     if (value >= least && value <= most) return;
-    std::ostringstream text;
+    TextWriter text;
     text << "--" << name << ' ' << value << ": expected " << least << " to " << most;
     throw Error(text.str());
 }

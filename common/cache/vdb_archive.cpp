@@ -3,8 +3,10 @@
 #include <openvdb/io/Archive.h>
 
 #include <mutex>
+#include <new>
 #include <ostream>
 #include <streambuf>
+#include <string_view>
 
 #include "common/base/atomic_file.h"
 #include "common/cache/checksums.h"
@@ -52,6 +54,15 @@ public:
     }
 };
 
+/// OpenVDB makes the name of a tree's type in a string stream, which ends early where memory does;
+/// a file with such a name is one that nobody reads.
+///
+/// @throws std::bad_alloc
+void requireTypes(const openvdb::GridCPtrVec& grids) {
+    for (const auto& grid : grids)
+        if (!std::string_view(grid->type()).ends_with("_5_4_3")) throw std::bad_alloc();
+}
+
 }  // namespace
 
 void initializeOpenVdb() {
@@ -69,6 +80,7 @@ openvdb::math::Transform::Ptr makeTransform(double spacing) {
 
 void writeVdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,
               const openvdb::MetaMap& metadata) {
+    requireTypes(grids);
     AtomicFile file(path);
     AtomicBuffer buffer(file);
     std::ostream stream(&buffer);

@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <regex>
-#include <sstream>
 
+#include "common/base/text_streams.h"
 #include "common/base/version.h"
 
 namespace shadowcache {
@@ -14,7 +14,7 @@ namespace {
 /// Text as roff shows it literally.
 std::string roff(const std::string& text) {
     std::string out;
-    std::istringstream lines(text);
+    TextReader lines(text);
     for (std::string line; std::getline(lines, line);) {
         if (!out.empty()) out += "\n.br\n";
         if (line.starts_with(".") || line.starts_with("'")) out += "\\&";

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <regex>
-#include <sstream>
 
 #include "common/base/atomic_file.h"
 #include "common/base/exit_status.h"
@@ -13,6 +12,7 @@
 #include "common/base/progress.h"
 #include "common/base/report_failure.h"
 #include "common/base/suggestion.h"
+#include "common/base/text_streams.h"
 #include "common/base/version.h"
 #include "common/cli/command_help.h"
 
@@ -26,7 +26,7 @@ namespace {
 
 /// CLI11 drops the last character of a list that the file does not close.
 void requireClosedLists(const std::string& text) {
-    std::istringstream lines(text);
+    TextReader lines(text);
     for (std::string line; std::getline(lines, line);) {
         const std::size_t equals = line.find('=');
         if (equals == line.npos) continue;
@@ -50,7 +50,7 @@ public:
         const std::string text(std::istreambuf_iterator<char>(input), {});
         if (text.find(kNoText) != text.npos) refuseSettings("a byte of value 1, expected text");
         requireClosedLists(text);
-        std::istringstream checked(text);
+        TextReader checked(text);
         std::vector<CLI::ConfigItem> found = CLI::ConfigTOML::from_config(checked);
         for (const CLI::ConfigItem& item : found) {
             if (!item.parents.empty())
@@ -129,7 +129,7 @@ std::string messageOf(const CLI::App& app, const CLI::ParseError& error) {
     if (const auto m = match({"", ": ", " not in {", "}"}); !m.empty()) {
         std::vector<std::string> choices;
         std::string listed;
-        std::istringstream list(m[2]);
+        TextReader list(m[2]);
         for (std::string choice; std::getline(list, choice, ',');) {
             listed += (listed.empty() ? "" : ", ") + choice;
             choices.push_back(choice);

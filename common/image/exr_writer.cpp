@@ -1,6 +1,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
@@ -30,6 +31,34 @@ public:
 private:
     AtomicFile& file_;
 };
+
+/// Gives the library what was written to an AtomicFile.
+class WrittenStream final : public Imf::IStream {
+public:
+    WrittenStream(AtomicFile& file, const std::string& name)
+        : Imf::IStream(name.c_str()), file_(file) {
+        file_.seek(0);
+    }
+    bool read(char bytes[], int count) override {
+        file_.read(bytes, static_cast<std::size_t>(count));
+        return true;
+    }
+    std::uint64_t tellg() override { return file_.position(); }
+    void seekg(std::uint64_t position) override { file_.seek(position); }
+
+private:
+    AtomicFile& file_;
+};
+
+/// The library (3.1) forgets that it could not compress rows, and leaves them out.
+///
+/// @throws Error
+void requireAllRows(AtomicFile& file, const std::filesystem::path& path) {
+    WrittenStream stream(file, path.string());
+    if (!Imf::InputFile(stream).isComplete())
+        throwFileError(path,
+                       "cannot be written: not all rows could be compressed; is memory short?");
+}
 
 /// Nearest half; finite values stay finite.
 std::vector<half> toHalf(const std::vector<float>& values) {
@@ -92,6 +121,7 @@ void writeExr(const std::filesystem::path& path, int width, int height,
             output.setFrameBuffer(frame);
             output.writePixels(height);
         }  // the library writes its table of offsets here
+        requireAllRows(target, path);
         target.commit();
     });
 }

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <utility>
 
 #include "common/base/error.h"
 #include "common/base/parallel.h"
+#include "common/base/text_streams.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/mesh_soup.h"
 #include "common/mesh/mesh_statistics.h"
@@ -174,7 +174,7 @@ TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& option
                                                   : centreOf(soup);
     dropDegenerate(origin, soup);
     if (soup.triangles.empty()) {
-        std::ostringstream scaled;
+        TextWriter scaled;
         if (options.scale != 1) scaled << "; with --scale " << options.scale;
         throwFileError(path, "no triangle left: " + describe(soup.report) + scaled.str());
     }

@@ -1,15 +1,15 @@
 #include "common/import/mesh_options.h"
 
 #include <cmath>
-#include <sstream>
 
 #include "common/base/error.h"
+#include "common/base/text_streams.h"
 
 namespace shadowcache {
 
 void requireScale(double scale) {
     if (scale > 0.0 && std::isfinite(scale)) return;
-    std::ostringstream text;
+    TextWriter text;
     text << "--scale " << scale << ": expected a number above 0";
     throw Error(text.str());
 }

@@ -7,11 +7,11 @@
 #include <OpenMesh/Core/System/omstream.hh>
 #include <algorithm>
 #include <cctype>
-#include <sstream>
 #include <string>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/base/text_streams.h"
 #include "common/image/srgb.h"
 #include "common/import/om_check.h"
 
@@ -186,7 +186,7 @@ RawMesh readOm(const std::filesystem::path& path) {
     std::string bytes = readFileBytes(path);
     const OmCounts counts = checkOm(path, bytes, OpenMesh::IO::_OMWriter_::get_version());
 
-    std::istringstream stream(std::move(bytes), std::ios::binary);
+    TextReader stream(std::move(bytes));
     SoupImporter importer;
     OpenMesh::IO::Options options(OpenMesh::IO::Options::VertexColor |
                                   OpenMesh::IO::Options::VertexNormal);

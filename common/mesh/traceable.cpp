@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 #include "common/base/error.h"
+#include "common/base/text_streams.h"
 #include "common/math/limits.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -47,7 +47,7 @@ void requireTraceable(const TriangleMesh& mesh, const std::string& owner) {
         const auto fail = [&](const std::string& cause) {
             throw Error(owner + ": instance " + std::to_string(instance.source) + ": " + cause);
         };
-        std::ostringstream cause;
+        TextWriter cause;
         if (!staysInReach(instance.toWorld, found->second)) {
             cause << "out of reach, expected coordinates within " << kMostCoordinate
                   << " of the set";

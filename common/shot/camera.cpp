@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
+#include "common/base/text_streams.h"
 #include "common/math/limits.h"
 
 namespace shadowcache {
@@ -85,13 +85,13 @@ Vec3d uprightOf(const Vec3d& forward, const Vec3d& up) {
 }
 
 std::string reachText() {
-    std::ostringstream text;
+    TextWriter text;
     text << kMostCoordinate;
     return text.str();
 }
 
 std::string placeText(const Vec3d& p) {
-    std::ostringstream text;
+    TextWriter text;
     text << p.x << ',' << p.y << ',' << p.z;
     return text.str();
 }

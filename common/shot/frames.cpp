@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <regex>
 #include <set>
-#include <sstream>
 
 #include "common/base/error.h"
+#include "common/base/text_streams.h"
 
 namespace shadowcache {
 
@@ -13,7 +13,7 @@ std::vector<int> parseFrames(const std::string& text) {
     static const std::regex range(R"((\d{1,7})(?:-(\d{1,7})(?:x(\d{1,7}))?)?)");
     std::vector<int> frames;
     std::set<int> seen;
-    std::istringstream parts(text);
+    TextReader parts(text);
     std::string part;
     while (std::getline(parts, part, ',')) {
         std::smatch match;

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <regex>
-#include <sstream>
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
+#include "common/base/text_streams.h"
 #include "common/cli/command_line.h"
 #include "common/shot/frames.h"
 
@@ -25,11 +25,11 @@ constexpr int kPreviewCameraRays = 4;
 std::vector<double> parseNumbers(const char* option, const std::string& text, std::size_t count,
                                  const char* wanted) {
     std::vector<double> numbers;
-    std::istringstream parts(text);
+    TextReader parts(text);
     std::string part;
     while (std::getline(parts, part, ',')) {
         double number = 0;
-        std::istringstream field(part);
+        TextReader field(part);
         if (!(field >> number) || !field.eof() || !std::isfinite(number)) break;
         numbers.push_back(number);
     }
@@ -59,7 +59,7 @@ Gloss parseMaterial(const std::string& text) {
                                                               {"metallic", &gloss.metallic},
                                                               {"ior", &gloss.ior},
                                                               {"specular", &gloss.specular}}};
-    std::istringstream parts(text);
+    TextReader parts(text);
     std::string part;
     while (std::getline(parts, part, ',')) {
         const std::size_t sign = std::min(part.find('='), part.size());

@@ -1,7 +1,6 @@
 #include "render/app/job_output.h"
 
 #include <set>
-#include <sstream>
 
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
@@ -10,6 +9,7 @@
 #include "common/base/option_checks.h"
 #include "common/base/process.h"
 #include "common/base/processor.h"
+#include "common/base/text_streams.h"
 #include "common/base/version.h"
 #include "common/image/exr.h"
 #include "common/image/png.h"
@@ -92,7 +92,7 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
     // --spp, --preview and --target-error choose these.
     metadata.emplace_back("shadowcache:camera-rays", std::to_string(job.render.cameraRays));
     metadata.emplace_back("shadowcache:samples", std::to_string(job.render.samples));
-    std::ostringstream angle;
+    TextWriter angle;
     angle.precision(17);
     angle << light.rotation;
     metadata.emplace_back("shadowcache:env", light.environment);
@@ -101,7 +101,7 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
     metadata.emplace_back("shadowcache:inputs", inputs.of(inputsOf(job, light)));
     if (fingerprint) {
-        std::ostringstream print;
+        TextWriter print;
         print << std::hex << *fingerprint;
         metadata.emplace_back("shadowcache:fingerprint", print.str());
     }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
+#include "common/base/text_streams.h"
 #include "common/base/tuned.h"
 #include "render/estimators/full_precision.h"
 #include "render/estimators/hemisphere.h"
@@ -211,7 +211,7 @@ void validate(const PaperOptions& options) {
     requireRange("beta", options.beta, 0.0, 1.0);
     requireRange("cache-level", options.cacheLevel, 0, 7);
     if (!(options.alpha >= 0 && options.alpha < 1)) {
-        std::ostringstream text;
+        TextWriter text;
         text << "--alpha " << options.alpha
              << ": expected 0 or more and below 1 (at 1 a cached 0 would never be sampled: biased)";
         throw Error(text.str());

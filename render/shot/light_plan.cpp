@@ -3,11 +3,11 @@
 #include <cmath>
 #include <cstdio>
 #include <regex>
-#include <sstream>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/option_checks.h"
+#include "common/base/text_streams.h"
 #include "common/image/radiance.h"
 #include "common/shot/frames.h"
 
@@ -25,7 +25,7 @@ std::vector<std::string> environmentsOf(const std::string& text, std::span<const
         return all;
     }
     std::vector<std::string> all;
-    std::istringstream parts(text);
+    TextReader parts(text);
     for (std::string part; std::getline(parts, part, ',');) all.push_back(part);
     if (all.size() > 1 && all.size() != frames.size())
         throw Error("--env " + text + ": " + std::to_string(all.size()) + " maps for " +
