@@ -68,15 +68,12 @@ std::size_t Checkpoint::resume() {
 
 void Checkpoint::readFile(const fs::path& path) {
     const std::string bytes = readFileBytes(path);
-    std::uint64_t sum = 0;
-    const bool whole = bytes.starts_with(kMagic) && bytes.size() >= kMagic.size() + sizeof sum;
-    const auto content = std::string_view(bytes).substr(0, bytes.size() - (whole ? sizeof sum : 0));
-    if (whole) std::memcpy(&sum, bytes.data() + content.size(), sizeof sum);
-    if (!whole || checksum(content) != sum) {
+    const auto content = unsealed(bytes);
+    if (!content || !content->starts_with(kMagic)) {
         std::printf("%s: damaged, what it holds is baked again\n", path.c_str());
         return;
     }
-    ByteReader in(content.substr(kMagic.size()));
+    ByteReader in(content->substr(kMagic.size()));
     const std::string other = differences(getIdentity(in), identity_);
     if (!other.empty())
         throwFileError(folder_, "checkpoint of another bake: " + other +
@@ -161,13 +158,12 @@ bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
         std::string content = std::string(kMagic) + head.take();
         start = content.size();
         content += records;
-        const std::uint64_t sum = checksum(content);
+        content = sealed(std::move(content));
         std::error_code ignored;
         if (fs::create_directory(folder_, ignored))
             syncFolder(folder_.has_parent_path() ? folder_.parent_path() : ".");
         AtomicFile file(path);
         file.write(content.data(), content.size());
-        file.write(&sum, sizeof sum);
         file.commit();
     } catch (const Error& e) {
         cause = e.what();

@@ -1,8 +1,6 @@
 #include "bake/shot/lookup_file.h"
 
-#include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -20,8 +18,6 @@ namespace {
 /// A file is this, the identity, spacing and counts, keys and codes of the places, and a checksum
 /// of all before it.
 constexpr std::string_view kMagic = "Shadowcache lookups 1\n";
-
-using Sum = std::uint64_t;
 
 /// @param content  between magic and checksum
 ShotLookups parse(std::string_view content, const BakeIdentity& identity) {
@@ -75,23 +71,18 @@ void writeLookups(const std::filesystem::path& path, const BakeIdentity& identit
         out.put(std::uint64_t{count});
     out.put(keys);
     out.put(codes);
-    const std::string content = std::string(kMagic) + out.take();
-    const Sum sum = checksum(content);
-    writeWhole(path, content + std::string(reinterpret_cast<const char*>(&sum), sizeof sum));
+    writeWhole(path, sealed(std::string(kMagic) + out.take()));
 }
 
 ShotLookups readLookups(const std::filesystem::path& path, const BakeIdentity& identity) {
     const std::string bytes = readFileBytes(path);
     if (!bytes.starts_with(kMagic))
         throwFileError(path, "not a lookups file, expected one of shadowcache-bake --lookups-only");
-    Sum sum = 0;
-    const std::size_t end = bytes.size() - std::min(bytes.size() - kMagic.size(), sizeof sum);
-    const auto content = std::string_view(bytes).substr(0, end);
-    if (bytes.size() - end == sizeof sum) std::memcpy(&sum, bytes.data() + end, sizeof sum);
-    if (bytes.size() - end != sizeof sum || checksum(content) != sum)
+    const auto content = unsealed(bytes);
+    if (!content || !content->starts_with(kMagic))
         throwFileError(path, "damaged: its checksum differs; make it again by --lookups-only");
     try {
-        return parse(content.substr(kMagic.size()), identity);
+        return parse(content->substr(kMagic.size()), identity);
     } catch (const Error& e) {
         throwFileError(path, e.what());
     }

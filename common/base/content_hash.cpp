@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "common/base/error.h"
@@ -23,6 +24,20 @@ std::uint64_t checksum(std::span<const std::byte> bytes) noexcept {
 
 std::uint64_t checksum(std::string_view bytes) noexcept {
     return checksum(std::as_bytes(std::span(bytes)));
+}
+
+std::string sealed(std::string bytes) {
+    const std::uint64_t sum = checksum(bytes);
+    return std::move(bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum));
+}
+
+std::optional<std::string_view> unsealed(std::string_view bytes) noexcept {
+    std::uint64_t sum = 0;
+    if (bytes.size() < sizeof sum) return std::nullopt;
+    std::memcpy(&sum, bytes.data() + bytes.size() - sizeof sum, sizeof sum);
+    bytes.remove_suffix(sizeof sum);
+    if (checksum(bytes) != sum) return std::nullopt;
+    return bytes;
 }
 
 ContentHash::ContentHash() : state_(std::make_unique<State>()) {

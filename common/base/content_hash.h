@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +15,11 @@ namespace shadowcache {
 /// accidents, not against forgery. [XXH3, https://github.com/Cyan4973/xxHash]
 std::uint64_t checksum(std::span<const std::byte> bytes) noexcept;
 std::uint64_t checksum(std::string_view bytes) noexcept;
+
+/// Bytes with their checksum behind them.
+std::string sealed(std::string bytes);
+/// What was sealed, without the checksum; nothing if it was cut or changed since.
+std::optional<std::string_view> unsealed(std::string_view bytes) noexcept;
 
 /// Hash of a content that is met in pieces: 128 bits, so that two contents of one hash are not met
 /// with. It does not depend on how the content is cut into pieces.
