@@ -33,12 +33,14 @@ struct Arguments {
 
 void define(CLI::App& app, Arguments& a) {
     app.add_option("CACHE", a.cache, "Cache, written by shadowcache-bake")->required();
-    app.add_flag("--json", a.json, "Print as JSON");
+    auto* json = app.add_flag("--json", a.json, "Print as JSON");
     app.add_flag("--verify", a.verify,
                  "Read all of the file and compare it with its checksums; exit status 1 if it is "
-                 "not whole");
+                 "not whole")
+        ->excludes(json);
     app.add_option("--report", a.report,
-                   "Write an HTML page with settings, slices and histograms (.html)");
+                   "Write an HTML page with settings, slices and histograms (.html)")
+        ->excludes(json);
     auto* place =
         app.add_option(
                "--at", a.place,
@@ -55,6 +57,7 @@ void define(CLI::App& app, Arguments& a) {
                       ->take_all()
                       ->type_name("SPEC:{" + kinds + "}")
                       ->excludes(place)
+                      ->excludes(json)
                       ->group(group);
     app.add_option("--env-rotate", a.environmentRotation,
                    "Rotation of maps about +Y in degrees, counter-clockwise seen from above")
@@ -135,8 +138,9 @@ void run(const Arguments& a) {
     validate(a);
     setThreadCount(a.threads);
     if (a.verify) printCheck(a);
-    if (!a.place.empty()) return printPlace(a);
-    if (requests.empty() && a.report.empty() && a.verify) return;
+    if (!a.place.empty()) printPlace(a);
+    const bool told = a.verify || !a.place.empty();
+    if (requests.empty() && a.report.empty() && told) return;
     const CacheFacts facts = readFacts(a.cache);
     if (requests.empty() && a.report.empty())
         return print(a.json ? factsAsJson(facts) : factsAsText(facts));

@@ -14,6 +14,7 @@
 #include "common/base/text_streams.h"
 #include "common/cli/command_line.h"
 #include "common/import/mesh_options.h"
+#include "common/shot/camera_source.h"
 #include "common/shot/frames.h"
 #include "render/farm/farm_files.h"
 
@@ -93,10 +94,10 @@ constexpr const char* kFooter =
 
 /// Options of the programs that the plan sets.
 constexpr const char* kOurs[] = {
-    "--camera",         "--frames", "--fps",      "--size",    "--dynamic",     "--cache",
-    "--allow-external", "--output", "-o",         "--check",   "--threads",     "--up",
-    "--scale",          "--resume", "--list",     "--explain", "--debug",       "--stats",
-    "--write-config",   "--shard",  "--estimate", "--lookups", "--lookups-only"};
+    "--camera", "--frames",         "--shot-frames", "--fps",      "--size",    "--dynamic",
+    "--cache",  "--allow-external", "--output",      "-o",         "--check",   "--threads",
+    "--up",     "--scale",          "--resume",      "--list",     "--explain", "--debug",
+    "--stats",  "--write-config",   "--shard",       "--estimate", "--lookups", "--lookups-only"};
 
 void refuseOurOptions(const std::vector<std::string>& words, const char* where) {
     for (const std::string& word : words)
@@ -111,6 +112,10 @@ FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
     requireRange("fps", a.fps, 1e-3, 1e6);
     FarmJob job = a.job;
     for (const auto& file : a.files) job.set.push_back(file.string());
+    job.sources = a.files;
+    CameraOptions camera;
+    camera.name = a.camera;
+    if (camera.isFile()) job.sources.emplace_back(a.camera);
     const auto add = [&](const char* option, const std::string& value) {
         job.set.insert(job.set.end(), {option, value});
     };

@@ -45,12 +45,7 @@ BakeIdentity identityOf(const BakeJob& job) {
             identity.emplace_back(name, asOneTypesIt(value));
     const CameraOptions& camera = job.shot.camera;
     identity.emplace_back("camera", camera.isFile() ? "of a file" : camera.name);
-    std::vector<std::filesystem::path> moving{camera.name};
-    for (const DynamicFile& file : job.shot.dynamic) {
-        moving.push_back(file.mesh);
-        moving.push_back(file.track);
-    }
-    identity.emplace_back("shot's files", contentHashOf(moving, job.mesh.references));
+    identity.emplace_back("shot's files", contentHashOf(filesOf(job.shot), job.mesh.references));
     identity.emplace_back(kExtended, contentHashOf(std::vector{job.extend}, job.mesh.references));
     return identity;
 }

@@ -66,7 +66,10 @@ void validate(const BakeJob& job) {
     validate(job.shot);
     requireRange("threads", job.threads, 0, kMaxThreads);
     requireRange("checkpoint", job.checkpointSeconds, 0.01, 60.0);
-    if (!job.stats.empty()) requireWritable(job.stats);
+    if (!job.stats.empty()) {
+        requireExtension(job.stats, ".json");
+        requireWritable(job.stats);
+    }
     if (job.estimate) return;
     requireExtension(job.output, job.lookupsOnly ? ".lookups" : ".vdb");
     requireWritable(job.output);

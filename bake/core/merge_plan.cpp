@@ -65,6 +65,11 @@ void requireOthers(const CacheHeader& header, const std::string& owner, const Ba
                                  ", and shards of one of them are missing: merge the shards of "
                                  "each shot first");
     }
+    if (header.part.has_value() != more.part.has_value() && sameBakes(header, more)) {
+        const auto of = [](const CacheHeader& h) { return h.part ? "a shot" : "the whole set"; };
+        throwFileError(path, seed + " is of " + of(more) + ", expected one of " + of(header) +
+                                 " as in " + owner);
+    }
     const std::vector<ShardRange> shared = sharedShards(bake, other);
     if (shared.empty()) return;
     if (bake.shards == 1) throwFileError(path, seed + " is in " + owner + ", too");

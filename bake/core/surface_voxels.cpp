@@ -1,24 +1,29 @@
 #include "bake/core/surface_voxels.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "common/base/interrupt.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// The voxels that lookups go to, and `margin` voxels around them.
+/// The voxels that lookups go to, and `margin` voxels around them: a box around each, which grows
+/// along one axis after the other.
 VoxelKeys keysAround(const LookupPlaces& lookups, const VoxelFrame& frame, int margin) {
     VoxelKeys keys;
-    std::uint64_t before = ~std::uint64_t{0};
-    for (const LookupPlaces::Place& place : lookups.places()) {
-        if (place.voxelKey == before) continue;
-        before = place.voxelKey;
-        const Vec3i low = frame.voxel(place.voxelKey);
-        Vec3i step;
-        for (step.x = -margin; step.x <= margin + 1; ++step.x)
-            for (step.y = -margin; step.y <= margin + 1; ++step.y)
-                for (step.z = -margin; step.z <= margin + 1; ++step.z)
-                    if (frame.holds(low + step)) keys.add(frame.key(low + step));
+    for (const LookupPlaces::Place& place : lookups.places()) keys.add(place.voxelKey);
+    for (int axis = 0; axis < 3; ++axis) {
+        VoxelKeys grown;
+        keys.forEach([&](std::uint64_t key) {
+            throwIfInterrupted();
+            const Vec3i low = frame.voxel(key);
+            Vec3i step(0);
+            for (step[axis] = -margin; step[axis] <= margin + 1; ++step[axis])
+                if (frame.holds(low + step)) grown.add(frame.key(low + step));
+        });
+        keys = std::move(grown);
     }
     return keys;
 }

@@ -20,6 +20,13 @@ public:
         return leaf != leaves_.end() && leaf->second.test(key & 511);
     }
 
+    template <class Visit>
+    void forEach(const Visit& visit) const {
+        for (const auto& [leaf, bits] : leaves_)
+            for (std::uint64_t i = 0; i < bits.size(); ++i)
+                if (bits.test(i)) visit(leaf << 9 | i);
+    }
+
     /// False if none of the voxels `first` to `last` along each axis is one of these. True does not
     /// say that one is: large boxes are not searched voxel by voxel.
     bool mayTouch(const VoxelFrame& frame, const Vec3i& first, const Vec3i& last) const;

@@ -1,7 +1,10 @@
 #include "bake/shot/shot_source.h"
 
 #include "bake/shot/shot_lookups.h"
+#include "common/base/content_hash.h"
+#include "common/base/number_text.h"
 #include "common/base/option_checks.h"
+#include "common/import/set_files.h"
 #include "common/shot/frames.h"
 
 namespace shadowcache {
@@ -13,10 +16,21 @@ void validate(const ShotOptions& options) {
     requireRange("fps", options.fps, 1e-3, 1e6);
 }
 
+std::vector<std::filesystem::path> filesOf(const ShotOptions& options) {
+    std::vector<std::filesystem::path> files{options.camera.name};
+    for (const DynamicFile& file : options.dynamic) {
+        files.push_back(file.mesh);
+        files.push_back(file.track);
+    }
+    return files;
+}
+
 ShotSource::ShotSource(const ShotOptions& options, std::span<const std::filesystem::path> files,
                        const MeshOptions& mesh)
     : options_(options),
       mesh_(mesh),
+      contents_(contentHashOf(files, mesh.references) +
+                contentHashOf(filesOf(options), mesh.references)),
       frames_(parseFrames(options.frames)),
       shots_(openShots(files, mesh, options.fps)),
       camera_(options.camera, shots_) {
@@ -36,7 +50,11 @@ std::string ShotSource::text() const {
         ", frames " + options_.frames + ", " + std::to_string(options_.size[0]) + "x" +
         std::to_string(options_.size[1]);
     if (options_.margin > 0) text += ", margin " + std::to_string(options_.margin);
-    return text;
+    ContentHash shot;
+    shot.addText(contents_);
+    shot.addText(numberText(options_.fps));
+    constexpr int kDigits = 8;
+    return text + ", #" + shot.text().substr(0, kDigits);
 }
 
 }  // namespace shadowcache

@@ -25,6 +25,10 @@ struct ShotOptions {
 /// @throws Error naming the option, the value and the range allowed
 void validate(const ShotOptions& options);
 
+/// Files that hold a shot, beside those of the set: its camera's and its moving objects', as far as
+/// they are files.
+std::vector<std::filesystem::path> filesOf(const ShotOptions& options);
+
 /// Cameras and moving objects of a shot.
 class ShotSource {
 public:
@@ -39,12 +43,14 @@ public:
     /// @throws Error if a frame is missing in a moving object's track
     LookupPlaces lookups(Scene& scene, const VoxelFrame& frame) const;
 
-    /// In one line: "camera.json, frames 1-24, 960x540".
+    /// In one line: "camera.json, frames 1-24, 960x540, #5d0c43f1". The digits are of what the
+    /// files hold and of the frame rate: two shots of one name differ in them.
     std::string text() const;
 
 private:
     const ShotOptions& options_;
     const MeshOptions& mesh_;
+    std::string contents_;  ///< hash of the files'
     std::vector<int> frames_;
     std::vector<GltfShot> shots_;
     CameraSource camera_;

@@ -15,6 +15,9 @@ namespace shadowcache {
 
 namespace {
 
+/// Above 0, which no number of rays reaches: the rounding of floats, squared.
+constexpr double kLeastTargetError = 1e-14;
+
 /// Samples of a camera ray where --target-error chooses the camera rays.
 constexpr int kTargetErrorSamples = 4;
 
@@ -101,19 +104,24 @@ RenderJob jobOf(const Arguments& arguments) {
     if (!arguments.memory.empty()) job.memory = parseSize("--memory", arguments.memory);
     for (const std::string& text : arguments.dynamic) job.dynamic.push_back(parseDynamic(text));
     if (!arguments.frames.empty()) job.frames = parseFrames(arguments.frames);
+    if (!arguments.shotFrames.empty()) job.shotFrames = parseFrames(arguments.shotFrames);
     const auto [width, height] = parsePair("--size", arguments.size, "WxH, as in 960x540");
     job.render.width = width;
     job.render.height = height;
     if (!arguments.crop.empty()) job.render.crop = parseCrop(arguments.crop);
     job.render.filter = static_cast<FilterKind>(placeOf(arguments.filter, filterNames()));
-    if (job.targetError > 0 && !arguments.samplesGiven) job.render.samples = kTargetErrorSamples;
+    if (arguments.targetError) {
+        requireRange("target-error", *arguments.targetError, kLeastTargetError, 1e6);
+        job.targetError = *arguments.targetError;
+        if (!arguments.samplesGiven) job.render.samples = kTargetErrorSamples;
+    }
     if (job.render.preview) {
         if (!arguments.samplesGiven) job.render.samples = 1;
         if (!arguments.cameraRaysGiven) job.render.cameraRays = kPreviewCameraRays;
     }
-    if (arguments.spp != 0) {
-        requireRange("spp", arguments.spp, 1, kMostCameraRays);
-        job.render.cameraRays = arguments.spp;
+    if (arguments.spp) {
+        requireRange("spp", *arguments.spp, 1, kMostCameraRays);
+        job.render.cameraRays = *arguments.spp;
         job.render.samples = 1;
     }
     const bool grey = arguments.albedo.find(',') == std::string::npos;

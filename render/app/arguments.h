@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,15 +12,16 @@ namespace shadowcache {
 /// jobOf() reads.
 struct Arguments {
     RenderJob job;
-    std::string up = "y", frames, size = "960x540", sequence = "sobol", budget = "adaptive",
-                normals = "shading", albedo = "0.5", surfaces = "glossy", material, memory, crop,
-                filter = "blackman-harris";
+    std::string up = "y", frames, shotFrames, size = "960x540", sequence = "sobol",
+                budget = "adaptive", normals = "shading", albedo = "0.5", surfaces = "glossy",
+                material, memory, crop, filter = "blackman-harris";
     std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
     std::vector<std::string> dynamic;
     bool samplesGiven = false, cameraRaysGiven = false;
-    int spp = 0;                 ///< shadow rays a pixel; 0: given by camera rays and samples
-    bool allowExternal = false;  ///< files of glTF sets outside of their folders
-    bool list = false;           ///< print what the set has, do not render
+    std::optional<int> spp;  ///< shadow rays a pixel, in place of camera rays and samples
+    std::optional<double> targetError;  ///< relMSE of a frame
+    bool allowExternal = false;         ///< files of glTF sets outside of their folders
+    bool list = false;                  ///< print what the set has, do not render
 };
 
 /// As --sequence has them, in the order of Sequence.

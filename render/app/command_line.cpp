@@ -71,6 +71,10 @@ void defineCamera(CLI::App& app, Arguments& arguments) {
     app.add_option("--frames", arguments.frames,
                    "Frames to render: A, A-B or A-BxSTEP, joined by commas [1]")
         ->group(group);
+    app.add_option("--shot-frames", arguments.shotFrames,
+                   "Frames that the maps of --env and the turn of --env-rotate are spread over, if "
+                   "--frames are a part of them [those of --frames]")
+        ->group(group);
     app.add_option("--fps", job.fps, "Frames per second of a glTF set's animations")
         ->capture_default_str()
         ->group(group);
@@ -196,7 +200,7 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
             ->needs(cache)
             ->group(group);
     app.add_option(
-           "--target-error", job.targetError,
+           "--target-error", arguments.targetError,
            "Choose the camera rays of each part of a frame so that the frame's relMSE comes "
            "to about this, from a pilot whose numbers the picture does not use; --samples is 4 "
            "then, unless given")
@@ -244,7 +248,8 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
         "ends with the last pass that is complete, a second one at once");
     progressive->group(group);
     app.add_option("--time-limit", job.timeLimit,
-                   "Seconds for the passes of a frame; the first is always completed")
+                   "Seconds for the passes of a frame; the first is always completed. What "
+                   "--target-error plans before them is not counted")
         ->needs(progressive)
         ->group(group);
     app.add_flag("--resume", job.resume,
@@ -281,6 +286,7 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
     app.add_flag(
            "--explain", job.explain,
            "Print the estimator, its inputs, and the expected noise and time; write no picture")
+        ->excludes(app.get_option("--target-error"))
         ->configurable(false)
         ->group(group);
     addThreadsOption(app, job.threads, group);

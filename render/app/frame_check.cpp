@@ -58,9 +58,11 @@ FrameState stateOfFrame(const RenderJob& job, const Metadata& metadata, int fram
     const auto files = frameFiles(job, frame);
     const FilmRectangle region = job.render.region();
     const FrameState state = frameState(files.front(), metadata, region.width, region.height);
-    const bool all = std::ranges::all_of(files, [](const auto& file) {
-        std::error_code ignored;
-        return std::filesystem::exists(file, ignored);
+    // The others are written after the EXR: where they are older they are of an earlier one.
+    const bool all = std::ranges::all_of(files, [&](const auto& file) {
+        std::error_code missing, ignored;
+        const auto written = std::filesystem::last_write_time(file, missing);
+        return !missing && written >= std::filesystem::last_write_time(files.front(), ignored);
     });
     return state == FrameState::done && !all ? FrameState::missing : state;
 }

@@ -61,7 +61,9 @@ void validateOutputs(const RenderJob& job, const EstimatorEntry& entry) {
             throw Error("--aov " + aov + ": requires --estimator cache");
     for (const int frame : job.frames)
         for (const auto& file : frameFiles(job, frame)) requireWritable(file);
-    if (!job.stats.empty()) requireWritable(job.stats);
+    if (job.stats.empty()) return;
+    requireExtension(job.stats, ".json");
+    requireWritable(job.stats);
 }
 
 void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {

@@ -15,15 +15,19 @@ namespace {
 
 /// The files among them are compared by their content, under whatever name (`inputs`).
 constexpr const char* kSilent[] = {
-    "SET",       "cache",  "env",         "dynamic",          "seconds",  "threads",
-    "output",    "frames", "stats",       "resume",           "png",      "exposure",
-    "reference", "memory", "progressive", "camera-rays-done", "progress", "processor"};
+    "SET",      "cache",     "env",         "dynamic",     "seconds",          "threads",
+    "output",   "frames",    "shot-frames", "stats",       "resume",           "png",
+    "exposure", "reference", "memory",      "progressive", "camera-rays-done", "progress",
+    "processor"};
 
-bool matters(const std::string& name) {
-    const std::string prefix = "shadowcache:";
-    if (!name.starts_with(prefix)) return false;
+const std::string kPrefix = "shadowcache:";
+
+/// @param pictures  whether PNG files are wanted, which are exposed; the EXR is not
+bool matters(const std::string& name, bool pictures) {
+    if (!name.starts_with(kPrefix)) return false;
+    if (pictures && name == kPrefix + "exposure") return true;
     return std::none_of(std::begin(kSilent), std::end(kSilent),
-                        [&](const char* silent) { return name == prefix + silent; });
+                        [&](const char* silent) { return name == kPrefix + silent; });
 }
 
 /// A setting without the folder that a file was in.
@@ -34,7 +38,8 @@ std::string withoutFolder(const std::string& name, const std::string& value) {
 
 std::string hashOf(const std::filesystem::path& file, References references) {
     std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored)) return "none";
+    // A radiance, the name of a camera, or nothing.
+    if (!std::filesystem::is_regular_file(file, ignored)) return file.string();
     // A cache states its content, which may be more than there is time to read.
     if (const auto cache = CheckedFile::open(file)) return contentName(*cache);
     return contentHashOf(std::span(&file, 1), references);
@@ -53,9 +58,12 @@ FrameState frameState(const std::filesystem::path& path, const Metadata& metadat
         return FrameState::broken;
     }
     if (file.width != width || file.height != height) return FrameState::changed;
+    if (file.metadata.contains(kPrefix + "incomplete")) return FrameState::broken;
+    const bool pictures = std::ranges::any_of(
+        metadata, [](const auto& entry) { return entry.first == kPrefix + "png"; });
     std::size_t wanted = 0;
     for (const auto& [name, value] : metadata) {
-        if (!matters(name)) continue;
+        if (!matters(name, pictures)) continue;
         ++wanted;
         const auto found = file.metadata.find(name);
         if (found == file.metadata.end() ||
@@ -64,7 +72,7 @@ FrameState frameState(const std::filesystem::path& path, const Metadata& metadat
     }
     const auto has = static_cast<std::size_t>(
         std::count_if(file.metadata.begin(), file.metadata.end(),
-                      [](const auto& entry) { return matters(entry.first); }));
+                      [&](const auto& entry) { return matters(entry.first, pictures); }));
     return has == wanted ? FrameState::done : FrameState::changed;
 }
 

@@ -58,7 +58,6 @@ const EstimatorEntry& validate(const RenderJob& job) {
     validate(job.estimatorOptions);
     requireRange("threads", job.threads, 0, kMaxThreads);
     requireRange("fps", job.fps, 1e-3, 1e6);
-    requireRange("target-error", job.targetError, 0.0, 1e6);
     requireRange("time-limit", job.timeLimit, 0.0, 1e9);
     requireRange("exposure", job.exposure, -64.0f, 64.0f);
     requireRange("fov-y", job.camera.fovYDegrees, 0.01, 179.0);
@@ -90,7 +89,7 @@ public:
     explicit Shot(const RenderJob& job)
         : job_(job),
           entry_(validate(job)),
-          plan_(job.environment, job.environmentRotation, job.frames),
+          plan_(job.environment, job.environmentRotation, job.frames, job.shotFrames),
           light_(plan_),
           inputs_(job.mesh.references) {
         setThreadCount(job.threads);
@@ -154,6 +153,9 @@ private:
         if (job_.debugPixel && estimator_->inOrder())
             throw Error(std::string("--debug: a pixel of --estimator ") + entry_.name +
                         " depends on the pixels before it and cannot be replayed alone");
+        if (job_.render.crop && estimator_->inOrder())
+            throw Error(std::string("--crop: a pixel of --estimator ") + entry_.name +
+                        " depends on the pixels before it");
         timing_.build += secondsNow() - start;
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;

@@ -13,13 +13,16 @@ std::vector<FarmFile> parallelFiles(const FarmPlan& plan) {
         "cd " +
         shellWord(plan.folder.string()) +
         "\n"
+        "# Braces in a path would be replaced in a command of parallel's.\n"
+        "export SHADOWCACHE_RUN=" +
+        shellWord((plan.folder / "run").string()) +
+        "\n"
         "step() { # STEP TASKS OPTIONS...\n"
         "    local step=$1 tasks=$2\n"
         "    shift 2\n"
         "    seq \"$tasks\" | parallel --will-cite --jobs 1 --halt soon,fail=1 --line-buffer \\\n"
-        "        --joblog \"log/$step.joblog\" \"$@\" " +
-        shellWord(shellWord((plan.folder / "run").string())) +
-        " again \"$step\" {}\n"
+        "        --joblog \"log/$step.joblog\" --env SHADOWCACHE_RUN \"$@\" \\\n"
+        "        '\"$SHADOWCACHE_RUN\"' again \"$step\" {}\n"
         "}\n";
     for (const FarmStep& step : plan.steps)
         text += "step " + step.name + " " + std::to_string(step.values.size()) + " \"$@\"\n";

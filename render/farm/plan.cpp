@@ -52,7 +52,7 @@ private:
 
     /// A step of the bake for all frames.
     FarmStep baking(const std::string& name, const FarmWord& output) const {
-        FarmStep step{name, "shadowcache-bake", wordsOf(job_.set), {}, output, {}};
+        FarmStep step{name, "shadowcache-bake", wordsOf(job_.set), {}, output, job_.sources};
         append(step.arguments, wordsOf(job_.bakeOnly));
         append(step.arguments, wordsOf({"--frames", frames_}));
         return step;
@@ -74,6 +74,7 @@ private:
                                     {lookups()},
                                     {"--shard"},
                                     {"", true, "/" + std::to_string(job_.shards)}});
+        if (job_.shards > 1) step.sources.emplace_back(lookups());
         append(step.arguments, {{"-o"}, output, {"--resume"}});
         append(step.arguments, running());
         for (int i = 1; i <= job_.shards; ++i) step.values.push_back(std::to_string(i));
@@ -81,7 +82,7 @@ private:
     }
 
     void merge() {
-        FarmStep step{"merge", "shadowcache-merge", {}, {"1"}, {cache()}, in("parts")};
+        FarmStep step{"merge", "shadowcache-merge", {}, {"1"}, {cache()}, {in("parts")}};
         const FarmStep& bakes = plan_.steps.back();
         for (const std::string& value : bakes.values)
             step.arguments.push_back({bakes.product.with(value)});
@@ -101,6 +102,7 @@ private:
 
     void render() {
         FarmStep step = rendering("render", {"", true, ""});
+        append(step.arguments, wordsOf({"--shot-frames", frames_}));
         append(step.arguments, {{"--resume"}});
         append(step.arguments, running());
         const auto chunk = static_cast<std::ptrdiff_t>(job_.chunk);

@@ -29,8 +29,8 @@ struct FarmStep {
     /// File that a task leaves complete or not at all: where it is there the task is done. Empty:
     /// the program finds out for itself.
     FarmWord product = {};
-    std::filesystem::path sources =
-        {};  ///< folder; the product is made again if a file there is newer
+    /// Files, and folders of caches; the product is made again if one of them is newer.
+    std::vector<std::filesystem::path> sources = {};
 
     /// Arguments of task `index`, from 0.
     std::vector<std::string> argumentsOf(std::size_t index) const;
@@ -46,13 +46,14 @@ struct FarmPlan {
 
 /// What is asked of a farm.
 struct FarmJob {
-    std::vector<std::string> set;         ///< files and options that bake and render share
-    std::vector<std::string> bakeOnly;    ///< further options of shadowcache-bake
-    std::vector<std::string> renderOnly;  ///< further options of shadowcache-render
-    std::vector<int> frames;              ///< at least one
-    int shards = 1;                       ///< of the bake, 1 to kMostShards
-    int chunk = 10;                       ///< frames of a render task, 1 or more
-    std::string pictures;                 ///< EXR with a frame number; empty: in the job's folder
+    std::vector<std::string> set;                ///< files and options that bake and render share
+    std::vector<std::filesystem::path> sources;  ///< files among these
+    std::vector<std::string> bakeOnly;           ///< further options of shadowcache-bake
+    std::vector<std::string> renderOnly;         ///< further options of shadowcache-render
+    std::vector<int> frames;                     ///< at least one
+    int shards = 1;                              ///< of the bake, 1 to kMostShards
+    int chunk = 10;                              ///< frames of a render task, 1 or more
+    std::string pictures;  ///< EXR with a frame number; empty: in the job's folder
 };
 
 constexpr int kMostShards = 10000;

@@ -18,9 +18,11 @@ std::string skipWhatIsDone(const FarmStep& step) {
     if (step.product.text.empty() && !step.product.varies) return "";
     const std::string product = scriptWord(step.product);
     std::string condition = "-f " + product;
-    if (!step.sources.empty())
-        condition += " && -z $(find " + shellWord(step.sources.string()) +
-                     " -name '*.vdb' -newer " + product + " -print -quit)";
+    if (!step.sources.empty()) {
+        condition += " && -z $(find -L";
+        for (const auto& source : step.sources) condition += " " + shellWord(source.string());
+        condition += " -type f -newer " + product + " -print -quit)";
+    }
     return "        if [[ " + condition + " ]]; then\n            printf '%s: done\\n' " + product +
            "\n            exit 0\n        fi\n";
 }

@@ -1,5 +1,3 @@
-#include <nlohmann/json.hpp>
-
 #include "render/farm/farm_files.h"
 #include "render/farm/shell.h"
 
@@ -7,18 +5,10 @@ namespace shadowcache {
 
 namespace {
 
-/// A literal of Python: those of JSON are.
-std::string literal(const std::string& text) {
-    return nlohmann::json(text).dump(-1, ' ', true);
-}
-
 std::string snakefile(const FarmPlan& plan) {
     const FarmStep& last = plan.steps.back();
     std::string text =
         "# Run by submit, in the job's folder. A task that is done has a mark in done/.\n"
-        "RUN = " +
-        literal((plan.folder / "run").string()) +
-        "\n"
         "\n"
         "rule all:\n"
         "    input: \"done/" +
@@ -34,11 +24,10 @@ std::string snakefile(const FarmPlan& plan) {
                 "    log: \"log/" +
                 step.name +
                 ".{task}.log\"\n"
-                "    params: run=RUN\n"
                 "    threads: " +
                 (plan.threads > 0 ? std::to_string(plan.threads) : "workflow.cores") +
                 "\n"
-                "    shell: \"{params.run:q} again " +
+                "    shell: \"./run again " +
                 step.name + " {wildcards.task} > {log} 2>&1\"\n";
         before = &step;
     }
@@ -58,6 +47,9 @@ std::vector<FarmFile> snakemakeFiles(const FarmPlan& plan) {
         shellWord(plan.folder.string()) +
         "\n"
         "[[ $# -gt 0 ]] || set -- --cores all\n"
+        "# Each task finds out itself whether it is done; a mark would outlast what it stands "
+        "for.\n"
+        "rm -f done/*\n"
         "exec snakemake --snakefile Snakefile --rerun-incomplete \"$@\"\n";
     return {{"Snakefile", snakefile(plan), false}, {"submit", submit, true}};
 }

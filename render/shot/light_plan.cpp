@@ -1,5 +1,6 @@
 #include "render/shot/light_plan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <regex>
@@ -50,13 +51,20 @@ std::pair<double, double> rotationOf(const std::string& text) {
 }  // namespace
 
 LightPlan::LightPlan(const std::string& environments, const std::string& rotation,
-                     std::span<const int> frames) {
-    const std::vector<std::string> maps = environmentsOf(environments, frames);
+                     std::span<const int> frames, std::span<const int> shot) {
+    const std::span<const int> all = shot.empty() ? frames : shot;
+    const std::vector<std::string> maps = environmentsOf(environments, all);
     const auto [first, last] = rotationOf(rotation);
     for (std::size_t i = 0; i < frames.size(); ++i) {
+        std::size_t place = i;
+        if (!shot.empty())
+            place = static_cast<std::size_t>(std::ranges::find(shot, frames[i]) - shot.begin());
+        if (place == all.size())
+            throw Error("--shot-frames: frame " + std::to_string(frames[i]) +
+                        " of --frames is missing, expected all of them");
         const double share =
-            frames.size() > 1 ? static_cast<double>(i) / static_cast<double>(frames.size() - 1) : 0;
-        lights_.push_back({maps[std::min(i, maps.size() - 1)], first + (last - first) * share});
+            all.size() > 1 ? static_cast<double>(place) / static_cast<double>(all.size() - 1) : 0;
+        lights_.push_back({maps[std::min(place, maps.size() - 1)], first + (last - first) * share});
     }
 }
 

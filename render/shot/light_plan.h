@@ -22,11 +22,14 @@ public:
     /// a sequence whose #### or %04d is the frame's number. `rotation` is an angle, or A-B: from A
     /// in the first frame to B in the last.
     ///
-    /// @throws Error if either is malformed, or the number of maps is not that of the frames
+    /// @param shot  frames of the whole shot, of which `frames` are some: the first and last above
+    ///              are its; empty: `frames`
+    /// @throws Error if either is malformed, the number of maps is not that of the shot's frames,
+    ///         or a frame is none of the shot's
     LightPlan(const std::string& environments, const std::string& rotation,
-              std::span<const int> frames);
+              std::span<const int> frames, std::span<const int> shot = {});
 
-    /// Light of the job's frame number i, counted from 0.
+    /// Light of frames[i].
     const Light& at(std::size_t i) const { return lights_[i]; }
 
     /// @throws Error naming the first file that is missing

@@ -144,6 +144,28 @@ TEST_F(MergeParts, KeepsItemsOfTwoShotsOnce) {
         "again.vdb", "seed 1 is in");
 }
 
+/// A shard of a shot is none of the whole set: much would be missing from their sum.
+TEST_F(MergeParts, RefusesAShardOfAShotWithOneOfTheSet) {
+    BakeOptions options = smallOptions();
+    options.shards = 2;
+    options.shard = 1;
+    BakeResult second = bakeSmall(options);
+    second.header.part = {countSides(second.items), 1000, "a"};
+    const fs::path ofSet = writeShard(0, 2), ofShot = write("shot.vdb", second);
+    expectError(
+        [&] {
+            merge({ofSet, ofShot});
+        },
+        "shot.vdb", "is of a shot, expected one of the whole set");
+    expectError(
+        [&] {
+            merge({ofShot, ofSet});
+        },
+        "part0of2seed1.vdb", "is of the whole set, expected one of a shot");
+    // Control.
+    EXPECT_EQ(bakesText(merge({ofSet, writeShard(1, 2)}).bakes), "seed=1 rays=16");
+}
+
 /// A tree of sums: the order of the caches, and how many there are, do not matter.
 TEST_F(MergeParts, OfManyShardsAreTheOneBake) {
     constexpr int kShards = 37;

@@ -171,6 +171,8 @@ TEST_F(CliRefusal, ImpossibleOptions) {
         {"bake", "--threads -1", "expected 0 to"},
         {"bake", "--scale 0", "above 0"},
         {"bake", "--scale inf", "above 0"},
+        {"render", "--target-error 0", "expected 1e-14 to"},
+        {"render", "--estimator paper-image --crop 0,0,4x4", "--crop: a pixel of"},
         {"render", "--samples -1", "expected 0 to"},
         {"render", "--samples 0", "expected at least 1"},
         {"render", "--camera-rays 0", "expected 1 to"},
@@ -207,6 +209,12 @@ TEST_F(CliRefusal, ImpossibleOptions) {
                 name, wanted);
     }
     const std::string view = "set.obj --env map.exr -o new.exr --eye 1,1,2 --look-at 0,0,0 ";
+    refuses("render", view + "--spp 0", "spp", "expected 1 to");
+    refuses("render", view + "--frames 2 --shot-frames 1,3", "--shot-frames",
+            "frame 2 of --frames is missing");
+    const std::string json = "expected one that ends in .json";
+    refuses("render", view + "--stats new.exr", "new.exr", json);
+    refuses("bake", "set.obj -o new.vdb --stats set.obj", "set.obj", json);
     refuses("render", view + "--size 0x8", "--size", "expected 1 to 65536");
     refuses("render", view + "--size 65536x65536", "--size", "pixels");
     refuses("render", view + "--size 12", "--size", "expected WxH");

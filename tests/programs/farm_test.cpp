@@ -35,7 +35,7 @@ protected:
                                      "--bake-with",
                                      "--spacing 0.25 --level 3"};
         all.insert(all.end(), more.begin(), more.end());
-        all.insert(all.end(), {"--", "--env", "map.exr", "--spp", "4"});
+        all.insert(all.end(), {"--", "--env", "map.exr", "--env-rotate", "0-90", "--spp", "4"});
         return all;
     }
 
@@ -84,7 +84,8 @@ TEST_F(Farm, RunsToTheFramesOfOneMachine) {
 
     bake("--camera camera.json --frames 1-5 --size 12x8");
     runWell("render",
-            "set.obj --env map.exr --spp 4 --camera camera.json --size 12x8 --frames 1-5 "
+            "set.obj --env map.exr --env-rotate 0-90 --spp 4 --camera camera.json --size 12x8 "
+            "--frames 1-5 "
             "--cache set.vdb -o f.#.exr");
     for (int frame = 1; frame <= 5; ++frame) {
         const ExrFile one = readExr(path("f." + std::to_string(frame) + ".exr"));
@@ -101,6 +102,12 @@ TEST_F(Farm, RunsToTheFramesOfOneMachine) {
     EXPECT_NE(output().find("a job/cache.vdb: done\n"), std::string::npos) << output();
     EXPECT_NE(output().find("0 frames (2 more were done)"), std::string::npos) << output();
     EXPECT_EQ(output().find("set: "), std::string::npos) << "the set was read";
+
+    // Unless what it was made of is newer.
+    std::filesystem::last_write_time(path("camera.json"),
+                                     std::filesystem::file_time_type::clock::now());
+    EXPECT_EQ(shell(run + "lookup && " + run + "bake 1"), kDone);
+    EXPECT_EQ(output().find(": done\n"), std::string::npos) << output();
 }
 
 TEST_F(Farm, TasksThatDoNotExistAreWrongUsage) {

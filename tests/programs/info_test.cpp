@@ -90,6 +90,8 @@ TEST_F(Info, Refuses) {
     refuses("set.vdb --export-grid openness -o none/a.vdb", "none/a.vdb");
     refuses("set.vdb -o a.vdb", "a.vdb", "--at");
     refuses("set.vdb --report a.txt", "a.txt", ".html");
+    for (const std::string other : {"--verify", "--report a.html"})
+        EXPECT_EQ(run("info", "set.vdb --json " + other).status, kWrongUsage) << other;
     refuses("set.vdb --report none/a.html", "none/a.html");
     for (const std::string place : {"0,0,0", "0,0,0,0,0,0", "0,0,0,0,1,x", "inf,0,0,0,1,0"})
         refuses("set.vdb --at " + place, "--at " + place, "expected X,Y,Z");

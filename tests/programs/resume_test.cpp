@@ -79,5 +79,34 @@ TEST_F(ResumeTest, AMapOfTheSameSizeAndDateIsAnother) {
     EXPECT_EQ(result.out.find("1 more was done"), std::string::npos) << result.out;
 }
 
+/// Whether a run takes a.exr for done.
+class ResumeSettings : public CliTest {
+protected:
+    ResumeSettings() { runWell("render", kWords + "--env 1,1,1 --png -o a.exr"); }
+
+    bool isDone(const std::string& words) const {
+        const auto result = runWell("render", kWords + words + " --resume -o a.exr");
+        return result.out.find("0 frames (1 more was done)") != std::string::npos;
+    }
+
+    const std::string kWords = "set.obj --samples 1 --eye 1,1.5,2 --look-at 0,0.3,0 --size 12x8 ";
+};
+
+TEST_F(ResumeSettings, ARadianceIsOne) {
+    EXPECT_TRUE(isDone("--env 1,1,1"));
+    EXPECT_FALSE(isDone("--env 5,0,0"));
+}
+
+TEST_F(ResumeSettings, APngShowsItsPicture) {
+    EXPECT_TRUE(isDone("--env 1,1,1 --png"));
+    EXPECT_FALSE(isDone("--env 1,1,1 --png --exposure 3"));
+    EXPECT_TRUE(isDone("--env 1,1,1 --png --exposure 3"));
+    // The EXR does not depend on it.
+    EXPECT_TRUE(isDone("--env 1,1,1"));
+    runWell("render", kWords + "--env 5,0,0 --exposure 3 -o a.exr");
+    EXPECT_TRUE(isDone("--env 5,0,0 --exposure 3"));
+    EXPECT_FALSE(isDone("--env 5,0,0 --exposure 3 --png"));
+}
+
 }  // namespace
 }  // namespace shadowcache::test

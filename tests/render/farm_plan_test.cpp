@@ -60,7 +60,7 @@ TEST(FarmPlan, BakesMergesRendersChecks) {
         "shadowcache-render " + set + "--env sky.exr --cache /j/cache.vdb --frames ";
     EXPECT_EQ(plan.steps[3].values, (Words{"1-2", "3-4", "5"}));
     EXPECT_EQ(lineOf(plan.steps[3], 2),
-              shot + "5 -o '/j/frames/frame.####.exr' --resume" + running);
+              shot + "5 -o '/j/frames/frame.####.exr' --shot-frames 1-5 --resume" + running);
     EXPECT_EQ(lineOf(plan.steps[4], 0), shot + "1-5 -o '/j/frames/frame.####.exr' --check");
 }
 
@@ -154,7 +154,7 @@ TEST(FarmFiles, OpenJdTemplateHasItsForm) {
 
 TEST(FarmFiles, SnakemakeRulesFollowEachOther) {
     const std::string text = fileOf(snakemakeFiles(planOf(2)), "Snakefile");
-    EXPECT_NE(text.find("RUN = \"/j/run\"\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("shell: \"./run again check {wildcards.task} >"), std::string::npos) << text;
     EXPECT_NE(text.find("rule check:\n    input: expand(\"done/render.{task}\", task=range(1, 4))\n"
                         "    output: touch(\"done/check.{task}\")\n"),
               std::string::npos)
