@@ -154,7 +154,8 @@ TEST(FarmFiles, OpenJdTemplateHasItsForm) {
 
 TEST(FarmFiles, SnakemakeRulesFollowEachOther) {
     const std::string text = fileOf(snakemakeFiles(planOf(2)), "Snakefile");
-    EXPECT_NE(text.find("shell: \"./run again check {wildcards.task} >"), std::string::npos) << text;
+    EXPECT_NE(text.find("shell: \"./run again check {wildcards.task} >"), std::string::npos)
+        << text;
     EXPECT_NE(text.find("rule check:\n    input: expand(\"done/render.{task}\", task=range(1, 4))\n"
                         "    output: touch(\"done/check.{task}\")\n"),
               std::string::npos)
