@@ -24,15 +24,16 @@ struct NoMemory {
 
 }  // namespace
 
-void* operator new(std::size_t size) {
+// Not inlined: where only one of a pair is, compilers take the other for the wrong one.
+[[gnu::noinline]] void* operator new(std::size_t size) {
     if (memoryEnded) throw std::bad_alloc();
     if (void* block = std::malloc(size)) return block;
     throw std::bad_alloc();
 }
-void operator delete(void* block) noexcept {
+[[gnu::noinline]] void operator delete(void* block) noexcept {
     std::free(block);
 }
-void operator delete(void* block, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* block, std::size_t) noexcept {
     std::free(block);
 }
 
