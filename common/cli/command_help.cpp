@@ -61,7 +61,8 @@ std::string namesOf(const CLI::Option& option, const char* between) {
 }  // namespace
 
 std::string manPage(const CLI::App& app) {
-    std::string name = app.get_name(), upper = name;
+    const std::string& name = app.get_name();
+    std::string upper = name;
     std::transform(upper.begin(), upper.end(), upper.begin(),
                    [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
     std::string page = ".TH " + upper + " 1 \"\" \"shadowcache " + kVersion +
