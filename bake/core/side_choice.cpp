@@ -129,13 +129,17 @@ private:
             throwIfInterrupted();
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                 const std::size_t v = candidates[i];
-                voxels_.visitAround(v, selection_.margin, [&](std::size_t other) {
+                Bits all = 0;
+                for (const Outline& patch : chosen_[v].outlines)
+                    all |= static_cast<Bits>(1u << patch.side);
+                voxels_.searchAround(v, selection_.margin, [&](std::size_t other) {
                     for (const Outline& from : chosen_[other].outlines) {
                         if ((seen[other] >> from.side & 1) == 0) continue;
                         for (const Outline& patch : chosen_[v].outlines)
                             if (agreementOf(patch.normal, from.normal) > 0)
                                 wanted_[v] |= static_cast<Bits>(1u << patch.side);
                     }
+                    return (wanted_[v] & all) == all;
                 });
             }
         });

@@ -60,11 +60,15 @@ SurfaceVoxels::SurfaceVoxels(const TriangleMesh& mesh, double spacing, const Bak
 }
 
 std::size_t SurfaceVoxels::find(const Vec3i& voxel) const {
-    const std::uint64_t key = frame_.key(voxel);
+    const std::uint64_t wanted = frame_.key(voxel);
+    const std::size_t found = firstFrom(wanted);
+    return found < size() && key(found) == wanted ? found : size();
+}
+
+std::size_t SurfaceVoxels::firstFrom(std::uint64_t key) const {
     const auto found = std::lower_bound(
         voxels_.begin(), voxels_.end(), key,
         [](const auto& fragments, std::uint64_t wanted) { return fragments[0].voxelKey < wanted; });
-    if (found == voxels_.end() || (*found)[0].voxelKey != key) return size();
     return static_cast<std::size_t>(found - voxels_.begin());
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 #include <vector>
 
@@ -40,27 +42,43 @@ public:
     /// Calls `visit` with the number of each of the 26 voxels around `v` that holds surface.
     template <class Visit>
     void visitNeighbours(std::size_t v, const Visit& visit) const {
-        visitAround(v, 1, [&](std::size_t other) {
-            if (other != v) visit(other);
-        });
-    }
-
-    /// Calls `visit` with the number of each voxel that holds surface and is at most `margin`
-    /// voxels from `v` along each axis, itself included.
-    template <class Visit>
-    void visitAround(std::size_t v, int margin, const Visit& visit) const {
         const Vec3i center = voxel(v);
         Vec3i step;
-        for (step.z = -margin; step.z <= margin; ++step.z)
-            for (step.y = -margin; step.y <= margin; ++step.y)
-                for (step.x = -margin; step.x <= margin; ++step.x)
-                    if (const std::size_t other = find(center + step); other < size()) visit(other);
+        for (step.z = -1; step.z <= 1; ++step.z)
+            for (step.y = -1; step.y <= 1; ++step.y)
+                for (step.x = -1; step.x <= 1; ++step.x) {
+                    const std::size_t other = find(center + step);
+                    if (other < size() && other != v) visit(other);
+                }
+    }
+
+    /// Calls `isLast` with the number of each voxel that holds surface and is at most `margin`
+    /// voxels from `v` along each axis, itself included, until it returns true. Goes by what is
+    /// there, not voxel by voxel: a box of a margin of 64 has two million.
+    template <class IsLast>
+    void searchAround(std::size_t v, int margin, const IsLast& isLast) const {
+        const Vec3i center = voxel(v), low = frame_.clamped(center - Vec3i(margin)),
+                    high = frame_.clamped(center + Vec3i(margin));
+        for (int x = low.x & ~7; x <= high.x; x += 8)
+            for (int y = low.y & ~7; y <= high.y; y += 8) {
+                // Leaves of one x and y follow each other in the order of keys.
+                const std::size_t end = firstFrom(frame_.key({x | 7, y | 7, high.z | 7}) + 1);
+                for (std::size_t i = firstFrom(frame_.key({x, y, low.z & ~7})); i < end; ++i) {
+                    const Vec3i way = voxel(i) - center;
+                    const int distance =
+                        std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)});
+                    if (distance <= margin && isLast(i)) return;
+                }
+            }
     }
 
     /// Number of a voxel; size() if it holds no surface.
     std::size_t find(const Vec3i& voxel) const;
 
 private:
+    /// Number of the first voxel whose key is not below this one; size() if there is none.
+    std::size_t firstFrom(std::uint64_t key) const;
+
     VoxelFrame frame_;
     std::vector<Fragment> fragments_;
     std::vector<std::span<const Fragment>> voxels_;

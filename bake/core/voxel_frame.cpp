@@ -59,6 +59,13 @@ bool VoxelFrame::holds(const Vec3i& voxel) const {
     return true;
 }
 
+Vec3i VoxelFrame::clamped(const Vec3i& voxel) const {
+    Vec3i held;
+    for (int axis = 0; axis < 3; ++axis)
+        held[axis] = std::clamp(voxel[axis], base_[axis], base_[axis] + kMaxVoxels - 1);
+    return held;
+}
+
 Vec3i VoxelFrame::voxel(std::uint64_t key) const {
     const std::uint64_t leaf = key >> 9, mask = (1u << kLeafBits) - 1;
     const auto axis = [&](int shift, int low) {

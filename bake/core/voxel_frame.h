@@ -27,6 +27,8 @@ public:
     std::uint64_t key(const Vec3i& voxel) const;
     /// Whether a voxel is one of the frame's, as all that hold surface and their neighbours are.
     bool holds(const Vec3i& voxel) const;
+    /// The voxel of the frame that is nearest.
+    Vec3i clamped(const Vec3i& voxel) const;
     Vec3i voxel(std::uint64_t key) const;
     /// Voxel that holds a point given relative to the mesh's origin.
     Vec3i voxelAt(const Vec3d& position) const;

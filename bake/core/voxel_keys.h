@@ -20,6 +20,7 @@ public:
         return leaf != leaves_.end() && leaf->second.test(key & 511);
     }
 
+    /// Calls `visit` with the key of each, in no order.
     template <class Visit>
     void forEach(const Visit& visit) const {
         for (const auto& [leaf, bits] : leaves_)

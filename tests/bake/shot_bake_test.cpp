@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <optional>
+#include <vector>
 
 #include "bake/core/cache_part.h"
 #include "bake/core/extend.h"
 #include "bake/core/surface_count.h"
+#include "bake/core/surface_voxels.h"
 #include "bake/shot/shot_source.h"
 #include "common/import/load_mesh.h"
 #include "common/shot/frames.h"
@@ -221,6 +224,29 @@ TEST(ShotBake, OfShardsIsThatOfTheShot) {
     for (options.shard = 0; options.shard < 3; ++options.shard)
         append(sum, bake(*set.scene, options, selection).items);
     expectSame(sum, bake(*set.scene, set.options, selection).items);
+}
+
+// Against a look at every voxel of the set.
+TEST(SurfaceVoxels, AreFoundAround) {
+    const SurfaceVoxels voxels(courtyard().mesh, 1.2, {}, {});
+    for (const int margin : {0, 1, 5, 8, 33, 64})
+        for (std::size_t v = 0; v < voxels.size(); v += 97) {
+            std::vector<std::size_t> expected, found;
+            for (std::size_t other = 0; other < voxels.size(); ++other) {
+                const Vec3i way = voxels.voxel(other) - voxels.voxel(v);
+                if (std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)}) <= margin)
+                    expected.push_back(other);
+            }
+            voxels.searchAround(v, margin, [&](std::size_t other) {
+                found.push_back(other);
+                return false;
+            });
+            std::ranges::sort(found);
+            ASSERT_EQ(found, expected) << v << ", margin " << margin;
+            std::size_t visits = 0;
+            voxels.searchAround(v, margin, [&](std::size_t) { return ++visits == 1; });
+            EXPECT_EQ(visits, 1u);
+        }
 }
 
 TEST(SurfaceCount, CountsTheSidesOfAWholeBake) {
