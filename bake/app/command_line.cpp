@@ -45,7 +45,7 @@ void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform) 
         ->group(group);
     app.add_option("--seed", job.bake.seed,
                    "Random seed; caches of different seeds merge into a better one")
-        ->check(notNegative)
+        ->check(notIn64Bits)
         ->capture_default_str()
         ->group(group);
     app.add_option("--shard", shard,

@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <regex>
 
 #include "common/base/atomic_file.h"
@@ -277,8 +279,11 @@ std::uint64_t parseSize(const char* option, const std::string& text) {
     return static_cast<std::uint64_t>(bytes);
 }
 
-std::string notNegative(const std::string& text) {
-    return text.starts_with("-") ? text + ", expected 0 or more" : "";
+std::string notIn64Bits(const std::string& text) {
+    if (text.starts_with("-")) return text + ", expected 0 or more";
+    errno = 0;
+    std::strtoull(text.c_str(), nullptr, 10);
+    return errno == ERANGE ? text + ", expected below 2^64" : "";
 }
 
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app) {

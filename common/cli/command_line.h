@@ -52,9 +52,9 @@ std::uint64_t parseSize(const char* option, const std::string& text);
 /// @throws Error "OPTION TEXT: expected WANTED"
 std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted);
 
-/// Error text for a negative number, else empty; for CLI::Option::check of unsigned options, as
-/// CLI11 would convert -1 to 2^64 - 1.
-std::string notNegative(const std::string& text);
+/// Error text for a number that 64 bits without a sign do not hold, else empty; for
+/// CLI::Option::check, as CLI11 would convert -1 and 2^64 to 2^64 - 1.
+std::string notIn64Bits(const std::string& text);
 
 /// Every option's name and value as given or defaulted, except those that do not affect the
 /// result.

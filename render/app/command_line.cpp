@@ -222,7 +222,7 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
         ->capture_default_str()
         ->group(group);
     app.add_option("--seed", job.render.seed, "Seed of all random numbers")
-        ->check(notNegative)
+        ->check(notIn64Bits)
         ->capture_default_str()
         ->group(group);
     app.add_option("--sequence", arguments.sequence,
