@@ -55,7 +55,8 @@ public:
 };
 
 /// OpenVDB makes the name of a tree's type in a string stream, which ends early where memory does;
-/// a file with such a name is one that nobody reads.
+/// a file with such a name is one that nobody reads. A whole name ends in the depths of the tree,
+/// which are the usual ones for all of our grids.
 ///
 /// @throws std::bad_alloc
 void requireTypes(const openvdb::GridCPtrVec& grids) {

@@ -47,10 +47,8 @@ std::vector<FarmFile> snakemakeFiles(const FarmPlan& plan) {
         shellWord(plan.folder.string()) +
         "\n"
         "[[ $# -gt 0 ]] || set -- --cores all\n"
-        "# Each task finds out itself whether it is done; a mark would outlast what it stands "
-        "for.\n"
-        "rm -f done/*\n"
-        "exec snakemake --snakefile Snakefile --rerun-incomplete \"$@\"\n";
+        "# Tasks find out themselves what is done; marks would outlast what they stand for.\n"
+        "exec snakemake --snakefile Snakefile --forceall --rerun-incomplete \"$@\"\n";
     return {{"Snakefile", snakefile(plan), false}, {"submit", submit, true}};
 }
 

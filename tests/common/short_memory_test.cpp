@@ -6,7 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <new>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "common/base/text_streams.h"
 #include "common/image/exr.h"
@@ -16,7 +18,7 @@ namespace {
 
 bool memoryEnded = false;
 
-/// While it lives, nothing is allocated by `new` and zlib compresses nothing.
+/// While it lives, nothing is allocated by `new`.
 struct NoMemory {
     NoMemory() { memoryEnded = true; }
     ~NoMemory() { memoryEnded = false; }

@@ -121,6 +121,8 @@ TEST_F(Cli, ProgressiveEndsWithWhatIsThere) {
     EXPECT_EQ(run.status, kTryAgain) << run.err;
     EXPECT_NE(run.out.find("interrupted after"), std::string::npos) << run.out;
     EXPECT_TRUE(readExr(path("d.exr")).metadata.contains("shadowcache:incomplete"));
+    EXPECT_NE(CliTest::run("render", endless + " --check").err.find("d.exr: incomplete"),
+              std::string::npos);
     const auto again = CliTest::run("render", endless, limits);
     EXPECT_NE(again.out.find("rendered again"), std::string::npos) << again.out;
 }

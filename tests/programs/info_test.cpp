@@ -63,6 +63,8 @@ TEST_F(Info, TellsOfAPlace) {
     EXPECT_LT(under["visible"], on["visible"].get<double>() - 0.1);
     EXPECT_LT(under["visible_cosine"], under["visible"]) << "the table is overhead";
     EXPECT_GT(on["open_direction"][1], 0.99);
+    runWell("info", "set.vdb --at 0,0.6,0,0,1,0 --report place.html");
+    EXPECT_NE(readBytes(path("place.html")).find("</html>"), std::string::npos);
     EXPECT_NE(runWell("info", "set.vdb --at 0,9,0,0,1,0").out.find("no items here"),
               std::string::npos);
 }

@@ -202,5 +202,26 @@ TEST_F(ShotTest, DynamicFilesAreRenderedAndLeaveTheCacheValid) {
                   "fly.json", "frame 3");
 }
 
+/// Two shots whose camera files have one name.
+TEST_F(ShotTest, ShotsAreToldApartByWhatTheirFilesHold) {
+    std::string camera = readBytes(path("camera.json"));
+    for (const char* shot : {"a", "b"}) std::filesystem::create_directory(path(shot));
+    folder_.write("a/camera.json", camera);
+    folder_.write("b/camera.json", camera.replace(camera.find("1.2"), 3, "1.3"));
+    const auto bakeOf = [&](const std::string& shot, const std::string& more) {
+        runWell("bake", "set.obj --camera " + shot +
+                            "/camera.json --frames 1-2 --size 12x8 --spacing 0.25 --level 1 " +
+                            more);
+    };
+    bakeOf("a", "--shard 1/2 -o a1.vdb");
+    bakeOf("b", "--shard 2/2 -o b2.vdb");
+    expectRefusal(run("merge", "a1.vdb b2.vdb -o ab.vdb"), "merge", "b2.vdb", "another shot");
+    // Control: the shards of one shot, and both shots as a whole.
+    bakeOf("a", "--shard 2/2 -o a2.vdb");
+    runWell("merge", "a1.vdb a2.vdb -o a.vdb");
+    bakeOf("b", "-o b.vdb");
+    runWell("merge", "a.vdb b.vdb -o ab.vdb");
+}
+
 }  // namespace
 }  // namespace shadowcache::test
