@@ -18,11 +18,12 @@ std::string shotGlb() {
     const float h = std::sqrt(0.5f);
     const nlohmann::json flat{-h, 0, 0, h};
     file.root({{"mesh", 0}, {"rotation", flat}, {"scale", {4, 4, 4}}, {"translation", {-2, 0, 2}}});
-    for (int i = 0; i < 9; ++i)
-        file.root({{"mesh", 0},
-                   {"rotation", flat},
-                   {"scale", {0.5, 0.5, 0.5}},
-                   {"translation", {i % 3 - 1.25, 0.5, i / 3 - 0.75}}});
+    for (const double x : {-1.25, -0.25, 0.75})
+        for (const double z : {-0.75, 0.25, 1.25})
+            file.root({{"mesh", 0},
+                       {"rotation", flat},
+                       {"scale", {0.5, 0.5, 0.5}},
+                       {"translation", {x, 0.5, z}}});
     const int mover = file.root({{"mesh", 0}, {"name", "mover"}, {"scale", {0.4, 0.4, 0.4}}});
     file.animate(mover, "translation", "LINEAR", {0, 1}, {-2, 1, 0, 2, 1, 0});
     const int lens = file.append(
