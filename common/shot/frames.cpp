@@ -9,7 +9,7 @@
 
 namespace shadowcache {
 
-std::vector<int> parseFrames(const std::string& text) {
+std::vector<int> parseFrames(const std::string& text, const std::string& option) {
     static const std::regex range(R"((\d{1,7})(?:-(\d{1,7})(?:x(\d{1,7}))?)?)");
     std::vector<int> frames;
     std::set<int> seen;
@@ -22,12 +22,12 @@ std::vector<int> parseFrames(const std::string& text) {
         const int last = matched && match[2].matched ? std::stoi(match[2]) : first;
         const int step = matched && match[3].matched ? std::stoi(match[3]) : 1;
         if (!matched || last < first || step < 1)
-            throw Error("--frames " + text +
+            throw Error(option + " " + text +
                         ": expected A, A-B or A-BxSTEP with A <= B, several joined by commas");
         for (int f = first; f <= last; f += step)
             if (seen.insert(f).second) frames.push_back(f);
     }
-    if (frames.empty()) throw Error("--frames: empty, expected A, A-B or A-BxSTEP");
+    if (frames.empty()) throw Error(option + ": empty, expected A, A-B or A-BxSTEP");
     return frames;
 }
 

@@ -6,8 +6,8 @@
 
 namespace shadowcache {
 
-/// "1-24x2" or "1,5,9-12" -> frame numbers. @throws Error
-std::vector<int> parseFrames(const std::string& text);
+/// "1-24x2" or "1,5,9-12" -> frame numbers. @throws Error that names `option`, whose text it is
+std::vector<int> parseFrames(const std::string& text, const std::string& option = "--frames");
 
 /// Output file of a frame: a run of '#' (or %0Nd) becomes the number, padded with zeros.
 ///
