@@ -188,7 +188,9 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
             ->excludes(spp);
     samples->capture_default_str()->group(group);
     auto* rays = app.add_option("--camera-rays", job.render.cameraRays,
-                                "Camera rays per pixel (antialiasing)")
+                                "Camera rays per pixel (antialiasing); `cache` sends up to four "
+                                "times as many, with as many fewer samples each, where they are "
+                                "predicted to differ")
                      ->excludes(spp);
     rays->capture_default_str()->group(group);
     auto* preview =
@@ -210,8 +212,9 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
         ->group(group);
     app.add_option(
            "--budget", arguments.budget,
-           "uniform: --samples for every camera ray; adaptive: --samples on average, allocated by "
-           "the noise that `cache` predicts")
+           "uniform: --camera-rays for every pixel, --samples for every camera ray; adaptive: "
+           "--samples on average, allocated by the noise that `cache` predicts, and more camera "
+           "rays where they differ")
         ->check(CLI::IsMember({"uniform", "adaptive"}))
         ->capture_default_str()
         ->group(group);

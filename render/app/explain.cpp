@@ -86,7 +86,7 @@ std::string noiseLine(const Means& means, bool predicted, const RenderOptions& o
 
 }  // namespace
 
-std::string explain(const FrameRequest& frame, const Forecast& forecast) {
+std::string explain(FrameRequest frame, const Forecast& forecast) {
     const EstimatorContext& context = frame.estimator.context();
     const RenderOptions& options = frame.options;
     RenderStats pilot, picture;

@@ -17,6 +17,6 @@ struct Forecast {
 
 /// Text about the job: estimator, inputs, and the noise and time to expect, measured by rendering a
 /// thumbnail.
-std::string explain(const FrameRequest& frame, const Forecast& forecast);
+std::string explain(FrameRequest frame, const Forecast& forecast);
 
 }  // namespace shadowcache

@@ -56,12 +56,16 @@ struct CacheWorkspace final : Workspace {
     GlossyWorkspace glossy;
 };
 
-class CacheEstimator final : public Estimator, private FramePilot, private InsightSource {
+class CacheEstimator final : public Estimator,
+                             private FramePilot,
+                             private LightPrediction,
+                             private InsightSource {
 public:
     CacheEstimator(const EstimatorContext& context, const CacheOptions& options)
         : Estimator(context), options_(options) {}
 
     FramePilot* pilot() override { return this; }
+    const LightPrediction* prediction() const override { return this; }
     const InsightSource* insights() const override { return this; }
 
     std::unique_ptr<Workspace> makeWorkspace() const override {
@@ -76,13 +80,13 @@ public:
         Stopwatch watch;
         if (batch.samples == 0) {
             for (std::size_t i = 0; i < batch.points.size(); ++i)
-                estimates[i].irradiance = preview(batch.points[i], w);
+                estimates[i].irradiance = countedPreview(batch.points[i], w);
             w.setupNanoseconds += watch.sinceLast();
             return;
         }
         if (batch.predict)
             for (std::size_t i = 0; i < batch.points.size(); ++i)
-                estimates[i].predicted = preview(batch.points[i], w);
+                estimates[i].predicted = countedPreview(batch.points[i], w);
         w.tools.clusters.build(batch.points, context_.cache->header().spacing, batch.cameraRays);
         NeighborReuse::Batch reuse = w.tools.reuse.begin(batch, w.tools.clusters);
         for (const PointCluster& cluster : w.tools.clusters.clusters()) {
@@ -152,8 +156,9 @@ private:
                 static_cast<int>(std::count_if(group.deviation, group.deviation + kBlockCells,
                                                [](float deviation) { return deviation > 0; }));
         if (samples > 0)
-            insight.expectedNoise =
-                static_cast<float>(deviationOf(regions) / std::sqrt(shareOf(regions, samples)));
+            insight.expectedNoise = static_cast<float>(
+                deviationOf(regions) /
+                std::sqrt(shareOf(regions, samples) * static_cast<double>(point.share)));
         return insight;
     }
 
@@ -190,14 +195,30 @@ private:
 
     /// The irradiance without any ray. What moves hides other things from each pixel; without it
     /// items can be summed up once for all pixels.
-    Rgb preview(const ShadingPoint& point, CacheWorkspace& w) const {
+    Rgb preview(const ShadingPoint& point, CacheWorkspace& w, bool& known) const {
         if (!context_.scene.movingBalls().empty()) {
-            w.pointsWithoutItems += pool(point, 0, w) == 0 ? 1 : 0;
+            known = pool(point, 0, w) > 0;
             return w.preview.irradiance(w.lookup.pooled(), point.normal);
         }
         const std::span<const ItemView> found = w.lookup.find(point);
-        w.pointsWithoutItems += found.empty() ? 1 : 0;
+        known = !found.empty();
         return w.itemIrradiance.mean(found, point.normal);
+    }
+
+    Rgb countedPreview(const ShadingPoint& point, CacheWorkspace& w) const {
+        bool known = false;
+        const Rgb irradiance = preview(point, w, known);
+        w.pointsWithoutItems += known ? 0 : 1;
+        return irradiance;
+    }
+
+    Rgb predict(const ShadingPoint& point, Workspace& workspace) const override {
+        bool known = false;
+        return preview(point, static_cast<CacheWorkspace&>(workspace), known);
+    }
+
+    std::optional<double> predictedError() const override {
+        return budget_ ? std::optional(budget_->predictedError()) : std::nullopt;
     }
 
     /// All that is decided of a cluster before any ray; valid until the next one is prepared.
@@ -225,7 +246,7 @@ private:
             estimates[point].irradiance = predicted.integral(batch.points[point].normal);
         const ShadingPoint& first = batch.points[members.front()];
         const std::span<const PointShare> shares =
-            sharePoints(members.size(), share,
+            sharePoints(batch, members, share,
                         toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)),
                         w.tools.shares);
         reuse.addCluster(regions, plan, members, shares);

@@ -15,14 +15,17 @@ constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
 }  // namespace
 
-std::span<const PointShare> sharePoints(std::size_t points, double share, double offset,
-                                        std::vector<PointShare>& buffer) {
+std::span<const PointShare> sharePoints(const PointBatch& batch,
+                                        std::span<const std::uint32_t> members, double share,
+                                        double offset, std::vector<PointShare>& buffer) {
     buffer.clear();
-    double before = std::floor(offset);
-    for (std::size_t i = 0; i < points; ++i) {
-        const double after = std::floor(static_cast<double>(i + 1) * share + offset);
+    double before = std::floor(offset), points = 0;
+    for (const std::uint32_t member : members) {
+        const auto part = static_cast<double>(batch.points[member].share);
+        points += part;
+        const double after = std::floor(points * share + offset);
         const auto count = static_cast<int>(after - std::exchange(before, after));
-        buffer.push_back({count, share < 1 ? share : count});
+        buffer.push_back({count, part * share < 1 ? part * share : count});
     }
     return buffer;
 }

@@ -31,12 +31,15 @@ struct PointShare {
     double expected;  ///< what they are divided by: their number, or the chance of the only one
 };
 
-/// Shares of `points` points of a cluster, on average `share` (> 0, perhaps below 1) samples each.
+/// Shares of a cluster's points: `share` (> 0, perhaps below 1) samples times ShadingPoint::share
+/// each, on average.
 ///
-/// @param offset  in [0, 1), by chance: which points get one more
+/// @param members  numbers of the points in the batch
+/// @param offset   in [0, 1), by chance: which points get one more
 /// @return reused memory of `buffer`
-std::span<const PointShare> sharePoints(std::size_t points, double share, double offset,
-                                        std::vector<PointShare>& buffer);
+std::span<const PointShare> sharePoints(const PointBatch& batch,
+                                        std::span<const std::uint32_t> members, double share,
+                                        double offset, std::vector<PointShare>& buffer);
 
 /// Draws the samples of a cluster in proportion to the plan's weights and, in a region, to the
 /// light. All points draw from one sequence, one after the other, so that the samples of a point,

@@ -125,10 +125,13 @@ GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& clust
     const auto offset = [&](RenderSalt salt) {
         return toUnit(hashWords(first.seed, salt, first.cameraRay));
     };
-    const std::span<const PointShare> shares = sharePoints(
-        members.size(), share * (1 - ofLobes), offset(RenderSalt::glossShare), batch.tools.shares);
-    const std::span<const PointShare> lobeShares = sharePoints(
-        members.size(), share * ofLobes, offset(RenderSalt::glossRounding), w.lobeShares);
+    const auto sharesOf = [&](double ofAll, RenderSalt salt, std::vector<PointShare>& buffer) {
+        return sharePoints(batch.batch, members, share * ofAll, offset(salt), buffer);
+    };
+    const std::span<const PointShare> shares =
+        sharesOf(1 - ofLobes, RenderSalt::glossShare, batch.tools.shares);
+    const std::span<const PointShare> lobeShares =
+        sharesOf(ofLobes, RenderSalt::glossRounding, w.lobeShares);
     reuse.addCluster(glossy.regions, plan, members, shares, lobeShares);
     return {members, shares, lobeShares, glossy, plan, w.matches};
 }

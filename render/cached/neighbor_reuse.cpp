@@ -52,7 +52,7 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
     pointAt_.assign(std::size_t{batch.cameraRays} * batch.pixels, -1);
     for (std::size_t i = 0; i < points; ++i) {
         const ShadingPoint& point = batch.points[i];
-        pointAt_[std::size_t{point.cameraRay - batch.firstRay} * batch.pixels + point.pixel] =
+        pointAt_[std::size_t{point.row} * batch.pixels + point.pixel] =
             static_cast<std::int32_t>(i);
     }
     return Batch(*this);
@@ -162,8 +162,7 @@ void NeighborReuse::findCandidates(const Misprediction& found) {
     const std::uint32_t size = groupSize(found);
     const std::uint32_t first = finder.pixel / size * size;
     const std::uint32_t last = std::min(first + size, batch_.pixels);
-    const std::int32_t* row =
-        pointAt_.data() + std::size_t{finder.cameraRay - batch_.firstRay} * batch_.pixels;
+    const std::int32_t* row = pointAt_.data() + std::size_t{finder.row} * batch_.pixels;
     for (std::uint32_t pixel = first; pixel < last; ++pixel) {
         if (row[pixel] < 0) continue;
         const auto point = static_cast<std::uint32_t>(row[pixel]);

@@ -33,17 +33,18 @@ struct ShadingPoint {
     int filmX = 0;          ///< pixel of the camera ray that found it
     int filmY = 0;
     std::uint32_t cameraRay = 0;  ///< number of that ray in its pixel
+    std::uint32_t row = 0;        ///< and among those of its pixel in the batch
     std::uint32_t pixel = 0;      ///< number of the pixel in its batch
+    float share = 1;  ///< of the samples wanted: below 1 where the pixel has more camera rays
 };
 
 /// Points that are lit together: what the camera rays of some neighbouring pixels meet, pixel by
 /// pixel along a Morton curve and in a pixel by camera ray. A ray that meets the sky has no point.
 struct PointBatch {
     std::span<const ShadingPoint> points;
-    int samples = 1;               ///< wanted of each point
-    std::uint32_t pixels = 1;      ///< numbers of pixels are below it
-    std::uint32_t cameraRays = 1;  ///< most of a pixel
-    std::uint32_t firstRay = 0;    ///< camera rays' numbers go from it to firstRay + cameraRays - 1
+    int samples = 1;                 ///< wanted of each point
+    std::uint32_t pixels = 1;        ///< numbers of pixels are below it
+    std::uint32_t cameraRays = 1;    ///< most of a pixel
     std::uint32_t pixelSamples = 1;  ///< of a pixel, over all batches
     bool predict = false;            ///< Estimate::predicted is wanted
 };
@@ -166,6 +167,17 @@ struct CacheInsight {
     int regions = 0;          ///< regions that samples are drawn from
 };
 
+/// Irradiance predicted without rays.
+class LightPrediction {
+public:
+    virtual ~LightPrediction() = default;
+    /// @return [radiance sr]
+    virtual Rgb predict(const ShadingPoint& point, Workspace& workspace) const = 0;
+    /// relMSE of the irradiance at one point, as the last pilot's places predict it; none where the
+    /// estimator gives all points the same number of samples.
+    virtual std::optional<double> predictedError() const = 0;
+};
+
 /// Reports what the cache predicts at a place.
 class InsightSource {
 public:
@@ -205,6 +217,8 @@ public:
 
     /// Null where frames need no pilot.
     virtual FramePilot* pilot() { return nullptr; }
+    /// Null where nothing is predicted.
+    virtual const LightPrediction* prediction() const { return nullptr; }
     /// Null where no cache is read.
     virtual const InsightSource* insights() const { return nullptr; }
     /// Whether estimates depend on earlier ones of the same workspace, so that a frame must be

@@ -4,12 +4,45 @@
 
 #include "common/base/hash.h"
 #include "common/base/parallel.h"
+#include "common/base/tuned.h"
 #include "common/random/salts.h"
+#include "render/frame/integrator.h"
 #include "render/frame/tile_renderer.h"
 
 namespace shadowcache {
 
-void runPilot(const FrameRequest& frame, RenderStats& stats) {
+namespace {
+
+/// Pixels that the rule of a frame is made of.
+SHADOWCACHE_TUNED(std::size_t, kRulePixels, 256);
+
+std::optional<AntialiasingRule> findAntialiasingRule(const FrameRequest& frame,
+                                                     const TileRenderer& renderer,
+                                                     double coverage) {
+    const RenderOptions& options = frame.options;
+    const LightPrediction* prediction = frame.estimator.prediction();
+    if (options.cameraRays < 2 || !prediction || !prediction->predictedError()) return {};
+    std::vector<PredictedSpread> pixels(kRulePixels);
+    parallelFor(kRulePixels, kRulePixels / 8, [&](const Chunk& chunk) {
+        const auto workspace = frame.estimator.makeWorkspace();
+        TileScratch scratch;
+        for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
+            const auto at = [&](std::uint64_t axis, int size) {
+                return static_cast<int>(toUnit(hashWords(pixelSeed(options.seed, frame.number, -1,
+                                                                   -1, static_cast<int>(k)),
+                                                         FrameSalt::rulePixel, axis)) *
+                                        size);
+            };
+            pixels[k] = renderer.predictSpread({at(0, options.width), at(1, options.height)},
+                                               scratch, *workspace);
+        }
+    });
+    return makeAntialiasingRule(pixels, coverage * *prediction->predictedError(), options.samples);
+}
+
+}  // namespace
+
+void runPilot(FrameRequest& frame, RenderStats& stats) {
     const RenderOptions& options = frame.options;
     FramePilot* pilot = frame.estimator.pilot();
     if (options.samples == 0 || !pilot) return;
@@ -38,6 +71,9 @@ void runPilot(const FrameRequest& frame, RenderStats& stats) {
         if (point) points.push_back(*point);
     stats.shadowRays += pilot->run(points, options.samples);
     stats.cameraRays += places;
+    frame.antialiasing = findAntialiasingRule(
+        frame, renderer,
+        static_cast<double>(points.size()) / static_cast<double>(std::max<std::size_t>(places, 1)));
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.seconds += seconds;

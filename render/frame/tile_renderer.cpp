@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/tuned.h"
 #include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/mesh/shading_normal.h"
+#include "common/random/salts.h"
 #include "common/random/sequence.h"
 
 namespace shadowcache {
@@ -14,6 +16,11 @@ namespace {
 
 /// Samples of a batch, at most, so that its memory is bounded for any number of samples.
 constexpr int kBatchSamples = 1 << 21;
+
+/// Camera rays that decide how many a pixel gets: for each of the pixel's so many there is one.
+SHADOWCACHE_TUNED(int, kRaysOfSpreadRay, 4);
+/// Most of them.
+SHADOWCACHE_TUNED(int, kMostSpreadRays, 4);
 
 void addInsight(const CacheInsight& insight, Pixel& pixel) {
     pixel.openness += insight.openness;
@@ -37,7 +44,8 @@ TileRenderer::TileRenderer(const FrameRequest& request)
       number_(request.number),
       options_(request.options),
       filter_(options_.filter, options_.filterWidth),
-      runLength_(spreadRunLength(std::min(fewestRays(request), options_.passRays))) {}
+      runLength_(spreadRunLength(std::min(fewestRays(request), options_.passRays))),
+      antialiasing_(request.antialiasing) {}
 
 View TileRenderer::look(const FilmPosition& at) const {
     return lookThrough(camera_, context_.scene, at);
@@ -64,14 +72,13 @@ ShadingPoint TileRenderer::shadingPoint(const View& view, std::uint64_t seed, in
             filmY};
 }
 
-void TileRenderer::aim(const FilmPlace& place, std::uint32_t pixel, int first, int count,
-                       TileScratch& scratch) const {
+void TileRenderer::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, int first,
+                       int count, TileScratch& scratch) const {
     if (options_.cameraRays > 1) {
         scratch.columns.resize(static_cast<std::size_t>(count));
         scratch.rows.resize(static_cast<std::size_t>(count));
-        const std::uint64_t film = pixelSeed(options_.seed, number_, place.x, place.y, -1);
-        owenSobol(static_cast<std::uint32_t>(first), 0, film, scratch.columns);
-        owenSobol(static_cast<std::uint32_t>(first), 1, film, scratch.rows);
+        owenSobol(static_cast<std::uint32_t>(first), 0, seed, scratch.columns);
+        owenSobol(static_cast<std::uint32_t>(first), 1, seed, scratch.rows);
     }
     for (int k = 0; k < count; ++k) {
         double dx = 0, dy = 0;
@@ -82,7 +89,7 @@ void TileRenderer::aim(const FilmPlace& place, std::uint32_t pixel, int first, i
         }
         const FilmPosition at{(place.x + (0.5 + dx)) / options_.width,
                               (place.y + (0.5 + dy)) / options_.height};
-        scratch.rays.push_back({pixel, first + k, at, {Vec3f(camera_.direction(at)), {}}, 0});
+        scratch.rays.push_back({pixel, first + k, k, at, {Vec3f(camera_.direction(at)), {}}, 0});
     }
 }
 
@@ -103,9 +110,57 @@ void TileRenderer::intersect(std::span<TileScratch::Ray> rays) const {
     }
 }
 
+PredictedSpread TileRenderer::predictSpread(const FilmPlace& place, TileScratch& scratch,
+                                            Workspace& workspace) const {
+    const LightPrediction* prediction = estimator_.prediction();
+    PredictedSpread spread;
+    if (!prediction) return spread;
+    const Environment& environment = context_.environment;
+    scratch.rays.clear();
+    const std::uint64_t seed =
+        hashWords(pixelSeed(options_.seed, number_, place.x, place.y, -1), FrameSalt::spreadRays);
+    // By the size of a pass, so that n passes are those of the whole.
+    const int pass = std::min(options_.cameraRays, options_.passRays);
+    aim(place, 0, seed, 0, std::clamp(pass / kRaysOfSpreadRay, 1, kMostSpreadRays), scratch);
+    scratch.spreadRays += scratch.rays.size();
+    intersect(scratch.rays);
+    for (const TileScratch::Ray& ray : scratch.rays) {
+        const Hit& hit = ray.view.hit;
+        if (!hit.found) {
+            spread.add(static_cast<double>(
+                environment.luminance(environment.radiance(ray.view.direction))));
+            continue;
+        }
+        ShadingPoint point;
+        point.position = worldPosition(context_.scene, hit);
+        point.normal = ray.view.shadingNormal();
+        point.geometricNormal = ray.view.geometricNormal();
+        const TriangleMesh& mesh = hit.scene->mesh();
+        const Surface surface = surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u,
+                                          hit.v, options_.plain);
+        // Mirrors as if they were diffuse: only differences matter here.
+        const Rgb reflected =
+            surface.baseColor * prediction->predict(point, workspace) * static_cast<float>(1 / kPi);
+        spread.add(static_cast<double>(environment.luminance(reflected + surface.emission)));
+    }
+    return spread;
+}
+
+void TileRenderer::chooseRayFactors(std::span<const FilmPlace> places, TileScratch& scratch,
+                                    Workspace& workspace, std::span<PixelSum> sums) const {
+    std::vector<PredictedSpread> spreads;
+    spreads.reserve(places.size());
+    for (const FilmPlace& place : places)
+        spreads.push_back(predictSpread(place, scratch, workspace));
+    const std::vector<int> factors = rayFactorsOf(places, spreads, *antialiasing_);
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i].rayFactor = factors[i];
+}
+
 void TileRenderer::addCameraRays(std::span<const FilmPlace> places, int first, int count,
                                  TileScratch& scratch, Workspace& workspace,
                                  std::span<PixelSum> sums) const {
+    if (places.empty()) return;
+    if (antialiasing_ && first == 0) chooseRayFactors(places, scratch, workspace, sums);
     const int samples = std::max(1, options_.samples);
     const auto run = static_cast<std::size_t>(std::max(1, kBatchSamples / samples));
     for (std::size_t p = 0; p < places.size(); p += run) {
@@ -118,12 +173,11 @@ void TileRenderer::addCameraRays(std::span<const FilmPlace> places, int first, i
 }
 
 PointBatch TileRenderer::batchOf(std::span<const ShadingPoint> points, std::size_t pixels,
-                                 int first, int count) const {
+                                 int count) const {
     return {points,
             options_.samples,
             static_cast<std::uint32_t>(pixels),
             static_cast<std::uint32_t>(count),
-            static_cast<std::uint32_t>(first),
             static_cast<std::uint32_t>(options_.cameraRays) *
                 static_cast<std::uint32_t>(options_.samples),
             options_.preview};
@@ -134,7 +188,8 @@ void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int co
                             std::span<PixelSum> sums) const {
     sendCameraRays(places, first, count, scratch, sums);
     findPoints(scratch);
-    const PointBatch batch = batchOf(scratch.points, places.size(), first, count);
+    const int most = std::ranges::max(sums, {}, &PixelSum::rayFactor).rayFactor * count;
+    const PointBatch batch = batchOf(scratch.points, places.size(), most);
     workspace.watchedPixel.reset();
     workspace.watched.clear();
     for (std::size_t p = 0; observer_ && p < places.size(); ++p)
@@ -162,7 +217,10 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
     scratch.rays.clear();
     scratch.seeds.clear();
     for (std::size_t i = 0; i < places.size(); ++i) {
-        aim(places[i], static_cast<std::uint32_t>(i), first, count, scratch);
+        const int factor = sums[i].rayFactor;
+        aim(places[i], static_cast<std::uint32_t>(i),
+            pixelSeed(options_.seed, number_, places[i].x, places[i].y, -1), first * factor,
+            count * factor, scratch);
         scratch.seeds.push_back(pixelSeed(options_.seed, number_, places[i].x, places[i].y, 0));
     }
     intersect(scratch.rays);
@@ -180,7 +238,9 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
         TileScratch::Place& place = scratch.places.emplace_back();
         place.point = shadingPoint(ray.view, scratch.seeds[ray.pixel], x, y);
         place.point.cameraRay = static_cast<std::uint32_t>(ray.number);
+        place.point.row = static_cast<std::uint32_t>(ray.row);
         place.point.pixel = ray.pixel;
+        place.point.share = 1.0f / static_cast<float>(sums[ray.pixel].rayFactor);
         const Hit& hit = ray.view.hit;
         const TriangleMesh& mesh = hit.scene->mesh();
         place.surface = surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v,

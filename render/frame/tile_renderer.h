@@ -19,6 +19,7 @@ struct TileScratch {
     struct Ray {
         std::uint32_t pixel = 0;  ///< number in the tile
         int number = 0;           ///< of the pixel's camera rays
+        int row = 0;              ///< and of those in the batch
         FilmPosition at;
         View view;  ///< no hit: the sky
         double skyLuminance = 0;
@@ -40,6 +41,7 @@ struct TileScratch {
     std::vector<Estimate> estimates;
     std::vector<GlossyPoint> glossyPoints;
     std::vector<GlossEstimate> glossEstimates;
+    std::uint64_t spreadRays = 0;  ///< camera rays that are none of the picture's
 };
 
 /// Renders the pixels of one tile: sends their camera rays and has the places that these meet lit
@@ -54,8 +56,14 @@ public:
     /// The place that a camera ray met.
     ShadingPoint shadingPoint(const View& view, std::uint64_t seed, int filmX, int filmY) const;
 
-    /// Adds camera rays `first` to `first + count - 1` of each pixel of a tile: those of places[i]
-    /// to sums[i].
+    /// What some camera rays of a pixel are predicted to see; they are none of the picture's.
+    ///
+    /// @return nothing where the estimator predicts nothing
+    PredictedSpread predictSpread(const FilmPlace& place, TileScratch& scratch,
+                                  Workspace& workspace) const;
+
+    /// Adds camera rays `first` to `first + count - 1` of each pixel of a tile, or as many times
+    /// more as its factor: those of places[i] to sums[i].
     void addCameraRays(std::span<const FilmPlace> places, int first, int count,
                        TileScratch& scratch, Workspace& workspace, std::span<PixelSum> sums) const;
 
@@ -71,17 +79,18 @@ public:
 
 private:
     /// Adds camera rays `first` to `first + count - 1` of a pixel to scratch.rays.
-    void aim(const FilmPlace& place, std::uint32_t pixel, int first, int count,
+    void aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, int first, int count,
              TileScratch& scratch) const;
     void intersect(std::span<TileScratch::Ray> rays) const;
     void addBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
                   Workspace& workspace, std::span<PixelSum> sums) const;
+    void chooseRayFactors(std::span<const FilmPlace> places, TileScratch& scratch,
+                          Workspace& workspace, std::span<PixelSum> sums) const;
     void sendCameraRays(std::span<const FilmPlace> places, int first, int count,
                         TileScratch& scratch, std::span<PixelSum> sums) const;
     /// Where the shadow rays of a place start.
     Vec3f shadowOrigin(const View& view) const;
-    PointBatch batchOf(std::span<const ShadingPoint> points, std::size_t pixels, int first,
-                       int count) const;
+    PointBatch batchOf(std::span<const ShadingPoint> points, std::size_t pixels, int count) const;
     /// Sorts the places by what light is to be estimated of them.
     void findPoints(TileScratch& scratch) const;
     void addToPixel(const TileScratch& scratch, const TileScratch::Place& place, const Hit& hit,
@@ -94,6 +103,7 @@ private:
     const RenderOptions& options_;
     const PixelFilter filter_;
     const int runLength_;
+    const std::optional<AntialiasingRule> antialiasing_;
     const CameraSampleObserver* observer_ = nullptr;
     FilmPlace observed_{-1, -1};  ///< pixel that the observer sees
 };

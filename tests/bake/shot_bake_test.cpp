@@ -119,7 +119,7 @@ Film picture(const ShadowCache& cache, int frame, RenderStats& stats) {
     options.width = 320;
     options.height = 180;
     options.samples = 1;
-    const FrameRequest request{*estimator, cameraOf(frame), frame, options};
+    FrameRequest request{*estimator, cameraOf(frame), frame, options};
     runPilot(request, stats);
     return render(request, stats);
 }

@@ -135,8 +135,9 @@ Rendered renderWith(const EstimatorContext& context, const Set& set, const std::
     Rendered rendered;
     const Camera camera = cameraAtFrame(set.cameras, frame);
     const std::clock_t start = std::clock();
-    runPilot({*made, camera, frame, options}, rendered.stats);
-    rendered.image = colorImage(render({*made, camera, frame, options}, rendered.stats));
+    FrameRequest request{*made, camera, frame, options};
+    runPilot(request, rendered.stats);
+    rendered.image = colorImage(render(request, rendered.stats));
     rendered.processorSeconds =
         static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / threadCount();
     return rendered;

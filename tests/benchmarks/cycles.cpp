@@ -46,9 +46,9 @@ Film renderFilm(const EstimatorContext& context, const Set& set, const std::stri
     options.cameraRays = kCameraRays;
     options.filter = FilterKind::box;
     RenderStats stats;
-    const Camera& camera = cameraAtFrame(set.cameras, frame);
-    runPilot({*made, camera, frame, options}, stats);
-    return render({*made, camera, frame, options}, stats);
+    FrameRequest request{*made, cameraAtFrame(set.cameras, frame), frame, options};
+    runPilot(request, stats);
+    return render(request, stats);
 }
 
 /// Triangles that others coincide with: from one of them Cycles' rays meet the other at once.

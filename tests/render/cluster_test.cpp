@@ -36,7 +36,7 @@ protected:
             const Vec3d lean(tilt * std::cos(angle), 0, tilt * std::sin(angle));
             if (i > 0) point.normal = Vec3f((Vec3d(centre.normal) + lean).normalized());
             point.pixel = static_cast<std::uint32_t>(i / 4);
-            point.cameraRay = static_cast<std::uint32_t>(i % 4);
+            point.cameraRay = point.row = static_cast<std::uint32_t>(i % 4);
         }
         members_.resize(kPoints);
         std::iota(members_.begin(), members_.end(), 0u);
@@ -47,9 +47,9 @@ protected:
 
     std::span<const ClusterSample> draw(double share, std::uint64_t seed) {
         for (ShadingPoint& point : points_) point.seed = hashWords(seed, 5, point.pixel);
-        sharePoints(points_.size(), share, toUnit(hashWords(seed)), shares_);
-        return sampler_.draw({points_, 1, kPoints / 4, 4}, members_, shares_, regions_, plan_,
-                             Sequence::sobol);
+        const PointBatch batch{points_, 1, kPoints / 4, 4};
+        sharePoints(batch, members_, share, toUnit(hashWords(seed)), shares_);
+        return sampler_.draw(batch, members_, shares_, regions_, plan_, Sequence::sobol);
     }
 
     /// Control variate's value along a sample's direction, for its point.
@@ -119,6 +119,34 @@ TEST_F(Cluster, PointsGetTheirShares) {
             EXPECT_LT(std::abs(all - share * kPoints), 1);
         }
         for (const double s : sum) EXPECT_NEAR(s / kDraws, share, 6 * 0.5 / std::sqrt(kDraws));
+    }
+}
+
+// Points of pixels with more camera rays get as many fewer samples each.
+TEST_F(Cluster, PointsGetPartsOfTheirShares) {
+    constexpr int kDraws = 4000;
+    for (const double share : kShares) {
+        std::array<double, kPoints> sum{};
+        double total = 0;
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+            points_[i].share = i % 3 == 0 ? 0.25f : 1;
+            total += share * static_cast<double>(points_[i].share);
+        }
+        for (int k = 0; k < kDraws; ++k) {
+            draw(share, static_cast<std::uint64_t>(k));
+            double all = 0;
+            for (std::size_t i = 0; i < shares_.size(); ++i) {
+                const double part = share * static_cast<double>(points_[i].share);
+                EXPECT_LT(std::abs(shares_[i].count - part), 1);
+                EXPECT_EQ(shares_[i].expected, part < 1 ? part : shares_[i].count);
+                sum[i] += shares_[i].count;
+                all += shares_[i].count;
+            }
+            EXPECT_LT(std::abs(all - total), 1);
+        }
+        for (std::size_t i = 0; i < points_.size(); ++i)
+            EXPECT_NEAR(sum[i] / kDraws, share * static_cast<double>(points_[i].share),
+                        6 * 0.5 / std::sqrt(kDraws));
     }
 }
 

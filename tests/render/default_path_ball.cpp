@@ -43,14 +43,15 @@ public:
         EstimatorContext context = world_->context();
         context.cache = &cache.cache();
         const auto estimator = findEstimator("cache").make(context);
-        RenderOptions options = effort(chosen.cameraRays, chosen.samples);
+        FrameRequest frame{*estimator, camera_, 1, effort(chosen.cameraRays, chosen.samples)};
+        RenderOptions& options = frame.options;
         RenderStats stats;
         options.seed = 1000;
-        if (withPilot) runPilot({*estimator, camera_, 1, options}, stats);
+        if (withPilot) runPilot(frame, stats);
         std::vector<double> ratios;
         for (options.seed = 1; static_cast<int>(ratios.size()) < count; ++options.seed) {
             double found = 0, truth = 0;
-            for (const Pixel& pixel : render({*estimator, camera_, 1, options}, stats).pixels) {
+            for (const Pixel& pixel : render(frame, stats).pixels) {
                 // Pixels at the edge of the ball are only partly of it.
                 const double seen = static_cast<double>(pixel.albedo.y / options.plain.albedo.y);
                 const double wanted = seen > 0 ? truth_(Vec3d(pixel.normal) / seen) * seen : -1;

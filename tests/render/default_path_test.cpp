@@ -31,10 +31,11 @@ constexpr int kWidth = View::kWidth, kHeight = View::kHeight, kStrips = LitFloor
 std::vector<Film> films(Estimator& estimator, RenderOptions options, int count) {
     RenderStats stats;
     options.seed = 1000;
-    runPilot({estimator, View::camera(), 1, options}, stats);
+    FrameRequest frame{estimator, View::camera(), 1, options};
+    runPilot(frame, stats);
     std::vector<Film> all;
-    for (options.seed = 1; static_cast<int>(all.size()) < count; ++options.seed)
-        all.push_back(render({estimator, View::camera(), 1, options}, stats));
+    for (frame.options.seed = 1; static_cast<int>(all.size()) < count; ++frame.options.seed)
+        all.push_back(render(frame, stats));
     return all;
 }
 
@@ -291,8 +292,9 @@ TEST(DefaultPathFilm, LeavesNoNoiseInFullLight) {
         context.cache = &cache.cache();
         const auto estimator = findEstimator("cache").make(context);
         RenderStats stats;
-        if (withPilot) runPilot({*estimator, View::camera(), 1, effort(4, 4)}, stats);
-        const Film film = render({*estimator, View::camera(), 1, effort(4, 4)}, stats);
+        FrameRequest frame{*estimator, View::camera(), 1, effort(4, 4)};
+        if (withPilot) runPilot(frame, stats);
+        const Film film = render(frame, stats);
         const auto [least, most] = std::ranges::minmax_element(
             film.pixels, {}, [](const Pixel& pixel) { return pixel.irradiance.y; });
         return static_cast<double>(most->irradiance.y / least->irradiance.y) - 1;
@@ -309,14 +311,15 @@ TEST(DefaultPathPixel, ThePilotLowersTheNoiseOfWrongCounts) {
         const LitFloor floor(kind);
         const auto variance = [&](bool withPilot) {
             const auto estimator = findEstimator("cache").make(floor.context());
-            RenderOptions options = effort(1, 16);
+            FrameRequest frame{*estimator, View::camera(), 1, effort(1, 16)};
+            RenderOptions& options = frame.options;
             options.seed = 1000;
             RenderStats stats;
-            if (withPilot) runPilot({*estimator, View::camera(), 1, options}, stats);
+            if (withPilot) runPilot(frame, stats);
             options.width = options.height = 1;
             std::vector<Film> pixels;
             for (options.seed = 1; options.seed <= 400; ++options.seed)
-                pixels.push_back(render({*estimator, View::camera(), 1, options}, stats));
+                pixels.push_back(render(frame, stats));
             return pixelVariance(pixels);
         };
         return variance(true) / variance(false);

@@ -253,15 +253,17 @@ protected:
         ProgressiveObserver observer;
         observer.stop = [&] { return complete >= passes; };
         observer.onPass = [&](const Film&, int) { ++complete; };
-        runPilot({*made, camera_, 1, options_}, stats);
-        return renderProgressive({*made, camera_, 1, options_}, stats, observer);
+        FrameRequest frame{*made, camera_, 1, options_};
+        runPilot(frame, stats);
+        return renderProgressive(frame, stats, observer);
     }
     Film atOnce(const std::string& name) {
         const auto made =
             findEstimator(name).make({scene_, environment_, &cache_->cache(), sequence_});
         RenderStats stats;
-        runPilot({*made, camera_, 1, options_}, stats);
-        return shadowcache::render({*made, camera_, 1, options_}, stats);
+        FrameRequest frame{*made, camera_, 1, options_};
+        runPilot(frame, stats);
+        return shadowcache::render(frame, stats);
     }
 
     std::optional<test::TestCache> cache_;

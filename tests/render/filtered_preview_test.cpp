@@ -40,7 +40,7 @@ protected:
 
     Film render() const {
         const auto estimator = findEstimator("cache").make(world_.context());
-        const FrameRequest frame = request(*estimator);
+        FrameRequest frame = request(*estimator);
         RenderStats stats;
         runPilot(frame, stats);
         return shadowcache::render(frame, stats);
@@ -131,7 +131,7 @@ TEST_F(FilteredPreview, PassesAndThreadsChangeNoBit) {
     options_.passRays = 2;
     const Film whole = render();
     const auto estimator = findEstimator("cache").make(world_.context());
-    const FrameRequest frame = request(*estimator);
+    FrameRequest frame = request(*estimator);
     RenderStats stats;
     runPilot(frame, stats);
     ProgressiveObserver observer;

@@ -60,15 +60,16 @@ protected:
         EstimatorContext context = world_.context();
         context.cache = &cache.cache();
         const auto estimator = findEstimator(name).make(context, {});
-        RenderOptions options = optionsOf(chosen);
+        FrameRequest frame{*estimator, camera_, 1, optionsOf(chosen)};
+        RenderOptions& options = frame.options;
         RenderStats stats;
         options.seed = 1000;
-        runPilot({*estimator, camera_, 1, options}, stats);
+        runPilot(frame, stats);
         test::Estimates found;
         for (options.seed = 1; found.color[0].size() < static_cast<std::size_t>(count);
              ++options.seed) {
             std::array<double, 3> sum{};
-            for (const Pixel& pixel : render({*estimator, camera_, 1, options}, stats).pixels)
+            for (const Pixel& pixel : render(frame, stats).pixels)
                 for (std::size_t c = 0; c < 3; ++c)
                     sum[c] += static_cast<double>(pixel.color[static_cast<int>(c)]);
             for (std::size_t c = 0; c < 3; ++c) found.color[c].push_back(sum[c] / (kSide * kSide));

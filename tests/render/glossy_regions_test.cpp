@@ -217,10 +217,11 @@ TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
     std::vector<double> values;
     for (std::uint64_t k = 0; k < 12000; ++k) {
         point_.seed = hashWords(k, 3);
-        sharePoints(1, 32, 0, shares);
+        const PointBatch batch{{&point_, 1}, 32};
+        sharePoints(batch, {&member, 1}, 32, 0, shares);
         double sum = 0;
-        for (const ClusterSample& sample : sampler.draw({{&point_, 1}, 32}, {&member, 1}, shares,
-                                                        glossy_.regions, plan_, Sequence::sobol)) {
+        for (const ClusterSample& sample :
+             sampler.draw(batch, {&member, 1}, shares, glossy_.regions, plan_, Sequence::sobol)) {
             const EnvironmentSample s = sample.finish(world_.environment);
             const RegionGroup& group = glossy_.regions.groups[sample.group];
             const Rgb fitted = cells_.value(

@@ -47,8 +47,9 @@ ShotLight renderShot(const EstimatorContext& context, const std::string& estimat
     const auto made = findEstimator(estimator).make(context, estimatorOptions);
     ShotLight shot;
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-        runPilot({*made, cameras[i], numbers[i], options}, stats);
-        const Film film = render({*made, cameras[i], numbers[i], options}, stats);
+        FrameRequest frame{*made, cameras[i], numbers[i], options};
+        runPilot(frame, stats);
+        const Film film = render(frame, stats);
         shot.emplace_back();
         for (const Pixel& p : film.pixels)
             shot.back().push_back(static_cast<double>(context.environment.luminance(p.irradiance)));

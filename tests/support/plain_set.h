@@ -47,8 +47,9 @@ inline Film renderPlain(const ShadowCache& cache, int threads, int samples = 4) 
     options.samples = samples;
     options.insight = true;
     RenderStats stats;
-    runPilot({*estimator, camera, 1, options}, stats);
-    return render({*estimator, camera, 1, options}, stats);
+    FrameRequest frame{*estimator, camera, 1, options};
+    runPilot(frame, stats);
+    return render(frame, stats);
 }
 
 }  // namespace shadowcache::test

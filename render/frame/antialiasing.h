@@ -1,0 +1,54 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/frame/tiles.h"
+
+namespace shadowcache {
+
+/// When a pixel gets more camera rays than asked for, and as many fewer samples with each: where
+/// what a camera ray is predicted to see differs more within the pixel than more rays cost. From
+/// predictions alone, at camera rays that are not the picture's, so that it adds no bias.
+struct AntialiasingRule {
+    /// Square of the luminance below which errors are absolute, as relMSE has it.
+    double floor = 0;
+    /// Relative variance of one camera ray from which on twice the camera rays pay.
+    double least = 0;
+};
+
+/// Luminance that some camera rays of a pixel are predicted to see, summed up.
+struct PredictedSpread {
+    double count = 0, sum = 0, squares = 0;
+
+    void add(double luminance) {
+        count += 1;
+        sum += luminance;
+        squares += luminance * luminance;
+    }
+    /// Adds another's with a weight.
+    void add(const PredictedSpread& other, double weight) {
+        count += weight * other.count;
+        sum += weight * other.sum;
+        squares += weight * other.squares;
+    }
+    double mean() const { return count > 0 ? sum / count : 0; }
+    /// Variance of one camera ray over the squared mean or `floor`.
+    double relativeVariance(double floor) const;
+};
+
+/// The rule of a frame, from some of its pixels.
+///
+/// @param lightError  relMSE of one camera ray's samples
+AntialiasingRule makeAntialiasingRule(std::span<const PredictedSpread> pixels, double lightError,
+                                      int samples);
+
+/// Camera rays of each pixel of a tile for each that is asked for: 1, 2 or 4. By the spread of the
+/// pixel and of those beside it in the tile.
+///
+/// @param spreads  of the pixels at `places`
+std::vector<int> rayFactorsOf(std::span<const FilmPlace> places,
+                              std::span<const PredictedSpread> spreads,
+                              const AntialiasingRule& rule);
+
+}  // namespace shadowcache

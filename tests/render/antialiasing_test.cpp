@@ -1,0 +1,179 @@
+// Pixels whose camera rays are predicted to differ get more of them: which, that it adds no bias,
+// and what it gains.
+
+#include "render/frame/antialiasing.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/support/plain_set.h"
+#include "tests/support/statistics.h"
+
+namespace shadowcache {
+namespace {
+
+constexpr int kSide = 8;
+
+std::vector<FilmPlace> square() {
+    std::vector<FilmPlace> places;
+    for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) places.push_back({x + 100, y + 50});
+    return places;
+}
+
+PredictedSpread spreadOf(std::initializer_list<double> luminances) {
+    PredictedSpread spread;
+    for (const double luminance : luminances) spread.add(luminance);
+    return spread;
+}
+
+/// Bright on the left, dark on the right, both in column `edge`.
+std::vector<PredictedSpread> edgeAt(int edge) {
+    std::vector<PredictedSpread> spreads;
+    for (const FilmPlace& place : square()) {
+        const int x = place.x - 100;
+        spreads.push_back(x < edge    ? spreadOf({1, 1})
+                          : x == edge ? spreadOf({1, 0.1})
+                                      : spreadOf({0.1, 0.1}));
+    }
+    return spreads;
+}
+
+TEST(Antialiasing, OfAPixelFollowsWhatItsCameraRaysSee) {
+    const std::vector<FilmPlace> places = square();
+    const std::vector<int> factors = rayFactorsOf(places, edgeAt(4), {0, 0.02});
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const int distance = std::abs(places[i].x - 104);
+        if (distance == 0) {
+            EXPECT_EQ(factors[i], 4);
+        } else if (distance > 1) {
+            EXPECT_EQ(factors[i], 1);
+        }
+    }
+    // Control: what does not pay gets none.
+    for (const int factor : rayFactorsOf(places, edgeAt(4), {0, 2})) EXPECT_EQ(factor, 1);
+    // In the dark, absolute errors count.
+    for (const int factor : rayFactorsOf(places, edgeAt(4), {1e3, 0.02})) EXPECT_EQ(factor, 1);
+}
+
+TEST(Antialiasing, PaysByTheFramesErrorAndTheCostOfSamples) {
+    const std::vector<PredictedSpread> flat(16, spreadOf({2, 2})), rough(16, spreadOf({1, 3}));
+    EXPECT_DOUBLE_EQ(makeAntialiasingRule(flat, 0.1, 4).floor, 0.04);
+    const double least = makeAntialiasingRule(flat, 0.1, 4).least;
+    EXPECT_GT(least, 0);
+    EXPECT_DOUBLE_EQ(makeAntialiasingRule(flat, 0.2, 4).least, 2 * least);
+    // A noisier frame gains less by the same pixel, and so does one whose samples cost little.
+    EXPECT_GT(makeAntialiasingRule(rough, 0.1, 4).least, least);
+    EXPECT_GT(makeAntialiasingRule(flat, 0.1, 1).least, least);
+    EXPECT_LT(makeAntialiasingRule(flat, 0.1, 16).least, least);
+}
+
+/// A small frame of boxes on a plain before a bright sky.
+class AntialiasedFrame : public testing::Test {
+protected:
+    AntialiasedFrame() {
+        options_.width = 24;
+        options_.height = 16;
+        options_.filter = FilterKind::box;
+    }
+
+    /// Films of seeds of their own after one pilot.
+    std::vector<Film> films(int count, bool adaptive) {
+        const auto estimator = findEstimator("cache").make({scene_, environment_, &cache_.cache()});
+        FrameRequest frame{*estimator, camera_, 1, options_};
+        RenderStats stats;
+        frame.options.seed = 1000;
+        runPilot(frame, stats);
+        EXPECT_TRUE(frame.antialiasing);
+        if (!adaptive) frame.antialiasing.reset();
+        std::vector<Film> all;
+        for (frame.options.seed = 1; static_cast<int>(all.size()) < count; ++frame.options.seed)
+            all.push_back(render(frame, stats));
+        return all;
+    }
+
+    RenderOptions options_;
+
+private:
+    static BakeResult bakeOf(const Scene& scene) {
+        BakeOptions options;
+        options.spacing = 0.25;
+        options.level = 3;
+        return bake(scene, options);
+    }
+
+    const TriangleMesh mesh_ = test::plainMesh();
+    const Scene scene_{mesh_};
+    const Environment environment_ = test::environmentOf(test::noiseMap(64, 32, 5), 30);
+    const test::TestCache cache_{bakeOf(scene_)};
+    const Camera camera_ = lookAt({0.9, 0.5, 1.6}, {0, 0.1, 0.1}, {0, 1, 0}, 0.9);
+};
+
+double value(const Pixel& pixel) {
+    return static_cast<double>(luminance(pixel.color));
+}
+
+/// Mean over films of a pixel.
+double meanOf(const std::vector<Film>& films, std::size_t pixel) {
+    double sum = 0;
+    for (const Film& film : films) sum += value(film.pixels[pixel]);
+    return sum / static_cast<double>(films.size());
+}
+
+/// Camera rays of a pixel depend on what its neighbours and other rays of its own see, which must
+/// not show in its mean, at the edges least of all.
+TEST_F(AntialiasedFrame, PixelsWithMoreCameraRaysHaveTheSameMean) {
+    options_.cameraRays = 256;
+    options_.samples = 4;
+    const std::vector<Film> truth = films(8, false);
+    options_.cameraRays = 2;
+    options_.samples = 1;
+    const std::vector<Film> found = films(400, true);
+    std::vector<double> totals;
+    double wanted = 0;
+    for (std::size_t i = 0; i < truth.front().pixels.size(); ++i)
+        if (found.front().pixels[i].cameraRays > 2) wanted += meanOf(truth, i);
+    ASSERT_GT(wanted, 0);
+    for (const Film& film : found) {
+        double total = 0;
+        // Which pixels get more is the seed's own matter, so all that ever do are added up.
+        for (std::size_t i = 0; i < film.pixels.size(); ++i)
+            if (found.front().pixels[i].cameraRays > 2) total += value(film.pixels[i]);
+        totals.push_back(total / wanted);
+    }
+    EXPECT_GT(test::meanPValue(totals, 1), test::significance(1));
+    // Control: 1 % more.
+    EXPECT_LT(test::meanPValue(totals, 1.01), test::significance(1));
+}
+
+/// With as many samples.
+TEST_F(AntialiasedFrame, HaveLessError) {
+    options_.cameraRays = 256;
+    options_.samples = 4;
+    const std::vector<Film> truth = films(8, false);
+    options_.cameraRays = 4;
+    struct Found {
+        double error = 0, rays = 0, cameraRays = 0;
+    };
+    const auto measure = [&](bool adaptive) {
+        Found sum;
+        for (const Film& film : films(20, adaptive))
+            for (std::size_t i = 0; i < film.pixels.size(); ++i) {
+                const double mean = meanOf(truth, i), off = value(film.pixels[i]) - mean;
+                sum.error += off * off / (mean * mean + 0.01);
+                sum.rays += static_cast<double>(film.pixels[i].rays - film.pixels[i].reusedRays);
+                sum.cameraRays += static_cast<double>(film.pixels[i].cameraRays);
+            }
+        return sum;
+    };
+    const Found alike = measure(false), adaptive = measure(true);
+    EXPECT_LT(adaptive.error, 0.7 * alike.error);
+    EXPECT_NEAR(adaptive.rays, alike.rays, 0.1 * alike.rays);
+    EXPECT_LT(adaptive.cameraRays, 3 * alike.cameraRays);
+}
+
+}  // namespace
+}  // namespace shadowcache
