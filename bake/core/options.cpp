@@ -19,6 +19,10 @@ namespace {
 /// Items beyond which a bake with the default spacing would take more than a few minutes.
 SHADOWCACHE_TUNED(double, kMostItems, 300000);
 
+/// Items of a voxel above which a set is clutter, as foliage. There rays disagree by where they
+/// start more than by direction, at any spacing: it is made coarser in proportion.
+SHADOWCACHE_TUNED(double, kClutter, 3.2);
+
 /// Patches of the surface that the default spacing aims at.
 SHADOWCACHE_TUNED(double, kPatches, 40000);
 
@@ -57,8 +61,12 @@ double chooseSpacing(const TriangleMesh& mesh, SurfaceCount* count) {
         const SurfaceCount counted = countSurface(mesh, VoxelFrame(mesh, spacing));
         if (count) *count = counted;
         const auto items = static_cast<double>(counted.items);
-        if (items <= kMostItems) return spacing;
-        spacing = twoDigits(spacing * std::max(1.1, std::sqrt(items / kMostItems)));
+        const double ofVoxel = items / std::max(1.0, static_cast<double>(counted.voxels));
+        const double clutter = std::max(1.0, ofVoxel / kClutter);
+        // Items are in inverse proportion to the square of the spacing.
+        const double load = items * clutter * clutter;
+        if (load <= kMostItems) return spacing;
+        spacing = twoDigits(spacing * std::max(1.1, std::sqrt(load / kMostItems)));
     }
 }
 
