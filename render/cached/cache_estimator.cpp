@@ -21,6 +21,7 @@
 #include "render/cached/cluster_tools.h"
 #include "render/cached/control_variate.h"
 #include "render/cached/glossy_cache.h"
+#include "render/cached/heaviness.h"
 #include "render/cached/place_lookup.h"
 #include "render/cached/sample_budget.h"
 
@@ -119,9 +120,11 @@ private:
     const OpennessMeter openness_{context_.cache->header().tiers()};
     Calibration calibration_;
     std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
-    double darkest_ = 0;  ///< irradiance below which errors count no more [luminance]
+    double darkest_ = 0;     ///< irradiance below which errors count no more [luminance]
+    double heavy_ = kHeavy;  ///< part of a point's brightness from which on samples are reused
 
-    std::uint64_t run(std::span<const ShadingPoint> points, int samples) override {
+    std::uint64_t run(std::span<const ShadingPoint> points, int samples,
+                      double otherError) override {
         calibration_ = Calibration();
         std::vector<Calibration> found((points.size() + kPilotChunk - 1) / kPilotChunk);
         std::vector<std::uint64_t> rays(found.size());
@@ -137,9 +140,11 @@ private:
         calibration_.update();
         const std::vector<PredictedNoise> noise = predictNoise(points);
         double brightness = 0;
-        for (const PredictedNoise& n : noise) brightness += n.value;
-        darkest_ = noise.empty() ? 0 : kDarkest * brightness / static_cast<double>(noise.size());
+        for (const PredictedNoise& n : noise)
+            brightness += n.value / static_cast<double>(noise.size());
+        darkest_ = kDarkest * brightness;
         if (options_.adaptive) budget_.emplace(noise, samples);
+        heavy_ = findHeavy(points, samples, brightness, otherError);
         return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
     }
 
@@ -172,6 +177,32 @@ private:
             }
         });
         return noise;
+    }
+
+    /// Heaviness from which on samples are reused, as if each pixel had kJudgedSamples.
+    double findHeavy(std::span<const ShadingPoint> points, int samples, double brightness,
+                     double otherError) const {
+        std::vector<VarianceByHeaviness> parts((points.size() + kPilotChunk - 1) / kPilotChunk);
+        parallelFor(points.size(), kPilotChunk, [&](const Chunk& chunk) {
+            const auto workspace = makeWorkspace();
+            auto& w = static_cast<CacheWorkspace&>(*workspace);
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                const Regions& regions = lookAt(points[i], w);
+                const double scale = std::hypot(regions.predictedLuminance, 0.1 * brightness);
+                if (!(scale > 0)) continue;
+                parts[chunk.index].add(
+                    varianceByHeaviness(regions, PlanRules(), brightnessRule(), scale),
+                    samples / (kJudgedSamples * shareOf(regions, samples)),
+                    1 / static_cast<double>(points.size()));
+            }
+        });
+        VarianceByHeaviness all;
+        for (const VarianceByHeaviness& part : parts) all.add(part, 1, 1);
+        return all.heavyFrom(otherError);
+    }
+
+    Brightness brightnessRule() const {
+        return {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform};
     }
 
     static PredictedNoise predictedNoise(const Regions& regions) {
@@ -237,9 +268,8 @@ private:
         const Regions& regions =
             w.regionBuilder.build(w.lookup.pooled(), centre.normal, cluster.tilt, calibration_);
         const double share = shareOf(regions, batch.samples);
-        const SamplingPlan& plan =
-            w.planner.plan(regions, kJudgedSamples * share / batch.samples,
-                           {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform});
+        const SamplingPlan& plan = w.planner.plan(regions, kJudgedSamples * share / batch.samples,
+                                                  brightnessRule(), heavy_);
         const ControlVariate predicted(context_.environment, regions, plan);
         const auto members = w.tools.membersOf(cluster);
         for (const std::uint32_t point : members)

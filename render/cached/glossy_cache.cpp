@@ -26,7 +26,7 @@ SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
 }  // namespace
 
 PlanRules glossyRules() {
-    return {kGlossyDefensiveShare, kGlossyHeavy, kGlossyMostlyVisible};
+    return {kGlossyDefensiveShare, kGlossyMostlyVisible};
 }
 
 GlossyWorkspace::GlossyWorkspace(const Environment& environment, const DirectionTiers& tiers)
@@ -115,8 +115,8 @@ GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& clust
     const GlossyRegions& glossy = regionsOf(batch, cluster, central.alpha() >= kLeastFittedAlpha);
     const auto members = batch.tools.membersOf(cluster);
     const double share = batch.batch.samples;
-    const SamplingPlan& plan =
-        w.planner.plan(glossy.regions, kJudgedSamples, {batch.frame.darkest, kUnsureShareUniform});
+    const SamplingPlan& plan = w.planner.plan(
+        glossy.regions, kJudgedSamples, {batch.frame.darkest, kUnsureShareUniform}, kGlossyHeavy);
     const Rgb integral = integralOf(tables().cells, glossy, plan);
     for (std::size_t k = 0; k < members.size(); ++k)
         w.estimates[members[k]].irradiance = integral * w.matches[k].factor;

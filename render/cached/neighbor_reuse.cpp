@@ -21,7 +21,15 @@ SHADOWCACHE_TUNED(double, kMostGroupPoints, 256);
 /// Clusters that are asked how likely a misprediction is.
 SHADOWCACHE_TUNED(std::size_t, kAskedClusters, 32);
 
+double pointsOfGroup(double chance, double perFind) {
+    return std::clamp(perFind / std::max(chance, 1e-12), 1.0, kMostGroupPoints);
+}
+
 }  // namespace
+
+double pointsOfGroup(double chance) {
+    return pointsOfGroup(chance, kGroupPerFind);
+}
 
 NeighborReuse::NeighborReuse(const Environment& environment, const DirectionTiers& tiers)
     : environment_(environment), baseLevel_(tiers.baseLevel()), firstSlot_{0} {
@@ -142,8 +150,7 @@ std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
         chance += samples * static_cast<double>(offer.chance);
     }
     const double perFind = glossy_.empty() ? kGroupPerFind : kGlossyGroupPerFind;
-    const double mean = weight > 0 ? std::max(chance / weight, 1e-12) : 1.0;
-    const double most = std::clamp(perFind / mean, 1.0, kMostGroupPoints);
+    const double most = pointsOfGroup(weight > 0 ? chance / weight : 1.0, perFind);
     sizeBatch_[found.cell] = batchNumber_;
     return sizes_[found.cell] = std::max(1u, std::bit_floor(static_cast<std::uint32_t>(most)));
 }

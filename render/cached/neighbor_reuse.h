@@ -21,6 +21,10 @@ struct Misprediction {
     std::uint32_t finder;  ///< number of the point
 };
 
+/// Pixels of a group whose points are mispredicted with a probability of `chance`, before it is
+/// rounded to a power of two.
+double pointsOfGroup(double chance);
+
 /// Points of neighbouring pixels reuse each other's mispredictions, each of which is rare and
 /// heavy: multi-sample MIS. A point takes part in what another found with the balance heuristic
 /// over all points of its group that are mispredicted in that direction, too. Groups hold one

@@ -20,28 +20,36 @@ double deviationOf(const Regions& regions) {
     return (1 + kDefensiveShare) * regions.deviationSum;
 }
 
+RegionWeights::RegionWeights(const Regions& regions, const PlanRules& rules)
+    : sum((1 + rules.defensiveShare) * regions.deviationSum), regions_(regions) {
+    if (regions.lightSum > 0)
+        defence =
+            static_cast<float>(rules.defensiveShare * regions.deviationSum / regions.lightSum);
+}
+
+double RegionWeights::heaviness(double samples, const Brightness& brightness) const {
+    const double unsure = std::max(0.0, regions_.predictedLuminance - regions_.surelyVisible);
+    const double bright =
+        brightness.darkest + regions_.surelyVisible + brightness.unsureShare * unsure;
+    return sum / (bright * samples);
+}
+
 const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples,
-                                          const Brightness& brightness) {
+                                          const Brightness& brightness, double heavy) {
     plan_.groups.resize(regions.groups.size());
     plan_.weightSum = 0;
     if (!(regions.lightSum > 0)) return plan_;
-    const auto defence =
-        static_cast<float>(rules_.defensiveShare * regions.deviationSum / regions.lightSum);
-    const double unsure = std::max(0.0, regions.predictedLuminance - regions.surelyVisible);
-    const double bright =
-        brightness.darkest + regions.surelyVisible + brightness.unsureShare * unsure;
-    // A sample weighs light / (samples * weight / deviation).
-    const double deviation = (1 + rules_.defensiveShare) * regions.deviationSum;
-    const auto least = static_cast<float>(rules_.heavy * bright * samples / deviation);
+    const RegionWeights weights(regions, rules_);
+    const auto least = static_cast<float>(heavy / weights.heaviness(samples, brightness));
     for (std::size_t g = 0; g < regions.groups.size(); ++g) {
         const RegionGroup& from = regions.groups[g];
         PlannedGroup& to = plan_.groups[g];
         alignas(64) float marked[kBlockCells];
         for (int i = 0; i < kBlockCells; ++i) {
-            const float weight = from.deviation[i] + defence * from.light[i];
-            const float heavy = from.light[i] > least * weight ? 1.0f : 0.0f;
+            const float weight = weights.of(from, i);
+            const float isHeavy = from.light[i] > least * weight ? 1.0f : 0.0f;
             const float sign = from.visibility[i] < rules_.mostlyVisible ? 1.0f : -from.above[i];
-            to.reuse[i] = heavy * sign;
+            to.reuse[i] = isHeavy * sign;
             marked[i] = std::abs(to.reuse[i]);
             to.weight[i] = weight * (1 - marked[i] * (1 - kReuseWeight));
             const float rounded = to.reuse[i] > 0 ? 0.0f : 1.0f;

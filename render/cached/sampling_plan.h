@@ -26,7 +26,7 @@ struct SamplingPlan {
     double weightSum = 0;
 };
 
-/// Brightness below which a heavy sample does not matter.
+/// How bright a place is beside a sample.
 struct Brightness {
     double darkest = 0;      ///< irradiance below which errors count no more [luminance]
     double unsureShare = 0;  ///< how much of the light that is predicted but not sure counts
@@ -44,18 +44,32 @@ inline SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 /// counts: bounds what a misprediction can weigh.
 inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
 
-/// Part of the irradiance from which on a sample is heavy enough to be reused: what its rays to the
-/// neighbours cost is then well spent.
-inline SHADOWCACHE_TUNED(double, kHeavy, 0.045);
-
 /// Constants of a plan.
 struct PlanRules {
     /// Samples drawn in proportion to the light alone, for each that follows the counts: bounds
     /// what a misprediction can weigh.
     double defensiveShare = kDefensiveShare;
-    double heavy = kHeavy;  ///< part of a point's brightness from which on a sample is reused
     /// Predicted visibility from which on reuse expects the sky.
     float mostlyVisible = kMostlyVisible;
+};
+
+/// Weights of regions in a plan: by their predicted deviation, and a defensive share of their
+/// light.
+struct RegionWeights {
+    RegionWeights(const Regions& regions, const PlanRules& rules);
+
+    float of(const RegionGroup& group, int i) const {
+        return group.deviation[i] + defence * group.light[i];
+    }
+    /// What a sample that contradicts the prediction contributes, for each unit of light over
+    /// weight, as a part of the brightness of a point with so many samples.
+    double heaviness(double samples, const Brightness& brightness) const;
+
+    float defence = 0;
+    double sum = 0;
+
+private:
+    const Regions& regions_;
 };
 
 /// Standard deviation of one sample of a point, as the regions predict it.
@@ -70,8 +84,10 @@ class SamplingPlanner {
 public:
     explicit SamplingPlanner(const PlanRules& rules = {}) : rules_(rules) {}
 
+    /// @param heavy  part of a point's brightness from which on a sample is reused
     /// @return valid until the next call
-    const SamplingPlan& plan(const Regions& regions, double samples, const Brightness& brightness);
+    const SamplingPlan& plan(const Regions& regions, double samples, const Brightness& brightness,
+                             double heavy);
 
 private:
     PlanRules rules_;

@@ -91,7 +91,7 @@ public:
                                                    static_cast<double>(kMostPlaces)));
     }
 
-    std::uint64_t run(std::span<const ShadingPoint> points, int) override {
+    std::uint64_t run(std::span<const ShadingPoint> points, int, double) override {
         std::vector<TileRay> rays(points.size() * kPilotRays);
         std::vector<std::uint8_t> counts(points.size(), 0);
         parallelFor(points.size(), 64, [&](const Chunk& chunk) {

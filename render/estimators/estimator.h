@@ -155,8 +155,10 @@ public:
     /// Replaces whatever was learned from earlier frames.
     ///
     /// @param samples  what each pixel will be given, or their mean where the estimator shares out
+    /// @param otherError  relMSE of a pixel that 64 shadow rays leave even if all light is known
     /// @return number of shadow rays it took
-    virtual std::uint64_t run(std::span<const ShadingPoint> points, int samples) = 0;
+    virtual std::uint64_t run(std::span<const ShadingPoint> points, int samples,
+                              double otherError) = 0;
 };
 
 /// What the cache predicts at a place before any ray is traced there.

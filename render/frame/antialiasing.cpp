@@ -59,20 +59,21 @@ double PredictedSpread::relativeVariance(double floor) const {
     return square + floor > 0 ? variance / (square + floor) : 0;
 }
 
-AntialiasingRule makeAntialiasingRule(std::span<const PredictedSpread> pixels, double lightError,
-                                      int samples) {
-    AntialiasingRule rule;
+FrameSpread spreadOf(std::span<const PredictedSpread> pixels) {
+    FrameSpread frame;
     const auto count = static_cast<double>(std::max<std::size_t>(pixels.size(), 1));
     double mean = 0;
     for (const PredictedSpread& pixel : pixels) mean += pixel.mean() / count;
-    rule.floor = 0.01 * mean * mean;
-    double cameraError = 0;
+    frame.floor = 0.01 * mean * mean;
     for (const PredictedSpread& pixel : pixels)
-        cameraError += pixel.relativeVariance(rule.floor) / count;
+        frame.cameraError += pixel.relativeVariance(frame.floor) / count;
+    return frame;
+}
+
+AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int samples) {
     // Twice the camera rays of a pixel lower its error v / M by v / 2 M and cost M: worth it if
     // that share of the frame's error is more than the share of its cost.
-    rule.least = 2 * (lightError + cameraError) / (1 + kSampleCost * samples);
-    return rule;
+    return {frame.floor, 2 * (lightError + frame.cameraError) / (1 + kSampleCost * samples)};
 }
 
 std::vector<int> rayFactorsOf(std::span<const FilmPlace> places,

@@ -37,11 +37,17 @@ struct PredictedSpread {
     double relativeVariance(double floor) const;
 };
 
-/// The rule of a frame, from some of its pixels.
-///
+/// How much the camera rays of a pixel are predicted to differ in a frame, on the mean.
+struct FrameSpread {
+    double floor = 0;        ///< as AntialiasingRule has it
+    double cameraError = 0;  ///< relMSE of one camera ray, if its light were known
+};
+
+/// From some of the frame's pixels.
+FrameSpread spreadOf(std::span<const PredictedSpread> pixels);
+
 /// @param lightError  relMSE of one camera ray's samples
-AntialiasingRule makeAntialiasingRule(std::span<const PredictedSpread> pixels, double lightError,
-                                      int samples);
+AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int samples);
 
 /// Camera rays of each pixel of a tile for each that is asked for: 1, 2 or 4. By the spread of the
 /// pixel and of those beside it in the tile.

@@ -16,28 +16,29 @@ namespace {
 /// Pixels that the rule of a frame is made of.
 SHADOWCACHE_TUNED(std::size_t, kRulePixels, 256);
 
-std::optional<AntialiasingRule> findAntialiasingRule(const FrameRequest& frame,
-                                                     const TileRenderer& renderer,
-                                                     double coverage) {
+/// By how much the 16 camera rays of a pixel with 64 shadow rays divide the error of one, about:
+/// they are stratified.
+SHADOWCACHE_TUNED(double, kCameraRaysOfPixel, 32);
+
+/// What some pixels are predicted to show; nothing where their camera rays do not matter.
+std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const TileRenderer& renderer) {
     const RenderOptions& options = frame.options;
-    const LightPrediction* prediction = frame.estimator.prediction();
-    if (options.cameraRays < 2 || !prediction || !prediction->predictedError()) return {};
+    if (options.cameraRays < 2 || !frame.estimator.prediction()) return {};
     std::vector<PredictedSpread> pixels(kRulePixels);
     parallelFor(kRulePixels, kRulePixels / 8, [&](const Chunk& chunk) {
         const auto workspace = frame.estimator.makeWorkspace();
         TileScratch scratch;
         for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
+            const std::uint64_t seed =
+                pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k));
             const auto at = [&](std::uint64_t axis, int size) {
-                return static_cast<int>(toUnit(hashWords(pixelSeed(options.seed, frame.number, -1,
-                                                                   -1, static_cast<int>(k)),
-                                                         FrameSalt::rulePixel, axis)) *
-                                        size);
+                return static_cast<int>(toUnit(hashWords(seed, FrameSalt::rulePixel, axis)) * size);
             };
             pixels[k] = renderer.predictSpread({at(0, options.width), at(1, options.height)},
                                                scratch, *workspace);
         }
     });
-    return makeAntialiasingRule(pixels, coverage * *prediction->predictedError(), options.samples);
+    return spreadOf(pixels);
 }
 
 }  // namespace
@@ -69,11 +70,17 @@ void runPilot(FrameRequest& frame, RenderStats& stats) {
     std::vector<ShadingPoint> points;
     for (const std::optional<ShadingPoint>& point : seen)
         if (point) points.push_back(*point);
-    stats.shadowRays += pilot->run(points, options.samples);
+    const std::optional<FrameSpread> spread = predictFrame(frame, renderer);
+    stats.shadowRays +=
+        pilot->run(points, options.samples, spread ? spread->cameraError / kCameraRaysOfPixel : 0);
     stats.cameraRays += places;
-    frame.antialiasing = findAntialiasingRule(
-        frame, renderer,
-        static_cast<double>(points.size()) / static_cast<double>(std::max<std::size_t>(places, 1)));
+    const LightPrediction* prediction = frame.estimator.prediction();
+    if (spread && prediction->predictedError())
+        frame.antialiasing = makeAntialiasingRule(
+            *spread,
+            *prediction->predictedError() * static_cast<double>(points.size()) /
+                static_cast<double>(std::max<std::size_t>(places, 1)),
+            options.samples);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.seconds += seconds;

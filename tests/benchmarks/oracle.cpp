@@ -81,14 +81,14 @@ void oracle(const Settings& settings) {
             double bright = 0;
             for (const ShadingPoint& p : points)
                 bright += test::runEstimator(*made, p, 256, 1).mean(1) / kPlaces;
-            made->pilot()->run(points, settings.samples);
+            made->pilot()->run(points, settings.samples, 0);
             double ours = 0, best = 0;
             for (const ShadingPoint& p : points) {
                 ours += relativeVariance(*made, p, settings.samples, 0.1 * bright) / kPlaces;
                 const test::TestCache traced = cacheAt(*set->scene, p, bake);
                 const auto there =
                     findEstimator("cache").make({*set->scene, *environment, &traced.cache(), {}});
-                there->pilot()->run({&p, 1}, settings.samples);
+                there->pilot()->run({&p, 1}, settings.samples, 0);
                 best += relativeVariance(*there, p, settings.samples, 0.1 * bright) / kPlaces;
             }
             std::printf("%-9s %-13s %12.4g %12.4g %7.2f\n", name.c_str(), map.c_str(), ours, best,

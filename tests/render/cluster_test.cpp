@@ -42,7 +42,7 @@ protected:
         std::iota(members_.begin(), members_.end(), 0u);
         RegionBuilder builder(environment_, cache_.cache().header().tiers());
         regions_ = builder.build(pooled_, centre.normal, kTilt, Calibration());
-        plan_ = SamplingPlanner().plan(regions_, 64, {0, 0.4});
+        plan_ = SamplingPlanner().plan(regions_, 64, {0, 0.4}, 0.045);
     }
 
     std::span<const ClusterSample> draw(double share, std::uint64_t seed) {

@@ -191,12 +191,12 @@ TEST(DomeLightInARoom, HasLessNoiseOnceItHasLearned) {
     const std::span<const ShadingPoint> some = std::span(places).first(60);
     const auto dome = findEstimator("dome").make({room, environment, nullptr, {}});
     const double before = meanVariance(*dome, some);
-    EXPECT_GT(dome->pilot()->run(places, 16), 10000u);
+    EXPECT_GT(dome->pilot()->run(places, 16, 0), 10000u);
     EXPECT_LT(meanVariance(*dome, some), 0.5 * before);
 
     std::vector<ShadingPoint> wrong = places;
     for (ShadingPoint& place : wrong) place.rayOrigin.y -= 0.01f;
-    dome->pilot()->run(wrong, 16);
+    dome->pilot()->run(wrong, 16, 0);
     EXPECT_GT(meanVariance(*dome, some), 0.8 * before);
 }
 
@@ -221,7 +221,7 @@ TEST_F(DomeLight, IsUnbiasedWhateverItHasLearned) {
             place.rayOrigin += lie.offset;
             place.normal *= lie.normal;
         }
-        if (lie.normal != 0) dome->pilot()->run(told, 16);
+        if (lie.normal != 0) dome->pilot()->run(told, 16, 0);
         for (const Vec3f& place : places) {
             const ShadingPoint point = test::pointAlong(scene_, place, {0, -1, 0});
             const Rgb truth = test::tracedIrradiance(scene_, point, map_, 160);

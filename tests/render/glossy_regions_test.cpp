@@ -170,7 +170,7 @@ protected:
         lookup.pool(world_.scene, point_, 0);
         GlossyRegionBuilder builder(world_.environment, world_.cache.cache().header().tiers());
         glossy_ = builder.build(cells_, lookup.pooled(), lobe_, 0.01f, Calibration());
-        plan_ = SamplingPlanner(glossyRules()).plan(glossy_.regions, 64, {0, 0.2});
+        plan_ = SamplingPlanner(glossyRules()).plan(glossy_.regions, 64, {0, 0.2}, 0.02);
     }
 
     test::World world_{test::slabMesh(), test::noiseMap(64, 32, 7)};

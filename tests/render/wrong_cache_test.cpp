@@ -109,7 +109,7 @@ std::vector<WrongCache> wrongCaches() {
 void runPilot(Estimator& estimator, const ShadingPoint& point) {
     std::vector<ShadingPoint> points(200, point);
     for (std::size_t i = 0; i < points.size(); ++i) points[i].seed = hashWords(i, 1000);
-    if (FramePilot* pilot = estimator.pilot()) pilot->run(points, 64);
+    if (FramePilot* pilot = estimator.pilot()) pilot->run(points, 64, 0);
 }
 
 class WrongCaches : public testing::TestWithParam<std::size_t> {};
@@ -186,7 +186,7 @@ TEST(CalibratedWrongCache, CostsAtMostTwiceTheNoiseOfMis) {
         const auto estimator =
             findEstimator("cache").make({scene, environment, &cache.cache(), {}});
         worstWithoutPilot = std::max(worstWithoutPilot, meanVariance(*estimator, points));
-        EXPECT_GT(estimator->pilot()->run(points, 64), 0u);
+        EXPECT_GT(estimator->pilot()->run(points, 64, 0), 0u);
         const double variance = meanVariance(*estimator, points);
         EXPECT_LT(std::sqrt(variance / mis), 2) << chosen.name;
         worst = std::max(worst, variance);

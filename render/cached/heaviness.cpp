@@ -1,0 +1,75 @@
+#include "render/cached/heaviness.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/tuned.h"
+#include "render/cached/neighbor_reuse.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// The same as a part of a pixel's standard deviation: lighter ones are lost in the noise of all
+/// else.
+SHADOWCACHE_TUNED(double, kHeavyDeviations, 0.6);
+
+/// Share of a group that a misprediction concerns, about.
+SHADOWCACHE_TUNED(double, kSharedMispredictions, 0.6);
+
+/// The first bin ends here.
+constexpr double kLeastHeaviness = 0x1p-20;
+constexpr double kBinsAnOctave = 4;
+
+double heavinessOf(std::size_t bin) {
+    return kLeastHeaviness * std::exp2(static_cast<double>(bin) / kBinsAnOctave);
+}
+
+}  // namespace
+
+void VarianceByHeaviness::add(double heaviness, double variance, double ifReused) {
+    const double bin = std::floor(
+        kBinsAnOctave * std::log2(std::max(heaviness, kLeastHeaviness) / kLeastHeaviness));
+    const auto i = static_cast<std::size_t>(std::clamp(bin, 0.0, kBins - 1.0));
+    variance_[i] += variance;
+    ifReused_[i] += ifReused;
+}
+
+void VarianceByHeaviness::add(const VarianceByHeaviness& other, double factor, double share) {
+    for (std::size_t bin = 0; bin < kBins; ++bin)
+        if (other.variance_[bin] > 0)
+            add(factor * heavinessOf(bin), factor * share * other.variance_[bin],
+                factor * share * other.ifReused_[bin]);
+}
+
+double VarianceByHeaviness::heavyFrom(double otherError) const {
+    // The more is reused, the less error is left, and the lighter samples are heavy: from below.
+    double error = otherError;
+    for (const double left : ifReused_) error += left;
+    const auto heavy = [&] { return std::max(kHeavy, kHeavyDeviations * std::sqrt(error)); };
+    for (std::size_t bin = 0; bin < kBins && heavinessOf(bin) < heavy(); ++bin)
+        error += variance_[bin] - ifReused_[bin];
+    return heavy();
+}
+
+VarianceByHeaviness varianceByHeaviness(const Regions& regions, const PlanRules& rules,
+                                        const Brightness& brightness, double scale) {
+    VarianceByHeaviness found;
+    if (!(regions.lightSum > 0)) return found;
+    const RegionWeights weights(regions, rules);
+    const double perLight = weights.heaviness(1, brightness);
+    for (const RegionGroup& group : regions.groups)
+        for (int i = 0; i < kBlockCells; ++i) {
+            if (!(group.deviation[i] > 0)) continue;
+            const auto weight = static_cast<double>(weights.of(group, i));
+            const double relative = static_cast<double>(group.deviation[i]) / scale;
+            const double variance = relative * relative * weights.sum / weight;
+            const auto visible = static_cast<double>(group.calibrated[i]);
+            const double chance = group.visibility[i] < rules.mostlyVisible ? visible : 1 - visible;
+            found.add(perLight * static_cast<double>(group.light[i]) / weight, variance,
+                      variance / (1 + kSharedMispredictions * (pointsOfGroup(chance) - 1)));
+        }
+    return found;
+}
+
+}  // namespace shadowcache
