@@ -243,12 +243,23 @@ private:
         return true;
     }
 
+    /// Camera rays asked for by samples of each; those that pixels have, where they have more.
+    void printEffort() const {
+        if (job_.targetError > 0) {
+            std::printf(", %.4g camera rays a pixel", stats_.cameraRaysAPixel);
+            return;
+        }
+        std::printf(", %d x %d samples", job_.render.cameraRays, stats_.samples);
+        if (stats_.cameraRaysAPixel > job_.render.cameraRays)
+            std::printf(" with %.4g camera rays a pixel", stats_.cameraRaysAPixel);
+    }
+
     void summarize() const {
         std::printf("%s: %zu frame%s", entry_.name, rendered_, rendered_ == 1 ? "" : "s");
         if (job_.resume)
             std::printf(" (%zu more %s done)", skipped_, skipped_ == 1 ? "was" : "were");
-        std::printf(", %.4g x %d samples, %.1f M camera rays, %.1f M shadow rays",
-                    stats_.cameraRaysAPixel, stats_.samples,
+        printEffort();
+        std::printf(", %.1f M camera rays, %.1f M shadow rays",
                     static_cast<double>(stats_.cameraRays) * 1e-6,
                     static_cast<double>(stats_.shadowRays) * 1e-6);
         if (stats_.reusedRays > 0)
