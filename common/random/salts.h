@@ -23,7 +23,6 @@ enum class BakeSalt : std::uint64_t {
 enum class FrameSalt : std::uint64_t {
     pilotColumn = 1,  ///< place of a pilot ray in the frame
     pilotRow = 2,
-    spreadRays = 3,   ///< of a pixel: camera rays that decide how many it gets
     rulePixel = 4,  ///< a pixel that a frame's rule is made of; third word: column or row
     someTiles = 82,  ///< which tiles are rendered for an estimate of the whole frame
     tileBorder =
@@ -48,6 +47,7 @@ enum class RenderSalt : std::uint64_t {
     glossRounding = 89,   ///< rounds these samples' numbers
     glossCluster = 94,    ///< a pixel's seed for the samples of its glossy points in clusters
     glossShare = 95,      ///< rounds the samples of their regions
+    spreadRays = 96,      ///< camera rays that decide how many a pixel gets
     domePilotTile = 90,   ///< tiles of the map that `dome`'s pilot rays go to
     domePilotTexel = 91,  ///< places of these rays in their texels
     domeTurn = 92,        ///< which of `dome`'s samples is the first drawn by the cosine

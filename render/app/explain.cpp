@@ -93,6 +93,8 @@ std::string explain(FrameRequest frame, const Forecast& forecast) {
     runPilot(frame, pilot);
     FrameRequest smaller = frame;
     RenderOptions& small = smaller.options;
+    // A thumbnail has edges in many more of its pixels.
+    smaller.antialiasing.reset();
     const FilmRectangle region = options.region();
     const double pixels = static_cast<double>(region.width) * region.height;
     const double shrink =

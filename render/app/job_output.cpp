@@ -143,6 +143,7 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
     out.set("seconds.setup", stats.setupSeconds);
     out.set("seconds.trace", stats.traceSeconds);
     out.set("rays.camera", stats.cameraRays);
+    out.set("rays.camera_pilot", stats.spreadRays);
     if (cache) out.set("rays.without_items", stats.raysWithoutItems);
     out.set("rays.shadow", stats.shadowRays);
     out.set("rays.own", stats.shadowRays - stats.reusedRays);

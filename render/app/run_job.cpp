@@ -243,14 +243,14 @@ private:
         return true;
     }
 
-    /// Camera rays asked for by samples of each; those that pixels have, where they have more.
+    /// Camera rays asked for by samples of each; those that pixels have, where these are others.
     void printEffort() const {
         if (job_.targetError > 0) {
             std::printf(", %.4g camera rays a pixel", stats_.cameraRaysAPixel);
             return;
         }
         std::printf(", %d x %d samples", job_.render.cameraRays, stats_.samples);
-        if (stats_.cameraRaysAPixel > job_.render.cameraRays)
+        if (stats_.cameraRaysAPixel != job_.render.cameraRays)
             std::printf(" with %.4g camera rays a pixel", stats_.cameraRaysAPixel);
     }
 
@@ -260,7 +260,7 @@ private:
             std::printf(" (%zu more %s done)", skipped_, skipped_ == 1 ? "was" : "were");
         printEffort();
         std::printf(", %.1f M camera rays, %.1f M shadow rays",
-                    static_cast<double>(stats_.cameraRays) * 1e-6,
+                    static_cast<double>(stats_.cameraRays + stats_.spreadRays) * 1e-6,
                     static_cast<double>(stats_.shadowRays) * 1e-6);
         if (stats_.reusedRays > 0)
             std::printf(" (%.1f M of them reuse neighbours' samples)",

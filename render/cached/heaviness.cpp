@@ -10,8 +10,8 @@ namespace shadowcache {
 
 namespace {
 
-/// The same as a part of a pixel's standard deviation: lighter ones are lost in the noise of all
-/// else.
+/// Part of a pixel's standard deviation from which on a sample is heavy: lighter ones are lost in
+/// the noise of all else.
 SHADOWCACHE_TUNED(double, kHeavyDeviations, 0.6);
 
 /// Share of a group that a misprediction concerns, about.
@@ -21,8 +21,9 @@ SHADOWCACHE_TUNED(double, kSharedMispredictions, 0.6);
 constexpr double kLeastHeaviness = 0x1p-20;
 constexpr double kBinsAnOctave = 4;
 
+/// The middle of a bin.
 double heavinessOf(std::size_t bin) {
-    return kLeastHeaviness * std::exp2(static_cast<double>(bin) / kBinsAnOctave);
+    return kLeastHeaviness * std::exp2((static_cast<double>(bin) + 0.5) / kBinsAnOctave);
 }
 
 }  // namespace
@@ -65,9 +66,13 @@ VarianceByHeaviness varianceByHeaviness(const Regions& regions, const PlanRules&
             const double relative = static_cast<double>(group.deviation[i]) / scale;
             const double variance = relative * relative * weights.sum / weight;
             const auto visible = static_cast<double>(group.calibrated[i]);
-            const double chance = group.visibility[i] < rules.mostlyVisible ? visible : 1 - visible;
+            const bool darkIsPredicted = group.visibility[i] < rules.mostlyVisible;
+            const double chance = darkIsPredicted ? visible : 1 - visible;
+            const double gain = darkIsPredicted || group.above[i] > 0
+                                    ? 1 + kSharedMispredictions * (pointsOfGroup(chance) - 1)
+                                    : 1;
             found.add(perLight * static_cast<double>(group.light[i]) / weight, variance,
-                      variance / (1 + kSharedMispredictions * (pointsOfGroup(chance) - 1)));
+                      variance / gain);
         }
     return found;
 }

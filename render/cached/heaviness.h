@@ -7,8 +7,8 @@
 
 namespace shadowcache {
 
-/// Part of the irradiance from which on a sample is heavy enough to be reused: what its rays to the
-/// neighbours cost is then well spent.
+/// Least part of the irradiance from which on a sample is heavy enough to be reused: what its rays
+/// to the neighbours cost is then well spent.
 inline SHADOWCACHE_TUNED(double, kHeavy, 0.045);
 
 /// Predicted variance of samples by their heaviness: what one that contradicts the prediction

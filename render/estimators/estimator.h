@@ -42,7 +42,7 @@ struct ShadingPoint {
 /// pixel along a Morton curve and in a pixel by camera ray. A ray that meets the sky has no point.
 struct PointBatch {
     std::span<const ShadingPoint> points;
-    int samples = 1;                 ///< wanted of each point
+    int samples = 1;                 ///< wanted of each point, times its share
     std::uint32_t pixels = 1;        ///< numbers of pixels are below it
     std::uint32_t cameraRays = 1;    ///< most of a pixel
     std::uint32_t pixelSamples = 1;  ///< of a pixel, over all batches
@@ -155,7 +155,7 @@ public:
     /// Replaces whatever was learned from earlier frames.
     ///
     /// @param samples  what each pixel will be given, or their mean where the estimator shares out
-    /// @param otherError  relMSE of a pixel that 64 shadow rays leave even if all light is known
+    /// @param otherError  relMSE that the camera rays leave, of a pixel with 64 shadow rays
     /// @return number of shadow rays it took
     virtual std::uint64_t run(std::span<const ShadingPoint> points, int samples,
                               double otherError) = 0;

@@ -65,8 +65,11 @@ FrameSpread spreadOf(std::span<const PredictedSpread> pixels) {
     double mean = 0;
     for (const PredictedSpread& pixel : pixels) mean += pixel.mean() / count;
     frame.floor = 0.01 * mean * mean;
+    // n values about their own mean vary by (n - 1) / n too little.
     for (const PredictedSpread& pixel : pixels)
-        frame.cameraError += pixel.relativeVariance(frame.floor) / count;
+        if (pixel.count > 1)
+            frame.cameraError +=
+                pixel.relativeVariance(frame.floor) * pixel.count / (pixel.count - 1) / count;
     return frame;
 }
 

@@ -3,12 +3,16 @@
 #include <span>
 #include <vector>
 
+#include "common/base/tuned.h"
 #include "render/frame/tiles.h"
 
 namespace shadowcache {
 
-/// When a pixel gets more camera rays than asked for, and as many fewer samples with each: where
-/// what a camera ray is predicted to see differs more within the pixel than more rays cost. From
+/// Most camera rays of a pixel that decide how many it gets.
+inline SHADOWCACHE_TUNED(int, kMostSpreadRays, 4);
+
+/// Which pixels get more camera rays than asked for, and as many fewer samples with each: those
+/// whose camera rays are predicted to see such different things that more rays pay. Decided by
 /// predictions alone, at camera rays that are not the picture's, so that it adds no bias.
 struct AntialiasingRule {
     /// Square of the luminance below which errors are absolute, as relMSE has it.

@@ -20,6 +20,7 @@ struct RenderStats {
     double setupSeconds = 0;
     double traceSeconds = 0;  ///< of it in tracing shadow rays and adding them up, likewise
     std::uint64_t cameraRays = 0;
+    std::uint64_t spreadRays = 0;  ///< camera rays beside them: they decide how many a pixel gets
     std::uint64_t shadowRays = 0;
     /// Of them met the set where the cache that is used holds no item.
     std::uint64_t raysWithoutItems = 0;
@@ -35,8 +36,8 @@ struct FrameRequest {
     Camera camera;
     int number;
     RenderOptions options;
-    /// Camera rays of the pixels of each tile that the region touches, 1 .. options.cameraRays, in
-    /// the order of Tiles::touching; empty: options.cameraRays everywhere.
+    /// Camera rays asked for of the pixels of each tile that the region touches, 1 ..
+    /// options.cameraRays, in the order of Tiles::touching; empty: options.cameraRays everywhere.
     std::vector<int> tileRays = {};
     /// From runPilot(); none: each pixel has just the camera rays that are asked for.
     std::optional<AntialiasingRule> antialiasing = {};

@@ -24,8 +24,8 @@ struct RenderOptions {
     int width = 960;
     int height = 540;
     int samples = 64;    ///< shadow rays a camera ray
-    int cameraRays = 1;  ///< camera rays a pixel; one goes through the pixel's centre
-    int passRays = 64;   ///< camera rays of a pixel that are lit together, at most
+    int cameraRays = 1;  ///< asked for a pixel; one goes through the pixel's centre
+    int passRays = 64;   ///< of them those that are lit together, at most
     FilterKind filter = FilterKind::blackmanHarris;
     double filterWidth = 0;             ///< in pixels; 0: 1 for the box, 1.5 for the others
     std::optional<FilmRectangle> crop;  ///< the part of the frame to render; none: all of it

@@ -18,10 +18,11 @@ SHADOWCACHE_TUNED(std::size_t, kRulePixels, 256);
 
 /// By how much the 16 camera rays of a pixel with 64 shadow rays divide the error of one, about:
 /// they are stratified.
-SHADOWCACHE_TUNED(double, kCameraRaysOfPixel, 32);
+SHADOWCACHE_TUNED(double, kCameraRaysOfPixel, 40);
 
 /// What some pixels are predicted to show; nothing where their camera rays do not matter.
-std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const TileRenderer& renderer) {
+std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const TileRenderer& renderer,
+                                        RenderStats& stats) {
     const RenderOptions& options = frame.options;
     if (options.cameraRays < 2 || !frame.estimator.prediction()) return {};
     std::vector<PredictedSpread> pixels(kRulePixels);
@@ -35,9 +36,10 @@ std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const TileRen
                 return static_cast<int>(toUnit(hashWords(seed, FrameSalt::rulePixel, axis)) * size);
             };
             pixels[k] = renderer.predictSpread({at(0, options.width), at(1, options.height)},
-                                               scratch, *workspace);
+                                               kMostSpreadRays, scratch, *workspace);
         }
     });
+    stats.spreadRays += kRulePixels * kMostSpreadRays;
     return spreadOf(pixels);
 }
 
@@ -45,6 +47,7 @@ std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const TileRen
 
 void runPilot(FrameRequest& frame, RenderStats& stats) {
     const RenderOptions& options = frame.options;
+    frame.antialiasing.reset();
     FramePilot* pilot = frame.estimator.pilot();
     if (options.samples == 0 || !pilot) return;
     const auto start = std::chrono::steady_clock::now();
@@ -70,7 +73,7 @@ void runPilot(FrameRequest& frame, RenderStats& stats) {
     std::vector<ShadingPoint> points;
     for (const std::optional<ShadingPoint>& point : seen)
         if (point) points.push_back(*point);
-    const std::optional<FrameSpread> spread = predictFrame(frame, renderer);
+    const std::optional<FrameSpread> spread = predictFrame(frame, renderer, stats);
     stats.shadowRays +=
         pilot->run(points, options.samples, spread ? spread->cameraError / kCameraRaysOfPixel : 0);
     stats.cameraRays += places;

@@ -53,7 +53,7 @@ void Workspaces::addCounts(RenderStats& stats) {
         setup += std::exchange(workspace.setupNanoseconds, 0);
         trace += std::exchange(workspace.traceNanoseconds, 0);
         stats.raysWithoutItems += std::exchange(workspace.pointsWithoutItems, 0);
-        stats.cameraRays += std::exchange(tools->scratch.spreadRays, 0);
+        stats.spreadRays += std::exchange(tools->scratch.spreadRays, 0);
     }
     stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
     stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();

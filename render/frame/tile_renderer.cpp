@@ -17,10 +17,8 @@ namespace {
 /// Samples of a batch, at most, so that its memory is bounded for any number of samples.
 constexpr int kBatchSamples = 1 << 21;
 
-/// Camera rays that decide how many a pixel gets: for each of the pixel's so many there is one.
+/// A pixel has one camera ray that decides how many it gets for so many that are asked for.
 SHADOWCACHE_TUNED(int, kRaysOfSpreadRay, 4);
-/// Most of them.
-SHADOWCACHE_TUNED(int, kMostSpreadRays, 4);
 
 void addInsight(const CacheInsight& insight, Pixel& pixel) {
     pixel.openness += insight.openness;
@@ -110,7 +108,7 @@ void TileRenderer::intersect(std::span<TileScratch::Ray> rays) const {
     }
 }
 
-PredictedSpread TileRenderer::predictSpread(const FilmPlace& place, TileScratch& scratch,
+PredictedSpread TileRenderer::predictSpread(const FilmPlace& place, int count, TileScratch& scratch,
                                             Workspace& workspace) const {
     const LightPrediction* prediction = estimator_.prediction();
     PredictedSpread spread;
@@ -118,10 +116,8 @@ PredictedSpread TileRenderer::predictSpread(const FilmPlace& place, TileScratch&
     const Environment& environment = context_.environment;
     scratch.rays.clear();
     const std::uint64_t seed =
-        hashWords(pixelSeed(options_.seed, number_, place.x, place.y, -1), FrameSalt::spreadRays);
-    // By the size of a pass, so that n passes are those of the whole.
-    const int pass = std::min(options_.cameraRays, options_.passRays);
-    aim(place, 0, seed, 0, std::clamp(pass / kRaysOfSpreadRay, 1, kMostSpreadRays), scratch);
+        hashWords(pixelSeed(options_.seed, number_, place.x, place.y, -1), RenderSalt::spreadRays);
+    aim(place, 0, seed, 0, count, scratch);
     scratch.spreadRays += scratch.rays.size();
     intersect(scratch.rays);
     for (const TileScratch::Ray& ray : scratch.rays) {
@@ -131,17 +127,16 @@ PredictedSpread TileRenderer::predictSpread(const FilmPlace& place, TileScratch&
                 environment.luminance(environment.radiance(ray.view.direction))));
             continue;
         }
-        ShadingPoint point;
-        point.position = worldPosition(context_.scene, hit);
-        point.normal = ray.view.shadingNormal();
-        point.geometricNormal = ray.view.geometricNormal();
+        const ShadingPoint point = shadingPoint(ray.view, 0, place.x, place.y);
         const TriangleMesh& mesh = hit.scene->mesh();
         const Surface surface = surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u,
                                           hit.v, options_.plain);
-        // Mirrors as if they were diffuse: only differences matter here.
-        const Rgb reflected =
-            surface.baseColor * prediction->predict(point, workspace) * static_cast<float>(1 / kPi);
-        spread.add(static_cast<double>(environment.luminance(reflected + surface.emission)));
+        // Gloss as if it were diffuse.
+        Rgb radiance = surface.emission;
+        if (!surface.unlit)
+            radiance += surface.baseColor * prediction->predict(point, workspace) *
+                        static_cast<float>(1 / kPi);
+        spread.add(static_cast<double>(environment.luminance(radiance)));
     }
     return spread;
 }
@@ -150,8 +145,11 @@ void TileRenderer::chooseRayFactors(std::span<const FilmPlace> places, TileScrat
                                     Workspace& workspace, std::span<PixelSum> sums) const {
     std::vector<PredictedSpread> spreads;
     spreads.reserve(places.size());
+    // By the size of a pass, so that n passes are those of the whole.
+    const int pass = std::min(options_.cameraRays, options_.passRays);
+    const int count = std::clamp(pass / kRaysOfSpreadRay, 1, kMostSpreadRays);
     for (const FilmPlace& place : places)
-        spreads.push_back(predictSpread(place, scratch, workspace));
+        spreads.push_back(predictSpread(place, count, scratch, workspace));
     const std::vector<int> factors = rayFactorsOf(places, spreads, *antialiasing_);
     for (std::size_t i = 0; i < sums.size(); ++i) sums[i].rayFactor = factors[i];
 }

@@ -56,10 +56,10 @@ public:
     /// The place that a camera ray met.
     ShadingPoint shadingPoint(const View& view, std::uint64_t seed, int filmX, int filmY) const;
 
-    /// What some camera rays of a pixel are predicted to see; they are none of the picture's.
+    /// What `count` camera rays of a pixel are predicted to see; they are none of the picture's.
     ///
     /// @return nothing where the estimator predicts nothing
-    PredictedSpread predictSpread(const FilmPlace& place, TileScratch& scratch,
+    PredictedSpread predictSpread(const FilmPlace& place, int count, TileScratch& scratch,
                                   Workspace& workspace) const;
 
     /// Adds camera rays `first` to `first + count - 1` of each pixel of a tile, or as many times

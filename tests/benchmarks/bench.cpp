@@ -128,19 +128,35 @@ Settings fullMatrix(Settings settings) {
     return settings;
 }
 
-Rendered renderWith(const EstimatorContext& context, const Set& set, const std::string& estimator,
-                    int frame, const RenderOptions& options,
-                    const EstimatorOptions& estimatorOptions) {
+namespace {
+
+Rendered renderAs(const EstimatorContext& context, const Set& set, const std::string& estimator,
+                  int frame, const RenderOptions& options, const EstimatorOptions& estimatorOptions,
+                  bool sameRays) {
     const auto made = findEstimator(estimator).make(context, estimatorOptions);
     Rendered rendered;
     const Camera camera = cameraAtFrame(set.cameras, frame);
     const std::clock_t start = std::clock();
     FrameRequest request{*made, camera, frame, options};
     runPilot(request, rendered.stats);
+    if (sameRays) request.antialiasing.reset();
     rendered.image = colorImage(render(request, rendered.stats));
     rendered.processorSeconds =
         static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / threadCount();
     return rendered;
+}
+
+}  // namespace
+
+Rendered renderWith(const EstimatorContext& context, const Set& set, const std::string& estimator,
+                    int frame, const RenderOptions& options,
+                    const EstimatorOptions& estimatorOptions) {
+    return renderAs(context, set, estimator, frame, options, estimatorOptions, false);
+}
+
+Rendered renderWithSameRays(const EstimatorContext& context, const Set& set,
+                            const std::string& estimator, int frame, const RenderOptions& options) {
+    return renderAs(context, set, estimator, frame, options, {}, true);
 }
 
 Rendered renderFrame(const EstimatorContext& context, const Set& set, const std::string& estimator,

@@ -91,6 +91,10 @@ struct Rendered {
 Rendered renderWith(const EstimatorContext& context, const Set& set, const std::string& estimator,
                     int frame, const RenderOptions& options,
                     const EstimatorOptions& estimatorOptions = {});
+/// The same with the camera rays that are asked for and no more, so that pictures of other samples
+/// have the same.
+Rendered renderWithSameRays(const EstimatorContext& context, const Set& set,
+                            const std::string& estimator, int frame, const RenderOptions& options);
 /// With one camera ray a pixel.
 Rendered renderFrame(const EstimatorContext& context, const Set& set, const std::string& estimator,
                      int frame, int samples, std::uint64_t seed, const Settings& settings,

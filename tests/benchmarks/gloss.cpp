@@ -51,11 +51,11 @@ Both compare(const Frame& frame, int seeds, const Look& look, const Split& split
         options.cameraRays = split.cameraRays;
         options.samples = split.samples * kReferenceSamples;
         const Image reference =
-            renderWith(frame.context, frame.set, "cache", frame.number, options).image;
+            renderWithSameRays(frame.context, frame.set, "cache", frame.number, options).image;
         options.samples = split.samples;
         const auto measure = [&](const char* estimator, Noise& m) {
             const Rendered r =
-                renderWith(frame.context, frame.set, estimator, frame.number, options);
+                renderWithSameRays(frame.context, frame.set, estimator, frame.number, options);
             const RelativeError e = relativeError(r.image, reference);
             m.error += e.mean / seeds;
             m.p99 += e.p99 / seeds;

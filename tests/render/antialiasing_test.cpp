@@ -5,10 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "render/frame/progressive.h"
 #include "tests/support/plain_set.h"
 #include "tests/support/statistics.h"
 
@@ -95,6 +97,31 @@ protected:
         return all;
     }
 
+    /// Calls `work` with the frame that films() renders first.
+    template <class Work>
+    auto withFirstFrame(const Work& work) {
+        const auto estimator = findEstimator("cache").make({scene_, environment_, &cache_.cache()});
+        FrameRequest frame{*estimator, camera_, 1, options_};
+        RenderStats stats;
+        frame.options.seed = 1000;
+        runPilot(frame, stats);
+        frame.options.seed = 1;
+        return work(frame, stats);
+    }
+
+    Pixel pixel(int x, int y) {
+        return withFirstFrame([&](const FrameRequest& frame, RenderStats&) {
+            return renderPixel(frame, x, y, [](const CameraSample&) {});
+        });
+    }
+
+    Film inPasses() {
+        return withFirstFrame([](const FrameRequest& frame, RenderStats& stats) {
+            return renderProgressive(frame, stats, {[] { return false; }, [](const Film&, int) {}})
+                .film;
+        });
+    }
+
     RenderOptions options_;
 
 private:
@@ -128,7 +155,7 @@ double meanOf(const std::vector<Film>& films, std::size_t pixel) {
 TEST_F(AntialiasedFrame, PixelsWithMoreCameraRaysHaveTheSameMean) {
     options_.cameraRays = 256;
     options_.samples = 4;
-    const std::vector<Film> truth = films(8, false);
+    const std::vector<Film> truth = films(32, false);
     options_.cameraRays = 2;
     options_.samples = 1;
     const std::vector<Film> found = films(400, true);
@@ -139,7 +166,7 @@ TEST_F(AntialiasedFrame, PixelsWithMoreCameraRaysHaveTheSameMean) {
     ASSERT_GT(wanted, 0);
     for (const Film& film : found) {
         double total = 0;
-        // Which pixels get more is the seed's own matter, so all that ever do are added up.
+        // The same pixels in each: those that have more in the first.
         for (std::size_t i = 0; i < film.pixels.size(); ++i)
             if (found.front().pixels[i].cameraRays > 2) total += value(film.pixels[i]);
         totals.push_back(total / wanted);
@@ -175,6 +202,36 @@ TEST_F(AntialiasedFrame, HasLessErrorWithAsManySamples) {
     EXPECT_NEAR(adaptive.rays, alike.rays, 0.1 * alike.rays);
     // Not all pixels have more.
     EXPECT_LT(adaptive.cameraRays, 3 * alike.cameraRays);
+}
+
+/// Passes, crops, threads and replayed pixels see the same rays.
+TEST_F(AntialiasedFrame, HasTheSameBitsHoweverItIsRendered) {
+    options_.cameraRays = 16;
+    options_.passRays = 8;
+    const Film whole = films(1, true).front();
+    const auto most = std::ranges::max_element(whole.pixels, {}, &Pixel::cameraRays);
+    EXPECT_EQ(most->cameraRays, 64);
+    const auto same = [&](const Film& film) {
+        for (int y = 0; y < film.height; ++y)
+            for (int x = 0; x < film.width; ++x)
+                if (film.pixels[static_cast<std::size_t>(y * film.width + x)].color !=
+                    whole.pixels[static_cast<std::size_t>((y + film.y) * whole.width + x + film.x)]
+                        .color)
+                    return false;
+        return true;
+    };
+    {
+        const test::ThreadsOf one(1);
+        EXPECT_TRUE(same(films(1, true).front()));
+    }
+    options_.crop = FilmRectangle{5, 3, 9, 8};
+    EXPECT_TRUE(same(films(1, true).front()));
+    options_.crop.reset();
+    const auto number = static_cast<int>(most - whole.pixels.begin());
+    EXPECT_EQ(pixel(number % whole.width, number / whole.width).color, most->color);
+    EXPECT_TRUE(same(inPasses()));
+    // Control: another seed.
+    EXPECT_FALSE(same(films(2, true).back()));
 }
 
 }  // namespace
