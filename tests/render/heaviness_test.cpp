@@ -1,10 +1,10 @@
 // From which heaviness on samples are reused: less where the frame has other errors anyway.
 
+#include "render/cached/heaviness.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "render/cached/heaviness.h"
 
 namespace shadowcache {
 namespace {
