@@ -41,13 +41,14 @@ std::vector<Film> films(Estimator& estimator, RenderOptions options, int count) 
 
 /// The mean irradiance of a strip in each film.
 test::Estimates meansOf(const std::vector<Film>& films, int strip) {
+    constexpr int kPixels = kHeight * (kWidth / kStrips);
     test::Estimates means;
     for (const Film& film : films) {
         Vec3d sum(0.0);
         for (int y = 0; y < kHeight; ++y)
             for (int x = strip * kWidth / kStrips; x < (strip + 1) * kWidth / kStrips; ++x)
                 sum += Vec3d(film.pixels[static_cast<std::size_t>(y * kWidth + x)].irradiance);
-        sum /= kHeight * kWidth / kStrips;
+        sum /= kPixels;
         for (int c = 0; c < 3; ++c) means.color[static_cast<std::size_t>(c)].push_back(sum[c]);
     }
     return means;
