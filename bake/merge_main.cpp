@@ -22,7 +22,7 @@ int main(int argc, char** argv) try {
     beginCommandLine(app);
     app.add_option("CACHE", inputs,
                    "Caches of one set: the shards of one bake, bakes for several shots, or with "
-                   "other seeds")
+                   "other seeds; all of these at once and in any order, too")
         ->required()
         ->take_all();
     app.add_option("-o,--output", output, "Cache to write (OpenVDB, .vdb)")->required();

@@ -20,38 +20,61 @@ struct Run {
     std::size_t bytes() const { return items.n.size() + items.blocks.size() * sizeof(CountBlock); }
 };
 
-void addRun(Run& sum, const Run& more) {
-    const auto [header, overlap] =
-        joinHeaders(sum.header, sum.first.string(), more.header, more.first);
-    sum.items = mergeItems(sum.items, more.items, header.tiers(), overlap);
-    sum.header = header;
-}
+/// Adds up runs. Sums wait until as much has come behind them: then each item is moved a few times
+/// only, and what waits is smaller by half each. Inputs that share their items are added at once.
+class Runs {
+public:
+    void add(Run run) {
+        runs_.push_back(std::move(run));
+        while (runs_.size() > 1 && 2 * runs_.back().bytes() >= runs_[runs_.size() - 2].bytes())
+            joinLast();
+    }
+
+    /// Of at least one; none are left.
+    Run sum() {
+        while (runs_.size() > 1) joinLast();
+        Run all = std::move(runs_.front());
+        runs_.clear();
+        return all;
+    }
+
+private:
+    std::vector<Run> runs_;
+
+    void joinLast() {
+        const Run more = std::move(runs_.back());
+        runs_.pop_back();
+        Run& sum = runs_.back();
+        const auto [header, overlap] =
+            joinHeaders(sum.header, sum.first.string(), more.header, more.first);
+        sum.items = mergeItems(sum.items, more.items, header.tiers(), overlap);
+        sum.header = header;
+    }
+};
 
 }  // namespace
 
 CacheItems mergeCaches(std::span<const std::filesystem::path> paths, CacheHeader& header) {
-    planMerge(paths);
+    const MergeOrder order = planMerge(paths);
     Progress progress("merge", paths.size());
-    // Sums wait until as much has come behind them: then each item is moved a few times only, and
-    // what waits is smaller by half each. Inputs that share their items are added at once.
-    std::vector<Run> runs;
-    for (const auto& path : paths) {
-        throwIfInterrupted();
-        Run& read = runs.emplace_back();
-        read.first = path;
-        read.items = readCache(path, read.header);
-        while (runs.size() > 1 && 2 * runs.back().bytes() >= runs[runs.size() - 2].bytes()) {
-            addRun(runs[runs.size() - 2], runs.back());
-            runs.pop_back();
+    Runs all, shots, shards;
+    for (const auto& ofSeeds : order) {
+        for (const auto& ofShot : ofSeeds) {
+            for (const std::size_t k : ofShot) {
+                throwIfInterrupted();
+                Run read;
+                read.first = paths[k];
+                read.items = readCache(paths[k], read.header);
+                shards.add(std::move(read));
+                progress.add(1);
+            }
+            shots.add(shards.sum());
         }
-        progress.add(1);
+        all.add(shots.sum());
     }
-    while (runs.size() > 1) {
-        addRun(runs[runs.size() - 2], runs.back());
-        runs.pop_back();
-    }
-    header = std::move(runs.front().header);
-    CacheItems items = std::move(runs.front().items);
+    Run sum = all.sum();
+    header = std::move(sum.header);
+    CacheItems items = std::move(sum.items);
     if (header.part) header.part = countPart(*header.part, items);
     return items;
 }

@@ -57,14 +57,14 @@ void requireOthers(const CacheHeader& header, const std::string& owner, const Ba
     };
     require("rays", other.rays, bake.rays);
     require("program version", more.version, header.version);
-    require("number of shards", other.shards, bake.shards);
     const bool otherShot = header.part && more.part && header.part->shots != more.part->shots;
     if (otherShot && sameBakes(header, more)) {
         if (allWhole(header) && allWhole(more)) return;
         throwFileError(path, "is of another shot than " + owner +
-                                 ", and shards of one of them are missing: merge the shards of "
-                                 "each shot first");
+                                 ", and shards of one of them are missing: merge all shards of "
+                                 "each shot");
     }
+    require("number of shards", other.shards, bake.shards);
     if (header.part.has_value() != more.part.has_value() && sameBakes(header, more)) {
         const auto of = [](const CacheHeader& h) { return h.part ? "a shot" : "the whole set"; };
         throwFileError(path, seed + " is of " + of(more) + ", expected one of " + of(header) +
@@ -75,6 +75,31 @@ void requireOthers(const CacheHeader& header, const std::string& owner, const Ba
     if (bake.shards == 1) throwFileError(path, seed + " is in " + owner + ", too");
     throwFileError(path, seed + ": shard " + shardsText(shared) + " of " +
                              std::to_string(bake.shards) + " is in " + owner + ", too");
+}
+
+std::string shotsOf(const CacheHeader& header) {
+    return header.part ? header.part->shots : std::string();
+}
+
+MergeOrder orderOf(std::span<const CacheHeader> headers) {
+    MergeOrder order;
+    for (std::size_t k = 0; k < headers.size(); ++k) {
+        const auto ofSeeds = std::ranges::find_if(order, [&](const auto& shots) {
+            return sameBakes(headers[shots.front().front()], headers[k]);
+        });
+        if (ofSeeds == order.end()) {
+            order.push_back({{k}});
+            continue;
+        }
+        const auto ofShot = std::ranges::find_if(*ofSeeds, [&](const auto& shards) {
+            return shotsOf(headers[shards.front()]) == shotsOf(headers[k]);
+        });
+        if (ofShot == ofSeeds->end())
+            ofSeeds->push_back({k});
+        else
+            ofShot->push_back(k);
+    }
+    return order;
 }
 
 }  // namespace
@@ -109,24 +134,53 @@ JoinedHeader joinHeaders(const CacheHeader& header, const std::string& owner,
     return joined;
 }
 
-std::vector<CacheHeader> planMerge(std::span<const std::filesystem::path> paths) {
-    std::vector<CacheHeader> headers;
-    CacheHeader sum;
-    for (const auto& path : paths) {
-        const CacheHeader& header = headers.emplace_back(readHeader(path));
-        if (headers.size() == 1) {
-            sum = header;
-            continue;
+namespace {
+
+/// Headers of caches as those of one.
+class JoinedHeaders {
+public:
+    void add(const CacheHeader& header, const std::filesystem::path& path) {
+        if (count_++ == 0) {
+            sum_ = header;
+            first_ = path;
+            return;
         }
-        // Those before are one by now; whoever holds the same shard is named.
-        for (std::size_t i = 0; i + 1 < headers.size(); ++i)
-            if (headers[i].bakes == header.bakes)
-                joinHeaders(headers[i], paths[i].string(), header, path);
-        sum = joinHeaders(sum, headers.size() == 2 ? paths[0].string() : "those before it", header,
-                          path)
-                  .header;
+        sum_ = joinHeaders(sum_, count_ == 2 ? first_.string() : "those before it", header, path)
+                   .header;
     }
-    return headers;
+    void add(const JoinedHeaders& other) { add(other.sum_, other.first_); }
+
+private:
+    CacheHeader sum_;
+    std::filesystem::path first_;
+    std::size_t count_ = 0;
+};
+
+}  // namespace
+
+MergeOrder planMerge(std::span<const std::filesystem::path> paths) {
+    std::vector<CacheHeader> headers;
+    for (const auto& path : paths) headers.push_back(readHeader(path));
+    const MergeOrder order = orderOf(headers);
+    JoinedHeaders all;
+    for (const auto& ofSeeds : order) {
+        JoinedHeaders shots;
+        for (const auto& ofShot : ofSeeds) {
+            JoinedHeaders shards;
+            for (const std::size_t k : ofShot) {
+                // Those before are one by now; whoever holds the same shard is named.
+                for (const std::size_t before : ofShot) {
+                    if (before == k) break;
+                    if (headers[before].bakes == headers[k].bakes)
+                        joinHeaders(headers[before], paths[before].string(), headers[k], paths[k]);
+                }
+                shards.add(headers[k], paths[k]);
+            }
+            shots.add(shards);
+        }
+        all.add(shots);
+    }
+    return order;
 }
 
 std::string missingText(const CacheHeader& header) {

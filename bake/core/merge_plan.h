@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -25,10 +26,16 @@ struct JoinedHeader {
 JoinedHeader joinHeaders(const CacheHeader& header, const std::string& owner,
                          const CacheHeader& more, const std::filesystem::path& path);
 
+/// Numbers of the inputs of a merge: by seeds, in these by shot, in these the shards. Shards of a
+/// shot become one first, then the shots of the same seeds, then the seeds, whatever order they
+/// come in.
+using MergeOrder = std::vector<std::vector<std::vector<std::size_t>>>;
+
 /// Reads the headers of caches, and refuses those that cannot be merged before any item is read.
 ///
+/// @param paths  at least one
 /// @throws Error as joinHeaders()
-std::vector<CacheHeader> planMerge(std::span<const std::filesystem::path> paths);
+MergeOrder planMerge(std::span<const std::filesystem::path> paths);
 
 /// Shards that are missing, in words: "seed 1: shards 4,6-8 of 8"; empty if there are none.
 std::string missingText(const CacheHeader& header);

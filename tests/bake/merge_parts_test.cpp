@@ -166,6 +166,35 @@ TEST_F(MergeParts, RefusesAShardOfAShotWithOneOfTheSet) {
     EXPECT_EQ(bakesText(merge({ofSet, writeShard(1, 2)}).bakes), "seed=1 rays=16");
 }
 
+/// Shards become shots, shots of one seed are kept once, seeds add up, in whatever order they come.
+TEST_F(MergeParts, OfShotsOfSeveralSeedsInShardsAreOneInAnyOrder) {
+    const auto shard = [&](std::uint64_t seed, const std::string& shot, int number) {
+        BakeOptions options = smallOptions(seed);
+        options.shards = 2;
+        options.shard = number;
+        BakeResult baked = bakeSmall(options);
+        const std::uint64_t sides = countSides(baked.items);
+        baked.header.part = {sides, 4 * sides, shot};
+        return write(shot + std::to_string(seed) + std::to_string(number) + ".vdb", baked);
+    };
+    std::vector<fs::path> paths;
+    for (const int number : {0, 1})
+        for (const char* shot : {"a", "b"})
+            for (const std::uint64_t seed : {1, 2}) paths.push_back(shard(seed, shot, number));
+    CacheHeader header;
+    const CacheItems merged = mergeCaches(paths, header);
+    EXPECT_EQ(bakesText(header.bakes), "seed=1 rays=16; seed=2 rays=16");
+    EXPECT_EQ(header.part->shots, "a; b");
+    const std::vector wholes{write("one.vdb", bakeSmall(smallOptions(1))),
+                             write("two.vdb", bakeSmall(smallOptions(2)))};
+    const CacheItems wanted = mergeCaches(wholes, header);
+    EXPECT_EQ(merged.n, wanted.n);
+    EXPECT_EQ(merged.d, wanted.d);
+    // Control: a shard that is missing from one shot of one seed.
+    paths.pop_back();
+    expectError([&] { merge(paths); }, "b20.vdb", "shards of one of them are missing");
+}
+
 /// A tree of sums: the order of the caches, and how many there are, do not matter.
 TEST_F(MergeParts, OfManyShardsAreTheOneBake) {
     constexpr int kShards = 37;
