@@ -88,7 +88,8 @@ public:
         if (batch.predict)
             for (std::size_t i = 0; i < batch.points.size(); ++i)
                 estimates[i].predicted = countedPreview(batch.points[i], w);
-        w.tools.clusters.build(batch.points, context_.cache->header().spacing, batch.cameraRays);
+        w.tools.clusters.build(batch.points, context_.cache->header().spacing, batch.cameraRays,
+                               batch.samples);
         NeighborReuse::Batch reuse = w.tools.reuse.begin(batch, w.tools.clusters);
         for (const PointCluster& cluster : w.tools.clusters.clusters()) {
             const Prepared prepared = prepare(batch, cluster, w, reuse, estimates);

@@ -63,7 +63,8 @@ void GlossyCache::estimate(const PointBatch& batch, std::span<const GlossyPoint>
     own.estimates.assign(points.size(), {});
     PointBatch reseeded = batch;
     reseeded.points = own.points;
-    tools.clusters.build(reseeded.points, context_.cache->header().spacing, batch.cameraRays);
+    tools.clusters.build(reseeded.points, context_.cache->header().spacing, batch.cameraRays,
+                         batch.samples);
     const Batch task{reseeded, points, frame, lookup, tools, own};
     NeighborReuse::Batch reuse = tools.reuse.begin(reseeded, tools.clusters, points);
     for (const PointCluster& cluster : tools.clusters.clusters()) {

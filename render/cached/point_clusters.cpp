@@ -25,6 +25,8 @@ SHADOWCACHE_TUNED(std::uint32_t, kFewPoints, 32);
 /// Pixels whose camera rays count as few points, whatever their number: where a cluster has fewer
 /// points than a pixel, its samples hardly pay for the set-up.
 SHADOWCACHE_TUNED(std::uint32_t, kFewPixels, 2);
+/// Samples of so many points pay for a set-up of their own, however few the points are.
+SHADOWCACHE_TUNED(std::uint32_t, kFewSamples, 128);
 
 /// Normals whose mean is longer than this have a plane in common.
 SHADOWCACHE_TUNED(float, kPlanar, 0.8f);
@@ -32,10 +34,11 @@ SHADOWCACHE_TUNED(float, kPlanar, 0.8f);
 }  // namespace
 
 void PointClusters::build(std::span<const ShadingPoint> points, double spacing,
-                          std::uint32_t cameraRays) {
+                          std::uint32_t cameraRays, int samples) {
     points_ = points;
     spacing_ = spacing;
-    fewPoints_ = std::max(kFewPoints, kFewPixels * cameraRays);
+    fewPoints_ = std::min(std::max(kFewPoints, kFewPixels * cameraRays),
+                          kFewSamples / static_cast<std::uint32_t>(std::max(1, samples)));
     order_.resize(points.size());
     std::iota(order_.begin(), order_.end(), 0u);
     above_.resize(points.size());

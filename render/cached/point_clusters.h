@@ -24,7 +24,9 @@ class PointClusters {
 public:
     /// @param spacing  of the cache's items [world], > 0
     /// @param cameraRays  of a pixel in the batch, > 0
-    void build(std::span<const ShadingPoint> points, double spacing, std::uint32_t cameraRays);
+    /// @param samples  of a point, on average; 0 for a prediction
+    void build(std::span<const ShadingPoint> points, double spacing, std::uint32_t cameraRays,
+               int samples);
 
     std::span<const PointCluster> clusters() const { return clusters_; }
     /// Numbers of the points, cluster by cluster; in a cluster they ascend.

@@ -304,7 +304,7 @@ TEST(PointClusters, HoldEveryPointOnceAndOnlyAlikeOnes) {
         p.normal = Vec3f(Vec3d(0, std::sin(angle), std::cos(angle)));
     }
     PointClusters clusters;
-    clusters.build(points, 0.5, 1);
+    clusters.build(points, 0.5, 1, 1);
     std::vector<int> seen(points.size());
     EXPECT_LT(clusters.clusters().size(), points.size() / 3);
     for (const PointCluster& c : clusters.clusters()) {
@@ -322,11 +322,14 @@ TEST(PointClusters, HoldEveryPointOnceAndOnlyAlikeOnes) {
     EXPECT_EQ(std::ranges::count(seen, 1), static_cast<std::ptrdiff_t>(points.size()));
     // With more camera rays a pixel, clusters have more points.
     const std::size_t ofOneRay = clusters.clusters().size();
-    clusters.build(points, 0.5, 64);
+    clusters.build(points, 0.5, 64, 1);
     EXPECT_LT(clusters.clusters().size(), ofOneRay * 4 / 5);
+    // With more samples a point, fewer.
+    clusters.build(points, 0.5, 1, 64);
+    EXPECT_GT(clusters.clusters().size(), ofOneRay * 5 / 4);
     // Points that all coincide are one cluster, however many.
     const std::vector<ShadingPoint> same(500, points[0]);
-    clusters.build(same, 0.5, 1);
+    clusters.build(same, 0.5, 1, 1);
     EXPECT_EQ(clusters.clusters().size(), 1u);
 }
 
