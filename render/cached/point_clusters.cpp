@@ -25,7 +25,7 @@ SHADOWCACHE_TUNED(std::uint32_t, kFewPoints, 32);
 /// Pixels whose camera rays count as few points, whatever their number: where a cluster has fewer
 /// points than a pixel, its samples hardly pay for the set-up.
 SHADOWCACHE_TUNED(std::uint32_t, kFewPixels, 2);
-/// Samples of so many points pay for a set-up of their own, however few the points are.
+/// Most samples of the points of such a cluster: more pay for a set-up of their own.
 SHADOWCACHE_TUNED(std::uint32_t, kFewSamples, 128);
 
 /// Normals whose mean is longer than this have a plane in common.
