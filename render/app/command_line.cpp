@@ -188,7 +188,7 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
             ->excludes(spp);
     samples->capture_default_str()->group(group);
     auto* rays = app.add_option("--camera-rays", job.render.cameraRays,
-                                "Camera rays per pixel (antialiasing); `cache` sends up to four "
+                                "Camera rays per pixel (antialiasing); `cache` sends up to 16 "
                                 "times as many, with as many fewer samples each, where they are "
                                 "predicted to differ")
                      ->excludes(spp);

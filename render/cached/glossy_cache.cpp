@@ -26,7 +26,7 @@ SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
 }  // namespace
 
 PlanRules glossyRules() {
-    return {kGlossyDefensiveShare, kGlossyMostlyVisible};
+    return {kGlossyDefensiveShare, 0, kGlossyMostlyVisible};
 }
 
 GlossyWorkspace::GlossyWorkspace(const Environment& environment, const DirectionTiers& tiers)

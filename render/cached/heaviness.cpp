@@ -64,7 +64,7 @@ VarianceByHeaviness varianceByHeaviness(const Regions& regions, const PlanRules&
             if (!(group.deviation[i] > 0)) continue;
             const auto weight = static_cast<double>(weights.of(group, i));
             const double relative = static_cast<double>(group.deviation[i]) / scale;
-            const double variance = relative * relative * weights.sum / weight;
+            const double variance = relative * relative * weights.sum() / weight;
             const auto visible = static_cast<double>(group.calibrated[i]);
             const bool darkIsPredicted = group.visibility[i] < rules.mostlyVisible;
             const double chance = darkIsPredicted ? visible : 1 - visible;

@@ -17,21 +17,26 @@ SHADOWCACHE_TUNED(float, kReuseWeight, 0.5f);
 }  // namespace
 
 double deviationOf(const Regions& regions) {
-    return (1 + kDefensiveShare) * regions.deviationSum;
+    return RegionWeights(regions, PlanRules()).sum();
 }
 
 RegionWeights::RegionWeights(const Regions& regions, const PlanRules& rules)
-    : sum((1 + rules.defensiveShare) * regions.deviationSum), regions_(regions) {
+    : sum_((1 + rules.defensiveShare) * regions.deviationSum), regions_(regions) {
     if (regions.lightSum > 0)
-        defence =
+        perLight_ =
             static_cast<float>(rules.defensiveShare * regions.deviationSum / regions.lightSum);
+    const double predicted = std::max(regions.surelyVisible, regions.predictedLuminance);
+    if (!(predicted > 0)) return;
+    const double perSureLight = rules.predictedShare * regions.deviationSum / predicted;
+    perSureLight_ = static_cast<float>(perSureLight);
+    sum_ += perSureLight * regions.surelyVisible;
 }
 
 double RegionWeights::heaviness(double samples, const Brightness& brightness) const {
     const double unsure = std::max(0.0, regions_.predictedLuminance - regions_.surelyVisible);
     const double bright =
         brightness.darkest + regions_.surelyVisible + brightness.unsureShare * unsure;
-    return sum / (bright * samples);
+    return sum_ / (bright * samples);
 }
 
 const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples,

@@ -41,35 +41,42 @@ inline SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
 inline SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 
 /// Samples of the irradiance drawn in proportion to the light alone, for each that follows the
-/// counts: bounds what a misprediction can weigh.
-inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.4);
+/// counts: bounds what light can weigh that was predicted occluded.
+inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.2);
+
+/// Samples of the irradiance drawn in proportion to the light that is almost surely seen, for each
+/// that follows the counts: bounds what that light can weigh where a near wall hides it.
+inline SHADOWCACHE_TUNED(double, kPredictedShare, 0.2);
 
 /// Constants of a plan.
 struct PlanRules {
-    /// Samples drawn in proportion to the light alone, for each that follows the counts: bounds
-    /// what a misprediction can weigh.
+    /// Samples drawn in proportion to the light alone, for each that follows the counts.
     double defensiveShare = kDefensiveShare;
+    /// Samples drawn in proportion to the light that is almost surely seen, for each that follows
+    /// the counts.
+    double predictedShare = kPredictedShare;
     /// Predicted visibility from which on reuse expects the sky.
     float mostlyVisible = kMostlyVisible;
 };
 
-/// Weights of regions in a plan: by their predicted deviation, and a defensive share of their
-/// light.
-struct RegionWeights {
+/// Weights of regions in a plan: by their predicted deviation, and defensive shares of their light.
+class RegionWeights {
+public:
     RegionWeights(const Regions& regions, const PlanRules& rules);
 
+    double sum() const { return sum_; }
     float of(const RegionGroup& group, int i) const {
-        return group.deviation[i] + defence * group.light[i];
+        const float sure = group.visibility[i] > kMostlyVisible ? perSureLight_ : 0.0f;
+        return group.deviation[i] + (perLight_ + sure) * group.light[i];
     }
     /// What a sample that contradicts the prediction contributes, for each unit of light over
     /// weight, as a part of the brightness of a point with so many samples.
     double heaviness(double samples, const Brightness& brightness) const;
 
-    float defence = 0;
-    double sum = 0;
-
 private:
+    double sum_;
     const Regions& regions_;
+    float perLight_ = 0, perSureLight_ = 0;
 };
 
 /// Standard deviation of one sample of a point, as the regions predict it.

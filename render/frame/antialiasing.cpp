@@ -1,6 +1,8 @@
 #include "render/frame/antialiasing.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "common/base/tuned.h"
 
@@ -8,12 +10,17 @@ namespace shadowcache {
 
 namespace {
 
-/// Most camera rays of a pixel for each that is asked for.
-SHADOWCACHE_TUNED(int, kMostRayFactor, 4);
+/// Most camera rays of a pixel for each that is asked for. The memory of a tile grows with it.
+SHADOWCACHE_TUNED(int, kMostRayFactor, 16);
+/// Camera rays from which on a pixel gets kLeastMost times as many at most.
+constexpr int kManyCameraRays = 256, kLeastMost = 4;
 
 /// Cost of a sample, in camera rays: its ray and what reusing it costs against a camera ray, its
 /// lookup and its place in a cluster.
 SHADOWCACHE_TUNED(double, kSampleCost, 0.6);
+
+/// Rounds in which the rule and what it does to a frame come to agree.
+constexpr int kRounds = 12;
 
 /// Weight of the pixels beside one in its spread; of those at its corners, the square.
 constexpr double kBeside = 0.5;
@@ -51,6 +58,14 @@ private:
     std::vector<int> numbers_;
 };
 
+/// Camera rays that pay for a pixel, for each that is asked for.
+int rayFactor(double variance, const AntialiasingRule& rule) {
+    int factor = 1;
+    for (double least = rule.least; 2 * factor <= rule.most && variance > least; factor *= 2)
+        least *= std::exp2(1 + kStratification);
+    return factor;
+}
+
 }  // namespace
 
 double PredictedSpread::relativeVariance(double floor) const {
@@ -66,17 +81,35 @@ FrameSpread spreadOf(std::span<const PredictedSpread> pixels) {
     for (const PredictedSpread& pixel : pixels) mean += pixel.mean() / count;
     frame.floor = 0.01 * mean * mean;
     // n values about their own mean vary by (n - 1) / n too little.
-    for (const PredictedSpread& pixel : pixels)
-        if (pixel.count > 1)
-            frame.cameraError +=
-                pixel.relativeVariance(frame.floor) * pixel.count / (pixel.count - 1) / count;
+    for (const PredictedSpread& pixel : pixels) {
+        frame.variances.push_back(pixel.count > 1 ? pixel.relativeVariance(frame.floor) *
+                                                        pixel.count / (pixel.count - 1)
+                                                  : 0);
+        frame.cameraError += frame.variances.back() / count;
+    }
     return frame;
 }
 
-AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int samples) {
-    // Twice the camera rays of a pixel lower its error v / M by v / 2 M and cost M: worth it if
-    // that share of the frame's error is more than the share of its cost.
-    return {frame.floor, 2 * (lightError + frame.cameraError) / (1 + kSampleCost * samples)};
+AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int cameraRays,
+                                      int samples) {
+    AntialiasingRule rule{frame.floor, std::numeric_limits<double>::infinity(),
+                          std::clamp(kManyCameraRays / cameraRays, kLeastMost, kMostRayFactor)};
+    // With s = kStratification, twice the camera rays of a pixel that has M lower its error v / M^s
+    // by 1 - 2^-s of it and cost M: worth it if that share of the frame's error is more than the
+    // share of its cost. Both fall and grow with the rays that other pixels get.
+    const double halved = 1 - std::exp2(-kStratification);
+    const double stratified = std::pow(cameraRays, kStratification);
+    const auto count = static_cast<double>(std::max<std::size_t>(frame.variances.size(), 1));
+    for (int round = 0; round < kRounds; ++round) {
+        double error = lightError / cameraRays, cost = kSampleCost * samples;
+        for (const double variance : frame.variances) {
+            const int factor = rayFactor(variance, rule);
+            error += variance / (stratified * std::pow(factor, kStratification)) / count;
+            cost += factor / count;
+        }
+        rule.least = stratified * error / (halved * cost);
+    }
+    return rule;
 }
 
 std::vector<int> rayFactorsOf(std::span<const FilmPlace> places,
@@ -93,10 +126,7 @@ std::vector<int> rayFactorsOf(std::span<const FilmPlace> places,
                 around.add(spreads[static_cast<std::size_t>(i)],
                            (dx == 0 ? 1 : kBeside) * (dy == 0 ? 1 : kBeside));
             }
-        const double variance = around.relativeVariance(rule.floor);
-        int factor = 1;
-        while (factor < kMostRayFactor && variance > factor * factor * rule.least) factor *= 2;
-        factors.push_back(factor);
+        factors.push_back(rayFactor(around.relativeVariance(rule.floor), rule));
     }
     return factors;
 }

@@ -17,9 +17,15 @@ inline SHADOWCACHE_TUNED(int, kMostSpreadRays, 4);
 struct AntialiasingRule {
     /// Square of the luminance below which errors are absolute, as relMSE has it.
     double floor = 0;
-    /// Relative variance of one camera ray from which on twice the camera rays pay.
+    /// Relative variance of one camera ray from which on twice the camera rays as asked for pay.
     double least = 0;
+    /// Most camera rays of a pixel for each that is asked for.
+    int most = 4;
 };
+
+/// The error of M camera rays of a pixel is that of one over M to this power, about: they are
+/// stratified. 1 if they were not, 3/2 at a straight edge.
+inline SHADOWCACHE_TUNED(double, kStratification, 1.33);
 
 /// Luminance that some camera rays of a pixel are predicted to see, summed up.
 struct PredictedSpread {
@@ -41,20 +47,23 @@ struct PredictedSpread {
     double relativeVariance(double floor) const;
 };
 
-/// How much the camera rays of a pixel are predicted to differ in a frame, on the mean.
+/// How much the camera rays of a pixel are predicted to differ in a frame.
 struct FrameSpread {
-    double floor = 0;        ///< as AntialiasingRule has it
-    double cameraError = 0;  ///< relMSE of one camera ray, if its light were known
+    double floor = 0;               ///< as AntialiasingRule has it
+    double cameraError = 0;         ///< relMSE of one camera ray, if its light were known
+    std::vector<double> variances;  ///< the same of some pixels, of which it is the mean
 };
 
 /// From some of the frame's pixels.
 FrameSpread spreadOf(std::span<const PredictedSpread> pixels);
 
-/// @param lightError  relMSE of one camera ray's samples
-AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int samples);
+/// @param lightError           relMSE of one camera ray's samples
+/// @param cameraRays, samples  as asked for
+AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int cameraRays,
+                                      int samples);
 
-/// Camera rays of each pixel of a tile for each that is asked for: 1, 2 or 4. By the spread of the
-/// pixel and of those beside it in the tile.
+/// Camera rays of each pixel of a tile for each that is asked for: a power of 2. By the spread of
+/// the pixel and of those beside it in the tile.
 ///
 /// @param spreads  of the pixels at `places`
 std::vector<int> rayFactorsOf(std::span<const FilmPlace> places,

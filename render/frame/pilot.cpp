@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -16,9 +17,8 @@ namespace {
 /// Pixels that the rule of a frame is made of.
 SHADOWCACHE_TUNED(std::size_t, kRulePixels, 256);
 
-/// By how much the 16 camera rays of a pixel with 64 shadow rays divide the error of one, about:
-/// they are stratified.
-SHADOWCACHE_TUNED(double, kCameraRaysOfPixel, 40);
+/// Camera rays of a pixel with 64 shadow rays, for which reuse is judged.
+constexpr double kJudgedCameraRays = 16;
 
 /// What some pixels are predicted to show; nothing where their camera rays do not matter.
 std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const TileRenderer& renderer,
@@ -75,7 +75,8 @@ void runPilot(FrameRequest& frame, RenderStats& stats) {
         if (point) points.push_back(*point);
     const std::optional<FrameSpread> spread = predictFrame(frame, renderer, stats);
     stats.shadowRays +=
-        pilot->run(points, options.samples, spread ? spread->cameraError / kCameraRaysOfPixel : 0);
+        pilot->run(points, options.samples,
+                   spread ? spread->cameraError / std::pow(kJudgedCameraRays, kStratification) : 0);
     stats.cameraRays += places;
     const LightPrediction* prediction = frame.estimator.prediction();
     if (spread && prediction->predictedError())
@@ -83,7 +84,7 @@ void runPilot(FrameRequest& frame, RenderStats& stats) {
             *spread,
             *prediction->predictedError() * static_cast<double>(points.size()) /
                 static_cast<double>(std::max<std::size_t>(places, 1)),
-            options.samples);
+            options.cameraRays, options.samples);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.seconds += seconds;

@@ -63,14 +63,51 @@ TEST(Antialiasing, OfAPixelFollowsWhatItsCameraRaysSee) {
 
 TEST(Antialiasing, PaysByTheFramesErrorAndTheCostOfSamples) {
     const std::vector<PredictedSpread> flat(16, spreadOf({2, 2})), rough(16, spreadOf({1, 3}));
-    EXPECT_DOUBLE_EQ(makeAntialiasingRule(spreadOf(flat), 0.1, 4).floor, 0.04);
-    const double least = makeAntialiasingRule(spreadOf(flat), 0.1, 4).least;
+    EXPECT_DOUBLE_EQ(makeAntialiasingRule(spreadOf(flat), 0.1, 16, 4).floor, 0.04);
+    const double least = makeAntialiasingRule(spreadOf(flat), 0.1, 16, 4).least;
     EXPECT_GT(least, 0);
-    EXPECT_DOUBLE_EQ(makeAntialiasingRule(spreadOf(flat), 0.2, 4).least, 2 * least);
+    EXPECT_DOUBLE_EQ(makeAntialiasingRule(spreadOf(flat), 0.2, 16, 4).least, 2 * least);
     // A noisier frame gains less by the same pixel, and so does one whose samples cost little.
-    EXPECT_GT(makeAntialiasingRule(spreadOf(rough), 0.1, 4).least, least);
-    EXPECT_GT(makeAntialiasingRule(spreadOf(flat), 0.1, 1).least, least);
-    EXPECT_LT(makeAntialiasingRule(spreadOf(flat), 0.1, 16).least, least);
+    EXPECT_GT(makeAntialiasingRule(spreadOf(rough), 0.1, 16, 4).least, least);
+    EXPECT_GT(makeAntialiasingRule(spreadOf(flat), 0.1, 16, 1).least, least);
+    EXPECT_LT(makeAntialiasingRule(spreadOf(flat), 0.1, 16, 16).least, least);
+}
+
+// What the rays of all pixels leave and cost is what the rule weighs those of one against: no other
+// threshold makes less of error times cost.
+TEST(Antialiasing, LeavesTheLeastErrorForItsCost) {
+    constexpr double kLight = 0.01, kSampleCost = 0.6;
+    constexpr int kCameraRays = 16;
+    FrameSpread frame;
+    for (int i = 0; i < 4096; ++i) frame.variances.push_back(std::exp2(i / 256.0 - 12));
+    for (const double v : frame.variances) frame.cameraError += v / 4096;
+    const AntialiasingRule rule = makeAntialiasingRule(frame, kLight, kCameraRays, 4);
+    const auto product = [&](double least) {
+        double error = kLight / kCameraRays, cost = kSampleCost * 4;
+        for (const double v : frame.variances) {
+            int factor = 1;
+            while (2 * factor <= rule.most && v > std::pow(factor, 1 + kStratification) * least)
+                factor *= 2;
+            error += v / std::pow(kCameraRays * factor, kStratification) / 4096;
+            cost += factor / 4096.0;
+        }
+        return error * cost;
+    };
+    const double best = product(rule.least);
+    for (const double other : {0.25, 0.5, 2.0, 4.0})
+        EXPECT_GT(product(other * rule.least), 1.002 * best) << other;
+}
+
+TEST(Antialiasing, MakesNoMoreCameraRaysThanCanBeSeen) {
+    const FrameSpread rough = spreadOf(std::vector<PredictedSpread>(16, spreadOf({1, 3})));
+    EXPECT_EQ(makeAntialiasingRule(rough, 0.1, 4, 16).most, 16);
+    EXPECT_EQ(makeAntialiasingRule(rough, 0.1, 16, 4).most, 16);
+    EXPECT_EQ(makeAntialiasingRule(rough, 0.1, 64, 1).most, 4);
+    EXPECT_EQ(makeAntialiasingRule(rough, 0.1, 4096, 1).most, 4);
+    // A pixel never gets more.
+    const std::vector<FilmPlace> places = square();
+    const std::vector<int> factors = rayFactorsOf(places, edgeAt(4), {0, 1e-9, 8});
+    EXPECT_EQ(*std::ranges::max_element(factors), 8);
 }
 
 /// A small frame of boxes on a plain before a bright sky.
@@ -198,10 +235,10 @@ TEST_F(AntialiasedFrame, HasLessErrorWithAsManySamples) {
         return sum;
     };
     const Found alike = measure(false), adaptive = measure(true);
-    EXPECT_LT(adaptive.error, 0.7 * alike.error);
+    EXPECT_LT(adaptive.error, 0.15 * alike.error);
     EXPECT_NEAR(adaptive.rays, alike.rays, 0.1 * alike.rays);
     // Not all pixels have more.
-    EXPECT_LT(adaptive.cameraRays, 3 * alike.cameraRays);
+    EXPECT_LT(adaptive.cameraRays, 8 * alike.cameraRays);
 }
 
 /// Passes, crops, threads and replayed pixels see the same rays.
@@ -210,7 +247,7 @@ TEST_F(AntialiasedFrame, HasTheSameBitsHoweverItIsRendered) {
     options_.passRays = 8;
     const Film whole = films(1, true).front();
     const auto most = std::ranges::max_element(whole.pixels, {}, &Pixel::cameraRays);
-    EXPECT_EQ(most->cameraRays, 64);
+    EXPECT_EQ(most->cameraRays, 256);
     const auto same = [&](const Film& film) {
         for (int y = 0; y < film.height; ++y)
             for (int x = 0; x < film.width; ++x)
