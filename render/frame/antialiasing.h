@@ -58,7 +58,7 @@ struct FrameSpread {
 FrameSpread spreadOf(std::span<const PredictedSpread> pixels);
 
 /// @param lightError           relMSE of one camera ray's samples
-/// @param cameraRays, samples  as asked for
+/// @param cameraRays, samples  as asked for; of a pass, so that n passes are those of the whole
 AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int cameraRays,
                                       int samples);
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -84,7 +85,7 @@ void runPilot(FrameRequest& frame, RenderStats& stats) {
             *spread,
             *prediction->predictedError() * static_cast<double>(points.size()) /
                 static_cast<double>(std::max<std::size_t>(places, 1)),
-            options.cameraRays, options.samples);
+            std::min(options.cameraRays, options.passRays), options.samples);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.seconds += seconds;

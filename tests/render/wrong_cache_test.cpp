@@ -139,7 +139,7 @@ TEST_P(WrongCaches, ChangeNoMean) {
         const auto estimator = findEstimator(name).make(context, options);
         for (const Vec3f& place : places) {
             const ShadingPoint point = test::pointAlong(scene, place, {0, -1, 0});
-            const Rgb truth = test::tracedIrradiance(scene, point, map, 160);
+            const Rgb truth = test::tracedIrradiance(scene, point, map, 320);
             runPilot(*estimator, point);
             for (const auto& [samples, count] : {std::pair(4, 12000), std::pair(64, 600)}) {
                 const auto estimates = test::runEstimator(*estimator, point, samples, count);
