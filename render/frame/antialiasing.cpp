@@ -12,8 +12,8 @@ namespace {
 
 /// Most camera rays of a pixel for each that is asked for. The memory of a tile grows with it.
 SHADOWCACHE_TUNED(int, kMostRayFactor, 16);
-/// Camera rays from which on a pixel gets kLeastMost times as many at most.
-constexpr int kManyCameraRays = 256, kLeastMost = 4;
+/// Most camera rays of a pixel, or kLeastMost times those that are asked for if that is more.
+constexpr int kMostCameraRays = 256, kLeastMost = 4;
 
 /// Cost of a sample, in camera rays: its ray and what reusing it costs against a camera ray, its
 /// lookup and its place in a cluster.
@@ -93,9 +93,9 @@ FrameSpread spreadOf(std::span<const PredictedSpread> pixels) {
 AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int cameraRays,
                                       int samples) {
     AntialiasingRule rule{frame.floor, std::numeric_limits<double>::infinity(),
-                          std::clamp(kManyCameraRays / cameraRays, kLeastMost, kMostRayFactor)};
-    // With s = kStratification, twice the camera rays of a pixel that has M lower its error v / M^s
-    // by 1 - 2^-s of it and cost M: worth it if that share of the frame's error is more than the
+                          std::clamp(kMostCameraRays / cameraRays, kLeastMost, kMostRayFactor)};
+    // With e = kStratification, twice the camera rays of a pixel that has M lower its error v / M^e
+    // by 1 - 2^-e of it and cost M: worth it if that share of the frame's error is more than the
     // share of its cost. Both fall and grow with the rays that other pixels get.
     const double halved = 1 - std::exp2(-kStratification);
     const double stratified = std::pow(cameraRays, kStratification);

@@ -80,7 +80,6 @@ TEST(Antialiasing, LeavesTheLeastErrorForItsCost) {
     constexpr int kCameraRays = 16;
     FrameSpread frame;
     for (int i = 0; i < 4096; ++i) frame.variances.push_back(std::exp2(i / 256.0 - 12));
-    for (const double v : frame.variances) frame.cameraError += v / 4096;
     const AntialiasingRule rule = makeAntialiasingRule(frame, kLight, kCameraRays, 4);
     const auto product = [&](double least) {
         double error = kLight / kCameraRays, cost = kSampleCost * 4;
