@@ -13,7 +13,7 @@ namespace {
 /// Most camera rays of a pixel for each that is asked for. The memory of a tile grows with it.
 SHADOWCACHE_TUNED(int, kMostRayFactor, 16);
 /// Most camera rays of a pixel, or kLeastMost times those that are asked for if that is more.
-constexpr int kMostCameraRays = 256, kLeastMost = 4;
+constexpr int kEnoughCameraRays = 256, kLeastMost = 4;
 
 /// Cost of a sample, in camera rays: its ray and what reusing it costs against a camera ray, its
 /// lookup and its place in a cluster.
@@ -93,7 +93,7 @@ FrameSpread spreadOf(std::span<const PredictedSpread> pixels) {
 AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int cameraRays,
                                       int samples) {
     AntialiasingRule rule{frame.floor, std::numeric_limits<double>::infinity(),
-                          std::clamp(kMostCameraRays / cameraRays, kLeastMost, kMostRayFactor)};
+                          std::clamp(kEnoughCameraRays / cameraRays, kLeastMost, kMostRayFactor)};
     // With e = kStratification, twice the camera rays of a pixel that has M lower its error v / M^e
     // by 1 - 2^-e of it and cost M: worth it if that share of the frame's error is more than the
     // share of its cost. Both fall and grow with the rays that other pixels get.
