@@ -9,8 +9,10 @@ namespace shadowcache {
 
 namespace {
 
-/// No point has more samples than the mean times this, or fewer than the mean divided by it.
-SHADOWCACHE_TUNED(double, kBudgetRange, 4);
+/// Fewest samples of a point, in means: a place predicted quiet may be mispredicted.
+SHADOWCACHE_TUNED(double, kLeastBudget, 0.25);
+/// Most samples of a point, in means.
+SHADOWCACHE_TUNED(double, kMostBudget, 16);
 
 /// As relMSE has it [docs/estimator.md].
 constexpr double kFloorShare = 0.01;
@@ -27,8 +29,8 @@ double SampleBudget::share(double need) const {
 
 SampleBudget::SampleBudget(std::span<const PredictedNoise> places, int samples) {
     const double wanted = samples;
-    least_ = wanted / kBudgetRange;
-    most_ = wanted * kBudgetRange;
+    least_ = wanted * kLeastBudget;
+    most_ = wanted * kMostBudget;
     const auto count = static_cast<double>(std::max<std::size_t>(places.size(), 1));
     double mean = 0;
     for (const PredictedNoise& p : places) mean += p.value / count;

@@ -16,7 +16,7 @@ struct PredictedNoise {
 class SampleBudget {
 public:
     /// Plans for `samples` a place, on average over places like these. No place gets less than a
-    /// quarter or more than four times that.
+    /// quarter or more than 16 times that.
     SampleBudget(std::span<const PredictedNoise> places, int samples);
 
     /// Samples of a place; below 1, the chance of one.

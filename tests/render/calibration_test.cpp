@@ -89,7 +89,7 @@ TEST(SampleBudget, KeepsTheMeanAndFollowsTheNoise) {
     EXPECT_NEAR(sum / 400, 64, 0.5);
     EXPECT_NEAR(budget.shareOf(places[0]), 16, 1e-9);
     EXPECT_GT(budget.shareOf(places[399]), 2 * budget.shareOf(places[150]));
-    EXPECT_NEAR(budget.shareOf({1e9, 1}), 256, 1e-9);
+    EXPECT_NEAR(budget.shareOf({1e9, 1}), 1024, 1e-9);
 }
 
 // One sample each, and still some places get more than others.
