@@ -44,12 +44,13 @@ void VarianceByHeaviness::add(const VarianceByHeaviness& other, double factor, d
 }
 
 double VarianceByHeaviness::heavyFrom(double otherError) const {
-    // The more is reused, the less error is left, and the lighter samples are heavy: from below.
+    // The more is reused, the less error is left, and the lighter samples are heavy: from above, so
+    // that of several thresholds that agree with what they leave, the one of fewest rays is found.
     double error = otherError;
-    for (const double left : ifReused_) error += left;
+    for (const double left : variance_) error += left;
     const auto heavy = [&] { return std::max(kHeavy, kHeavyDeviations * std::sqrt(error)); };
-    for (std::size_t bin = 0; bin < kBins && heavinessOf(bin) < heavy(); ++bin)
-        error += variance_[bin] - ifReused_[bin];
+    for (std::size_t bin = kBins; bin-- > 0 && heavinessOf(bin) >= heavy();)
+        error += ifReused_[bin] - variance_[bin];
     return heavy();
 }
 

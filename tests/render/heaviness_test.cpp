@@ -36,6 +36,16 @@ TEST(Heaviness, CountsTheErrorOfWhatIsNotReused) {
     EXPECT_NEAR(allAt(0.01, 0.02).heavyFrom(0.01), alone * std::sqrt(3), 1e-9);
 }
 
+// Unused, they leave an error in which they are lost; reused, one in which they are not.
+TEST(Heaviness, OfTwoThatAgreeIsTheOneOfFewerRays) {
+    const double unused = VarianceByHeaviness().heavyFrom(0.02);
+    ASSERT_GT(unused, 0.06);
+    ASSERT_LT(VarianceByHeaviness().heavyFrom(0.002), 0.06);
+    EXPECT_NEAR(allAt(0.06, 0.02).heavyFrom(0), unused, 1e-9);
+    // Control: heavy enough to be seen unused as well.
+    EXPECT_LT(allAt(0.09, 0.02).heavyFrom(0), 0.06);
+}
+
 TEST(Heaviness, OfPlacesAddsUp) {
     VarianceByHeaviness frame, direct;
     frame.add(allAt(0.4, 0.01), 0.5, 0.25);
