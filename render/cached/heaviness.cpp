@@ -44,10 +44,10 @@ void VarianceByHeaviness::add(const VarianceByHeaviness& other, double factor, d
 }
 
 double VarianceByHeaviness::heavyFrom(double otherError) const {
-    // The more is reused, the less error is left, and the lighter samples are heavy: from above, so
-    // that of several thresholds that agree with what they leave, the one of fewest rays is found.
+    // The more is reused, the less error is left, and the lighter samples are heavy: several
+    // thresholds may agree with the error that they leave. From above, the first has fewest rays.
     double error = otherError;
-    for (const double left : variance_) error += left;
+    for (const double unused : variance_) error += unused;
     const auto heavy = [&] { return std::max(kHeavy, kHeavyDeviations * std::sqrt(error)); };
     for (std::size_t bin = kBins; bin-- > 0 && heavinessOf(bin) >= heavy();)
         error += ifReused_[bin] - variance_[bin];
