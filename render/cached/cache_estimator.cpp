@@ -32,6 +32,9 @@ namespace {
 /// Irradiance, as a share of the frame's mean, below which errors count no more.
 SHADOWCACHE_TUNED(double, kDarkest, 0.1);
 
+/// Irradiance, as a share of the frame's mean, below which errors are absolute, as relMSE has it.
+constexpr double kFloor = 0.1;
+
 /// How much of the light that is predicted but not sure makes a place bright, whose samples are
 /// then not heavy.
 SHADOWCACHE_TUNED(double, kUnsureShare, 0.4);
@@ -122,6 +125,7 @@ private:
     Calibration calibration_;
     std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
     double darkest_ = 0;     ///< irradiance below which errors count no more [luminance]
+    double floor_ = 1;       ///< irradiance below which errors are absolute [luminance]
     double heavy_ = kHeavy;  ///< part of a point's brightness from which on samples are reused
 
     std::uint64_t run(std::span<const ShadingPoint> points, int samples,
@@ -139,13 +143,19 @@ private:
         });
         for (const Calibration& part : found) calibration_.add(part);
         calibration_.update();
-        const std::vector<PredictedNoise> noise = predictNoise(points);
+        const std::vector<Predicted> predicted = predictPlaces(points);
         double brightness = 0;
-        for (const PredictedNoise& n : noise)
-            brightness += n.value / static_cast<double>(noise.size());
+        for (const Predicted& p : predicted)
+            brightness += p.luminance / static_cast<double>(predicted.size());
         darkest_ = kDarkest * brightness;
-        if (options_.adaptive) budget_.emplace(noise, samples);
-        heavy_ = findHeavy(points, samples, brightness, otherError);
+        floor_ = std::max(kFloor * brightness, 1e-15);
+        if (options_.adaptive) {
+            std::vector<PredictedNoise> noise;
+            for (std::size_t i = 0; i < points.size(); ++i)
+                noise.push_back(noiseOf(predicted[i], points[i]));
+            budget_.emplace(noise, samples);
+        }
+        heavy_ = findHeavy(points, samples, otherError);
         return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
     }
 
@@ -164,36 +174,44 @@ private:
         if (samples > 0)
             insight.expectedNoise = static_cast<float>(
                 deviationOf(regions) /
-                std::sqrt(shareOf(regions, samples) * static_cast<double>(point.share)));
+                std::sqrt(shareOf(noiseOf(predictedOf(regions), point), samples) *
+                          static_cast<double>(point.share)));
         return insight;
     }
 
-    std::vector<PredictedNoise> predictNoise(std::span<const ShadingPoint> points) const {
-        std::vector<PredictedNoise> noise(points.size());
+    /// What the cache predicts of a place: its irradiance, and the standard deviation of a sample.
+    struct Predicted {
+        double luminance = 0, deviation = 0;
+    };
+
+    static Predicted predictedOf(const Regions& regions) {
+        return {regions.predictedLuminance, deviationOf(regions)};
+    }
+
+    std::vector<Predicted> predictPlaces(std::span<const ShadingPoint> points) const {
+        std::vector<Predicted> predicted(points.size());
         parallelFor(points.size(), kPilotChunk, [&](const Chunk& chunk) {
             const auto workspace = makeWorkspace();
             auto& w = static_cast<CacheWorkspace&>(*workspace);
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                noise[i] = predictedNoise(lookAt(points[i], w));
+                predicted[i] = predictedOf(lookAt(points[i], w));
             }
         });
-        return noise;
+        return predicted;
     }
 
     /// Heaviness from which on samples are reused, as if each pixel had kJudgedSamples.
-    double findHeavy(std::span<const ShadingPoint> points, int samples, double brightness,
-                     double otherError) const {
+    double findHeavy(std::span<const ShadingPoint> points, int samples, double otherError) const {
         std::vector<VarianceByHeaviness> parts((points.size() + kPilotChunk - 1) / kPilotChunk);
         parallelFor(points.size(), kPilotChunk, [&](const Chunk& chunk) {
             const auto workspace = makeWorkspace();
             auto& w = static_cast<CacheWorkspace&>(*workspace);
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                 const Regions& regions = lookAt(points[i], w);
-                const double scale = std::hypot(regions.predictedLuminance, 0.1 * brightness);
-                if (!(scale > 0)) continue;
+                const PredictedNoise noise = noiseOf(predictedOf(regions), points[i]);
                 parts[chunk.index].add(
-                    varianceByHeaviness(regions, PlanRules(), brightnessRule(), scale),
-                    samples / (kJudgedSamples * shareOf(regions, samples)),
+                    varianceByHeaviness(regions, PlanRules(), brightnessRule(), noise.scale),
+                    samples / (kJudgedSamples * shareOf(noise, samples)),
                     1 / static_cast<double>(points.size()));
             }
         });
@@ -206,13 +224,32 @@ private:
         return {darkest_, budget_ ? kUnsureShare : kUnsureShareUniform};
     }
 
-    static PredictedNoise predictedNoise(const Regions& regions) {
-        return {deviationOf(regions), regions.predictedLuminance};
+    PredictedNoise noiseOf(const Predicted& predicted, const ShadingPoint& point) const {
+        return {predicted.deviation, point.errorScale > 0
+                                         ? static_cast<double>(point.errorScale)
+                                         : std::hypot(predicted.luminance, floor_)};
     }
 
-    /// Samples of a point with these regions, where `samples` are the mean.
-    double shareOf(const Regions& regions, int samples) const {
-        return budget_ ? budget_->shareOf(predictedNoise(regions)) : samples;
+    /// Samples of a point of so much noise, where `samples` are the mean.
+    double shareOf(const PredictedNoise& noise, int samples) const {
+        return budget_ ? budget_->shareOf(noise) : samples;
+    }
+
+    /// Samples of each point of a cluster go to `wanted`.
+    ///
+    /// @return mean of those of its camera rays that were asked for
+    double shareOut(const PointBatch& batch, std::span<const std::uint32_t> members,
+                    const Predicted& predicted, std::vector<double>& wanted) const {
+        wanted.clear();
+        double samples = 0, rays = 0;
+        for (const std::uint32_t member : members) {
+            const ShadingPoint& point = batch.points[member];
+            const auto part = static_cast<double>(point.share);
+            wanted.push_back(part * shareOf(noiseOf(predicted, point), batch.samples));
+            samples += wanted.back();
+            rays += part;
+        }
+        return samples / rays;
     }
 
     int pool(const ShadingPoint& point, float radius, CacheWorkspace& w) const {
@@ -268,16 +305,16 @@ private:
             w.pointsWithoutItems += cluster.end - cluster.begin;
         const Regions& regions =
             w.regionBuilder.build(w.lookup.pooled(), centre.normal, cluster.tilt, calibration_);
-        const double share = shareOf(regions, batch.samples);
+        const auto members = w.tools.membersOf(cluster);
+        const double share = shareOut(batch, members, predictedOf(regions), w.tools.wanted);
         const SamplingPlan& plan = w.planner.plan(regions, kJudgedSamples * share / batch.samples,
                                                   brightnessRule(), heavy_);
         const ControlVariate predicted(context_.environment, regions, plan);
-        const auto members = w.tools.membersOf(cluster);
         for (const std::uint32_t point : members)
             estimates[point].irradiance = predicted.integral(batch.points[point].normal);
         const ShadingPoint& first = batch.points[members.front()];
         const std::span<const PointShare> shares =
-            sharePoints(batch, members, share,
+            sharePoints(w.tools.wanted,
                         toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)),
                         w.tools.shares);
         reuse.addCluster(regions, plan, members, shares);

@@ -15,17 +15,15 @@ constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
 }  // namespace
 
-std::span<const PointShare> sharePoints(const PointBatch& batch,
-                                        std::span<const std::uint32_t> members, double share,
-                                        double offset, std::vector<PointShare>& buffer) {
+std::span<const PointShare> sharePoints(std::span<const double> wanted, double offset,
+                                        std::vector<PointShare>& buffer) {
     buffer.clear();
-    double before = std::floor(offset), points = 0;
-    for (const std::uint32_t member : members) {
-        const auto part = static_cast<double>(batch.points[member].share);
-        points += part;
-        const double after = std::floor(points * share + offset);
+    double before = std::floor(offset), sum = offset;
+    for (const double share : wanted) {
+        sum += share;
+        const double after = std::floor(sum);
         const auto count = static_cast<int>(after - std::exchange(before, after));
-        buffer.push_back({count, part * share < 1 ? part * share : count});
+        buffer.push_back({count, share < 1 ? share : count});
     }
     return buffer;
 }

@@ -31,15 +31,13 @@ struct PointShare {
     double expected;  ///< what they are divided by: their number, or the chance of the only one
 };
 
-/// Shares of a cluster's points: `share` (> 0, perhaps below 1) samples times ShadingPoint::share
-/// each, on average.
+/// Rounds what is wanted of a cluster's points to numbers of samples, on average the same.
 ///
-/// @param members  numbers of the points in the batch
-/// @param offset   in [0, 1), by chance: which points get one more
+/// @param wanted  samples of each point, above 0, perhaps below 1
+/// @param offset  in [0, 1), by chance: which points get one more
 /// @return reused memory of `buffer`
-std::span<const PointShare> sharePoints(const PointBatch& batch,
-                                        std::span<const std::uint32_t> members, double share,
-                                        double offset, std::vector<PointShare>& buffer);
+std::span<const PointShare> sharePoints(std::span<const double> wanted, double offset,
+                                        std::vector<PointShare>& buffer);
 
 /// Draws the samples of a cluster in proportion to the plan's weights and, in a region, to the
 /// light. All points draw from one sequence, one after the other, so that the samples of a point,

@@ -17,6 +17,7 @@ struct ClusterTools {
         : sampler(environment), reuse(environment, tiers) {}
 
     PointClusters clusters;
+    std::vector<double> wanted;  ///< samples of a cluster's points
     std::vector<PointShare> shares;
     ClusterSampler sampler;
     NeighborReuse reuse;

@@ -127,7 +127,11 @@ GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& clust
         return toUnit(hashWords(first.seed, salt, first.cameraRay));
     };
     const auto sharesOf = [&](double ofAll, RenderSalt salt, std::vector<PointShare>& buffer) {
-        return sharePoints(batch.batch, members, share * ofAll, offset(salt), buffer);
+        std::vector<double>& wanted = batch.tools.wanted;
+        wanted.clear();
+        for (const std::uint32_t member : members)
+            wanted.push_back(share * ofAll * static_cast<double>(batch.batch.points[member].share));
+        return sharePoints(wanted, offset(salt), buffer);
     };
     const std::span<const PointShare> shares =
         sharesOf(1 - ofLobes, RenderSalt::glossShare, batch.tools.shares);

@@ -14,14 +14,11 @@ SHADOWCACHE_TUNED(double, kLeastBudget, 0.25);
 /// Most samples of a point, in means.
 SHADOWCACHE_TUNED(double, kMostBudget, 16);
 
-/// As relMSE has it [docs/estimator.md].
-constexpr double kFloorShare = 0.01;
+double need(const PredictedNoise& noise) {
+    return noise.deviation / noise.scale;
+}
 
 }  // namespace
-
-double SampleBudget::need(const PredictedNoise& noise) const {
-    return noise.deviation / std::sqrt(noise.value * noise.value + floor_);
-}
 
 double SampleBudget::share(double need) const {
     return std::clamp(need * perNeed_, least_, most_);
@@ -32,9 +29,6 @@ SampleBudget::SampleBudget(std::span<const PredictedNoise> places, int samples) 
     least_ = wanted * kLeastBudget;
     most_ = wanted * kMostBudget;
     const auto count = static_cast<double>(std::max<std::size_t>(places.size(), 1));
-    double mean = 0;
-    for (const PredictedNoise& p : places) mean += p.value / count;
-    floor_ = std::max(kFloorShare * mean * mean, 1e-30);
     // The mean share grows with perNeed_: halve the interval.
     double low = 0, high = 1;
     const auto meanShare = [&](double perNeed) {

@@ -7,11 +7,10 @@ namespace shadowcache {
 /// Noise that is expected of a place before any of its rays is traced.
 struct PredictedNoise {
     double deviation;  ///< standard deviation of one sample [irradiance]
-    double value;      ///< the irradiance itself, as the cache predicts it
+    double scale;      ///< irradiance that it is relative to, above 0
 };
 
-/// Neyman allocation: shares a frame's samples out by the noise expected of each place, relative to
-/// its brightness.
+/// Neyman allocation: shares a frame's samples out by the relative noise expected of each place.
 /// The shares depend on predictions alone, so the estimates stay unbiased. [docs/estimator.md]
 class SampleBudget {
 public:
@@ -26,10 +25,8 @@ public:
     double predictedError() const { return predictedError_; }
 
 private:
-    double need(const PredictedNoise& noise) const;
     double share(double need) const;
 
-    double floor_ = 1;  ///< square of the brightness below which errors are absolute
     double least_ = 1, most_ = 1;
     double perNeed_ = 0;
     double predictedError_ = 0;

@@ -35,6 +35,9 @@ struct ShadingPoint {
     std::uint32_t cameraRay = 0;  ///< number of that ray in its pixel
     std::uint32_t row = 0;        ///< and among those of its pixel in the batch
     std::uint32_t pixel = 0;      ///< number of the pixel in its batch
+    /// Irradiance that errors of its light are relative to: what would make the point as bright as
+    /// its pixel is predicted to be. 0: its own light.
+    float errorScale = 0;
     float share = 1;  ///< of the samples wanted: below 1 where the pixel has more camera rays
 };
 

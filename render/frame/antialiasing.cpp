@@ -59,7 +59,7 @@ private:
 };
 
 /// Camera rays that pay for a pixel, for each that is asked for.
-int rayFactor(double variance, const AntialiasingRule& rule) {
+int rayFactorOf(double variance, const AntialiasingRule& rule) {
     int factor = 1;
     for (double least = rule.least; 2 * factor <= rule.most && variance > least; factor *= 2)
         least *= std::exp2(1 + kStratification);
@@ -103,7 +103,7 @@ AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightErro
     for (int round = 0; round < kRounds; ++round) {
         double error = lightError / cameraRays, cost = kSampleCost * samples;
         for (const double variance : frame.variances) {
-            const int factor = rayFactor(variance, rule);
+            const int factor = rayFactorOf(variance, rule);
             error += variance / (stratified * std::pow(factor, kStratification)) / count;
             cost += factor / count;
         }
@@ -112,23 +112,25 @@ AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightErro
     return rule;
 }
 
-std::vector<int> rayFactorsOf(std::span<const FilmPlace> places,
-                              std::span<const PredictedSpread> spreads,
-                              const AntialiasingRule& rule) {
-    std::vector<int> factors;
+std::vector<PredictedSpread> withNeighbors(std::span<const FilmPlace> places,
+                                           std::span<const PredictedSpread> spreads) {
+    std::vector<PredictedSpread> sums;
     const PixelMap map(places);
     for (const FilmPlace& place : places) {
-        PredictedSpread around;
+        PredictedSpread& sum = sums.emplace_back();
         for (int dy = -1; dy <= 1; ++dy)
             for (int dx = -1; dx <= 1; ++dx) {
                 const int i = map.at(place.x + dx, place.y + dy);
                 if (i < 0) continue;
-                around.add(spreads[static_cast<std::size_t>(i)],
-                           (dx == 0 ? 1 : kBeside) * (dy == 0 ? 1 : kBeside));
+                sum.add(spreads[static_cast<std::size_t>(i)],
+                        (dx == 0 ? 1 : kBeside) * (dy == 0 ? 1 : kBeside));
             }
-        factors.push_back(rayFactor(around.relativeVariance(rule.floor), rule));
     }
-    return factors;
+    return sums;
+}
+
+int rayFactorOf(const PredictedSpread& pixel, const AntialiasingRule& rule) {
+    return rayFactorOf(pixel.relativeVariance(rule.floor), rule);
 }
 
 }  // namespace shadowcache

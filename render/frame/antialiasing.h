@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -43,6 +44,8 @@ struct PredictedSpread {
         squares += weight * other.squares;
     }
     double mean() const { return count > 0 ? sum / count : 0; }
+    /// Luminance that errors of the pixel are relative to.
+    double errorScale(double floor) const { return std::sqrt(mean() * mean() + floor); }
     /// Variance of one camera ray over the squared mean or `floor`.
     double relativeVariance(double floor) const;
 };
@@ -62,12 +65,13 @@ FrameSpread spreadOf(std::span<const PredictedSpread> pixels);
 AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int cameraRays,
                                       int samples);
 
-/// Camera rays of each pixel of a tile for each that is asked for: a power of 2. By the spread of
-/// the pixel and of those beside it in the tile.
+/// The spread of each pixel of a tile together with those beside it in the tile, which count less.
 ///
 /// @param spreads  of the pixels at `places`
-std::vector<int> rayFactorsOf(std::span<const FilmPlace> places,
-                              std::span<const PredictedSpread> spreads,
-                              const AntialiasingRule& rule);
+std::vector<PredictedSpread> withNeighbors(std::span<const FilmPlace> places,
+                                           std::span<const PredictedSpread> spreads);
+
+/// Camera rays of a pixel for each that is asked for: a power of 2.
+int rayFactorOf(const PredictedSpread& pixel, const AntialiasingRule& rule);
 
 }  // namespace shadowcache

@@ -57,24 +57,25 @@ void runPilot(FrameRequest& frame, RenderStats& stats) {
                                              static_cast<std::uint64_t>(options.height) *
                                              static_cast<std::uint64_t>(options.cameraRays) *
                                              static_cast<std::uint64_t>(options.samples));
+    const std::optional<FrameSpread> spread = predictFrame(frame, renderer, stats);
+    const auto floor = spread ? std::optional(spread->floor) : std::nullopt;
     std::vector<std::optional<ShadingPoint>> seen(places);
     parallelFor(places, 256, [&](const Chunk& chunk) {
+        const auto workspace = frame.estimator.makeWorkspace();
+        TileScratch scratch;
         for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
             // The numbers of a pilot belong to no pixel.
             const std::uint64_t seed =
                 pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k));
-            const double u = toUnit(hashWords(seed, FrameSalt::pilotColumn)),
-                         v = toUnit(hashWords(seed, FrameSalt::pilotRow));
-            const View view = renderer.look({u, v});
-            if (view.hit.found)
-                seen[k] = renderer.shadingPoint(view, seed, static_cast<int>(u * options.width),
-                                                static_cast<int>(v * options.height));
+            const FilmPosition at{toUnit(hashWords(seed, FrameSalt::pilotColumn)),
+                                  toUnit(hashWords(seed, FrameSalt::pilotRow))};
+            seen[k] = renderer.pilotPoint(at, seed, floor, scratch, *workspace);
         }
     });
     std::vector<ShadingPoint> points;
     for (const std::optional<ShadingPoint>& point : seen)
         if (point) points.push_back(*point);
-    const std::optional<FrameSpread> spread = predictFrame(frame, renderer, stats);
+    if (floor) stats.spreadRays += points.size() * kMostSpreadRays;
     stats.shadowRays +=
         pilot->run(points, options.samples,
                    spread ? spread->cameraError / std::pow(kJudgedCameraRays, kStratification) : 0);

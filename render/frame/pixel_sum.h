@@ -35,8 +35,9 @@ struct PixelSum {
     Pixel sum;                    ///< `variance` of each ray's own samples, `expectedNoise` squared
     RunSpread color, irradiance;  ///< of the luminance
     int cameraRays = 0;
-    int rayFactor = 1;  ///< camera rays for each that is asked for
-    int hits = 0;       ///< camera rays that meet the set
+    int rayFactor = 1;      ///< camera rays for each that is asked for
+    double errorScale = 0;  ///< luminance that its errors are relative to; 0: not predicted
+    int hits = 0;           ///< camera rays that meet the set
 };
 
 /// The pixel so far.

@@ -70,6 +70,18 @@ ShadingPoint TileRenderer::shadingPoint(const View& view, std::uint64_t seed, in
             filmY};
 }
 
+Surface TileRenderer::surfaceOf(const Hit& hit) const {
+    const TriangleMesh& mesh = hit.scene->mesh();
+    return surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v,
+                     options_.plain);
+}
+
+float TileRenderer::irradianceScale(double radiance, const Rgb& albedo) const {
+    // On black, no error is seen.
+    const auto share = static_cast<double>(std::max(context_.environment.luminance(albedo), 1e-6f));
+    return static_cast<float>(kPi * radiance / share);
+}
+
 void TileRenderer::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, int first,
                        int count, TileScratch& scratch) const {
     if (options_.cameraRays > 1) {
@@ -108,6 +120,24 @@ void TileRenderer::intersect(std::span<TileScratch::Ray> rays) const {
     }
 }
 
+std::optional<ShadingPoint> TileRenderer::pilotPoint(const FilmPosition& at, std::uint64_t seed,
+                                                     std::optional<double> floor,
+                                                     TileScratch& scratch,
+                                                     Workspace& workspace) const {
+    const View view = look(at);
+    if (!view.hit.found) return {};
+    const FilmPlace pixel{static_cast<int>(at.x * options_.width),
+                          static_cast<int>(at.y * options_.height)};
+    ShadingPoint point = shadingPoint(view, seed, pixel.x, pixel.y);
+    if (floor) {
+        const double scale =
+            predictSpread(pixel, kMostSpreadRays, scratch, workspace).errorScale(*floor);
+        const Rgb albedo = diffuseAlbedo(surfaceOf(view.hit), -point.normal.dot(view.direction));
+        point.errorScale = irradianceScale(scale, albedo);
+    }
+    return point;
+}
+
 PredictedSpread TileRenderer::predictSpread(const FilmPlace& place, int count, TileScratch& scratch,
                                             Workspace& workspace) const {
     const LightPrediction* prediction = estimator_.prediction();
@@ -128,9 +158,7 @@ PredictedSpread TileRenderer::predictSpread(const FilmPlace& place, int count, T
             continue;
         }
         const ShadingPoint point = shadingPoint(ray.view, 0, place.x, place.y);
-        const TriangleMesh& mesh = hit.scene->mesh();
-        const Surface surface = surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u,
-                                          hit.v, options_.plain);
+        const Surface surface = surfaceOf(hit);
         // Gloss as if it were diffuse.
         Rgb radiance = surface.emission;
         if (!surface.unlit)
@@ -141,8 +169,8 @@ PredictedSpread TileRenderer::predictSpread(const FilmPlace& place, int count, T
     return spread;
 }
 
-void TileRenderer::chooseRayFactors(std::span<const FilmPlace> places, TileScratch& scratch,
-                                    Workspace& workspace, std::span<PixelSum> sums) const {
+void TileRenderer::planPixels(std::span<const FilmPlace> places, TileScratch& scratch,
+                              Workspace& workspace, std::span<PixelSum> sums) const {
     std::vector<PredictedSpread> spreads;
     spreads.reserve(places.size());
     // By the size of a pass, so that n passes are those of the whole.
@@ -150,15 +178,18 @@ void TileRenderer::chooseRayFactors(std::span<const FilmPlace> places, TileScrat
     const int count = std::clamp(pass / kRaysOfSpreadRay, 1, kMostSpreadRays);
     for (const FilmPlace& place : places)
         spreads.push_back(predictSpread(place, count, scratch, workspace));
-    const std::vector<int> factors = rayFactorsOf(places, spreads, *antialiasing_);
-    for (std::size_t i = 0; i < sums.size(); ++i) sums[i].rayFactor = factors[i];
+    const std::vector<PredictedSpread> around = withNeighbors(places, spreads);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        sums[i].rayFactor = rayFactorOf(around[i], *antialiasing_);
+        sums[i].errorScale = around[i].errorScale(antialiasing_->floor);
+    }
 }
 
 void TileRenderer::addCameraRays(std::span<const FilmPlace> places, int first, int count,
                                  TileScratch& scratch, Workspace& workspace,
                                  std::span<PixelSum> sums) const {
     if (places.empty()) return;
-    if (antialiasing_ && first == 0) chooseRayFactors(places, scratch, workspace, sums);
+    if (antialiasing_ && first == 0) planPixels(places, scratch, workspace, sums);
     const int samples = std::max(1, options_.samples);
     const auto run = static_cast<std::size_t>(std::max(1, kBatchSamples / samples));
     for (std::size_t p = 0; p < places.size(); p += run) {
@@ -239,12 +270,10 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
         place.point.row = static_cast<std::uint32_t>(ray.row);
         place.point.pixel = ray.pixel;
         place.point.share = 1.0f / static_cast<float>(sums[ray.pixel].rayFactor);
-        const Hit& hit = ray.view.hit;
-        const TriangleMesh& mesh = hit.scene->mesh();
-        place.surface = surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v,
-                                  options_.plain);
+        place.surface = surfaceOf(ray.view.hit);
         place.diffuseAlbedo =
             diffuseAlbedo(place.surface, -place.point.normal.dot(ray.view.direction));
+        place.point.errorScale = irradianceScale(sums[ray.pixel].errorScale, place.diffuseAlbedo);
         if (place.surface.glossy) place.toViewer = -ray.view.direction;
     }
 }

@@ -56,6 +56,14 @@ public:
     /// The place that a camera ray met.
     ShadingPoint shadingPoint(const View& view, std::uint64_t seed, int filmX, int filmY) const;
 
+    /// A place that a pilot looks at, through a place of the film; nothing where that shows the
+    /// sky.
+    ///
+    /// @param floor  as AntialiasingRule has it; none: a pixel has one camera ray
+    std::optional<ShadingPoint> pilotPoint(const FilmPosition& at, std::uint64_t seed,
+                                           std::optional<double> floor, TileScratch& scratch,
+                                           Workspace& workspace) const;
+
     /// What `count` camera rays of a pixel are predicted to see; they are none of the picture's.
     ///
     /// @return nothing where the estimator predicts nothing
@@ -84,10 +92,14 @@ private:
     void intersect(std::span<TileScratch::Ray> rays) const;
     void addBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
                   Workspace& workspace, std::span<PixelSum> sums) const;
-    void chooseRayFactors(std::span<const FilmPlace> places, TileScratch& scratch,
-                          Workspace& workspace, std::span<PixelSum> sums) const;
+    /// Camera rays of each pixel, and what its errors are relative to.
+    void planPixels(std::span<const FilmPlace> places, TileScratch& scratch, Workspace& workspace,
+                    std::span<PixelSum> sums) const;
     void sendCameraRays(std::span<const FilmPlace> places, int first, int count,
                         TileScratch& scratch, std::span<PixelSum> sums) const;
+    Surface surfaceOf(const Hit& hit) const;
+    /// Irradiance by which a surface of such an albedo has a radiance.
+    float irradianceScale(double radiance, const Rgb& albedo) const;
     /// Where the shadow rays of a place start.
     Vec3f shadowOrigin(const View& view) const;
     PointBatch batchOf(std::span<const ShadingPoint> points, std::size_t pixels, int count) const;

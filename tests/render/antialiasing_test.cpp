@@ -32,6 +32,14 @@ PredictedSpread spreadOf(std::initializer_list<double> luminances) {
     return spread;
 }
 
+std::vector<int> factorsOf(const std::vector<PredictedSpread>& spreads,
+                           const AntialiasingRule& rule) {
+    std::vector<int> factors;
+    for (const PredictedSpread& pixel : withNeighbors(square(), spreads))
+        factors.push_back(rayFactorOf(pixel, rule));
+    return factors;
+}
+
 /// Bright on the left, dark on the right, both in column `edge`.
 std::vector<PredictedSpread> edgeAt(int edge) {
     std::vector<PredictedSpread> spreads;
@@ -46,7 +54,7 @@ std::vector<PredictedSpread> edgeAt(int edge) {
 
 TEST(Antialiasing, OfAPixelFollowsWhatItsCameraRaysSee) {
     const std::vector<FilmPlace> places = square();
-    const std::vector<int> factors = rayFactorsOf(places, edgeAt(4), {0, 0.02});
+    const std::vector<int> factors = factorsOf(edgeAt(4), {0, 0.02});
     for (std::size_t i = 0; i < places.size(); ++i) {
         const int distance = std::abs(places[i].x - 104);
         if (distance == 0) {
@@ -56,9 +64,9 @@ TEST(Antialiasing, OfAPixelFollowsWhatItsCameraRaysSee) {
         }
     }
     // Control: what does not pay gets none.
-    for (const int factor : rayFactorsOf(places, edgeAt(4), {0, 2})) EXPECT_EQ(factor, 1);
+    for (const int factor : factorsOf(edgeAt(4), {0, 2})) EXPECT_EQ(factor, 1);
     // In the dark, absolute errors count.
-    for (const int factor : rayFactorsOf(places, edgeAt(4), {1e3, 0.02})) EXPECT_EQ(factor, 1);
+    for (const int factor : factorsOf(edgeAt(4), {1e3, 0.02})) EXPECT_EQ(factor, 1);
 }
 
 TEST(Antialiasing, PaysByTheFramesErrorAndTheCostOfSamples) {
@@ -104,8 +112,7 @@ TEST(Antialiasing, MakesNoMoreCameraRaysThanCanBeSeen) {
     EXPECT_EQ(makeAntialiasingRule(rough, 0.1, 64, 1).most, 4);
     EXPECT_EQ(makeAntialiasingRule(rough, 0.1, 4096, 1).most, 4);
     // A pixel never gets more.
-    const std::vector<FilmPlace> places = square();
-    const std::vector<int> factors = rayFactorsOf(places, edgeAt(4), {0, 1e-9, 8});
+    const std::vector<int> factors = factorsOf(edgeAt(4), {0, 1e-9, 8});
     EXPECT_EQ(*std::ranges::max_element(factors), 8);
 }
 
@@ -151,6 +158,26 @@ protected:
         });
     }
 
+    /// Own samples of points of one place, all with the same error scale.
+    double raysOf(float errorScale) {
+        return withFirstFrame([&](const FrameRequest& frame, RenderStats&) {
+            std::vector<ShadingPoint> points;
+            const ShadingPoint place = test::pointAlong(scene_, {0.2f, 1, 0.1f}, {0, -1, 0});
+            for (std::uint32_t i = 0; i < 256; ++i) {
+                ShadingPoint& point = points.emplace_back(place);
+                point.seed = hashWords(i);
+                point.pixel = i;
+                point.errorScale = errorScale;
+            }
+            std::vector<Estimate> estimates(points.size());
+            const auto workspace = frame.estimator.makeWorkspace();
+            frame.estimator.estimate({points, frame.options.samples, 256}, *workspace, estimates);
+            double rays = 0;
+            for (const Estimate& e : estimates) rays += e.rays;
+            return rays;
+        });
+    }
+
     Film inPasses() {
         return withFirstFrame([](const FrameRequest& frame, RenderStats& stats) {
             return renderProgressive(frame, stats, {[] { return false; }, [](const Film&, int) {}})
@@ -184,6 +211,18 @@ double meanOf(const std::vector<Film>& films, std::size_t pixel) {
     double sum = 0;
     for (const Film& film : films) sum += value(film.pixels[pixel]);
     return sum / static_cast<double>(films.size());
+}
+
+// A dark place in a bright pixel gets fewer samples, a bright one in a dark pixel more.
+TEST_F(AntialiasedFrame, SharesSamplesOutByWhatThePixelShows) {
+    options_.cameraRays = 4;
+    options_.samples = 16;
+    EXPECT_NEAR(raysOf(2) / raysOf(1), 0.5, 0.05);
+    EXPECT_NEAR(raysOf(0.5f) / raysOf(1), 2, 0.2);
+    // Control: without a pixel, its own brightness decides. A quarter is the least; samples below
+    // the horizon have no ray.
+    EXPECT_GT(raysOf(0), raysOf(1e6f));
+    EXPECT_NEAR(raysOf(1e6f) / (256 * 4), 0.95, 0.05);
 }
 
 /// Camera rays of a pixel depend on what its neighbours and other rays of its own see, which must

@@ -48,7 +48,10 @@ protected:
     std::span<const ClusterSample> draw(double share, std::uint64_t seed) {
         for (ShadingPoint& point : points_) point.seed = hashWords(seed, 5, point.pixel);
         const PointBatch batch{points_, 1, kPoints / 4, 4};
-        sharePoints(batch, members_, share, toUnit(hashWords(seed)), shares_);
+        std::vector<double> wanted;
+        for (const ShadingPoint& point : points_)
+            wanted.push_back(share * static_cast<double>(point.share));
+        sharePoints(wanted, toUnit(hashWords(seed)), shares_);
         return sampler_.draw(batch, members_, shares_, regions_, plan_, Sequence::sobol);
     }
 

@@ -218,7 +218,7 @@ TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
     for (std::uint64_t k = 0; k < 12000; ++k) {
         point_.seed = hashWords(k, 3);
         const PointBatch batch{{&point_, 1}, 32};
-        sharePoints(batch, {&member, 1}, 32, 0, shares);
+        sharePoints(std::array{32.0}, 0, shares);
         double sum = 0;
         for (const ClusterSample& sample :
              sampler.draw(batch, {&member, 1}, shares, glossy_.regions, plan_, Sequence::sobol)) {
