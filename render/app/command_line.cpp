@@ -213,8 +213,8 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
     app.add_option(
            "--budget", arguments.budget,
            "uniform: --camera-rays for every pixel, --samples for every camera ray; adaptive: "
-           "--samples on average, allocated by the noise that `cache` predicts, and more camera "
-           "rays where they differ")
+           "about --samples in the mean, allocated by the noise that `cache` predicts, and more "
+           "camera rays where they differ")
         ->check(CLI::IsMember({"uniform", "adaptive"}))
         ->capture_default_str()
         ->group(group);

@@ -94,7 +94,7 @@ std::string explain(FrameRequest frame, const Forecast& forecast) {
     FrameRequest smaller = frame;
     RenderOptions& small = smaller.options;
     // A thumbnail has edges in many more of its pixels.
-    smaller.antialiasing.reset();
+    if (smaller.antialiasing) smaller.antialiasing->most = 1;
     const FilmRectangle region = options.region();
     const double pixels = static_cast<double>(region.width) * region.height;
     const double shrink =

@@ -23,7 +23,7 @@ std::span<const PointShare> sharePoints(std::span<const double> wanted, double o
         sum += share;
         const double after = std::floor(sum);
         const auto count = static_cast<int>(after - std::exchange(before, after));
-        buffer.push_back({count, share < 1 ? share : count});
+        buffer.push_back({count, share < 1 ? share : count, share});
     }
     return buffer;
 }
@@ -60,7 +60,7 @@ std::span<const ClusterSample> ClusterSampler::draw(const PointBatch& batch,
         const RegionGroup& region = regions.groups[g];
         samples_.push_back(
             {members[number.member], static_cast<std::uint32_t>(g), lane,
-             static_cast<float>(plan.weightSum / (weight * shares[number.member].expected)),
+             static_cast<float>(plan.weightSum / (weight * shares[number.member].divisor)),
              environment_.startDraw(region.level,
                                     region.firstCell + static_cast<std::uint32_t>(lane), place),
              number.jitter});

@@ -28,7 +28,8 @@ struct ClusterSample {
 /// Samples of a point.
 struct PointShare {
     int count;        ///< drawn
-    double expected;  ///< what they are divided by: their number, or the chance of the only one
+    double divisor;   ///< what they are divided by: their number, or the chance of the only one
+    double expected;  ///< their number on average. Numbers of different points depend on each other
 };
 
 /// Rounds what is wanted of a cluster's points to numbers of samples, on average the same.

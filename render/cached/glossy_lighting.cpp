@@ -101,7 +101,7 @@ void GlossyLighting::add(const Task& task, const Sample& sample) const {
     const GlossyLobe& lobe = task.points[point].lobe;
     const EnvironmentSample& s = sample.light;
     double density =
-        cluster.ofLobes[sample.member].expected * static_cast<double>(lobe.density(s.direction));
+        cluster.ofLobes[sample.member].divisor * static_cast<double>(lobe.density(s.direction));
     Rgb predicted(0.0f);
     float reuse = 0;
     if (sample.place.group >= 0) {
@@ -112,7 +112,7 @@ void GlossyLighting::add(const Task& task, const Sample& sample) const {
         const std::uint32_t cell = group.firstCell + static_cast<std::uint32_t>(i);
         const auto weight = static_cast<double>(planned.weight[i]);
         if (weight > 0) {
-            density += cluster.ofRegions[sample.member].expected * weight / cluster.plan.weightSum *
+            density += cluster.ofRegions[sample.member].divisor * weight / cluster.plan.weightSum *
                        sample.lightDensity /
                        task.context.environment.luminanceIntegral(group.level, cell);
             if (planned.visibility[i] > 0)

@@ -20,7 +20,7 @@ struct AntialiasingRule {
     double floor = 0;
     /// Relative variance of one camera ray from which on twice the camera rays as asked for pay.
     double least = 0;
-    /// Most camera rays of a pixel for each that is asked for.
+    /// Most camera rays of a pixel for each that is asked for; 1: as many as asked for everywhere.
     int most = 4;
 };
 

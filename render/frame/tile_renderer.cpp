@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "common/base/tuned.h"
 #include "common/mesh/looks.h"
@@ -78,8 +79,10 @@ Surface TileRenderer::surfaceOf(const Hit& hit) const {
 
 float TileRenderer::irradianceScale(double radiance, const Rgb& albedo) const {
     // On black, no error is seen.
-    const auto share = static_cast<double>(std::max(context_.environment.luminance(albedo), 1e-6f));
-    return static_cast<float>(kPi * radiance / share);
+    const double share =
+        std::max(static_cast<double>(context_.environment.luminance(albedo)), 1e-6);
+    const double most = std::numeric_limits<float>::max();
+    return static_cast<float>(std::min(kPi * radiance / share, most));
 }
 
 void TileRenderer::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, int first,

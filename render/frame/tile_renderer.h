@@ -59,7 +59,7 @@ public:
     /// A place that a pilot looks at, through a place of the film; nothing where that shows the
     /// sky.
     ///
-    /// @param floor  as AntialiasingRule has it; none: a pixel has one camera ray
+    /// @param floor  as AntialiasingRule has it; none: errors are relative to the place's own light
     std::optional<ShadingPoint> pilotPoint(const FilmPosition& at, std::uint64_t seed,
                                            std::optional<double> floor, TileScratch& scratch,
                                            Workspace& workspace) const;

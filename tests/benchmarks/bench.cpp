@@ -139,7 +139,7 @@ Rendered renderAs(const EstimatorContext& context, const Set& set, const std::st
     const std::clock_t start = std::clock();
     FrameRequest request{*made, camera, frame, options};
     runPilot(request, rendered.stats);
-    if (sameRays) request.antialiasing.reset();
+    if (sameRays && request.antialiasing) request.antialiasing->most = 1;
     rendered.image = colorImage(render(request, rendered.stats));
     rendered.processorSeconds =
         static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / threadCount();

@@ -115,7 +115,8 @@ TEST_F(Cluster, PointsGetTheirShares) {
             double all = 0;
             for (std::size_t i = 0; i < shares_.size(); ++i) {
                 EXPECT_LT(std::abs(shares_[i].count - share), 1);
-                EXPECT_EQ(shares_[i].expected, share < 1 ? share : shares_[i].count);
+                EXPECT_EQ(shares_[i].divisor, share < 1 ? share : shares_[i].count);
+                EXPECT_EQ(shares_[i].expected, share);
                 sum[i] += shares_[i].count;
                 all += shares_[i].count;
             }
@@ -141,7 +142,8 @@ TEST_F(Cluster, PointsGetPartsOfTheirShares) {
             for (std::size_t i = 0; i < shares_.size(); ++i) {
                 const double part = share * static_cast<double>(points_[i].share);
                 EXPECT_LT(std::abs(shares_[i].count - part), 1);
-                EXPECT_EQ(shares_[i].expected, part < 1 ? part : shares_[i].count);
+                EXPECT_EQ(shares_[i].divisor, part < 1 ? part : shares_[i].count);
+                EXPECT_EQ(shares_[i].expected, part);
                 sum[i] += shares_[i].count;
                 all += shares_[i].count;
             }

@@ -43,7 +43,7 @@ protected:
         FrameRequest frame = request(*estimator);
         RenderStats stats;
         runPilot(frame, stats);
-        if (sameRays_) frame.antialiasing.reset();
+        if (sameRays_) frame.antialiasing->most = 1;
         return shadowcache::render(frame, stats);
     }
     Film withoutFilter(int samples) {

@@ -109,6 +109,16 @@ std::vector<Rgb> reflectionOf(const Estimator& estimator, std::span<const Shadin
     return valuesOf(found, &GlossEstimate::radiance);
 }
 
+/// The same with 1.5 samples of every other point, and 0.5 of the rest.
+template <LightPoints& light>
+std::vector<Rgb> byShares(const Estimator& estimator, std::span<const ShadingPoint> points,
+                          int samples, Workspace& workspace) {
+    std::vector<ShadingPoint> shared(points.begin(), points.end());
+    for (std::size_t i = 0; i < shared.size(); ++i)
+        shared[i].share = (i % 2 == 0 ? 1.5f : 0.5f) / static_cast<float>(samples);
+    return light(estimator, shared, samples, workspace);
+}
+
 /// Estimates of each point, `count` times with numbers of their own; together or one by one.
 std::vector<test::Estimates> run(LightPoints& light, const Estimator& estimator,
                                  std::vector<ShadingPoint> points, int samples, int count,
@@ -199,6 +209,36 @@ TEST_P(Mispredictions, ChangeNoMean) {
 // whatever a ray finds, and an occluder is a misprediction.
 TEST_P(Mispredictions, ChangeNoMeanOfAMetal) {
     expectMeansOfMis(reflectionOf, Slit(GetParam()), 128);
+}
+
+/// Sums of all points' estimates.
+std::vector<double> totalsOf(const std::vector<test::Estimates>& points) {
+    std::vector<double> totals(points.front().color[1].size());
+    for (const test::Estimates& point : points)
+        for (std::size_t i = 0; i < totals.size(); ++i) totals[i] += point.color[1][i];
+    return totals;
+}
+
+/// With `byShares` against `mis` with all samples. Control: 4 % more.
+void expectTotalOfMis(LightPoints& byShares, LightPoints& light, const Told& told) {
+    const Slit slit(told);
+    const auto cache = totalsOf(slit.run(byShares, "cache", 16, 20000, true));
+    std::vector<double> mis = totalsOf(slit.run(light, "mis", 128, 5000, false));
+    const double level = test::significance(4);
+    EXPECT_GT(test::sameMeanPValue(cache, mis), level) << told.name;
+    for (double& value : mis) value *= 1.04;
+    EXPECT_LT(test::sameMeanPValue(cache, mis), level) << told.name;
+}
+
+// 1.5 and 0.5 samples are rounded together: to 1 and 1, or to 2 and none.
+TEST(NeighborReuse, ChangesNoMeanOfPointsThatShareDifferently) {
+    for (const Told& told : {tells(0, 200), tellsOther()})
+        expectTotalOfMis(byShares<irradianceOf>, irradianceOf, told);
+}
+
+TEST(NeighborReuse, ChangesNoMeanOfAMetalWhosePointsShareDifferently) {
+    for (const Told& told : {tells(0, 200), tellsOther()})
+        expectTotalOfMis(byShares<reflectionOf>, reflectionOf, told);
 }
 
 // Points alone are the control.
