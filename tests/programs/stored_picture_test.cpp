@@ -1,6 +1,6 @@
 // Pictures of the bundled courtyard, rendered by the programs as they are, against pictures stored
 // in tests/stored: whatever changes in years, the mean light stays. Each estimator renders one view
-// 24 times with other random numbers.
+// 32 times with other random numbers.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 namespace shadowcache::test {
 namespace {
 
-constexpr int kFrames = 24;
+constexpr int kFrames = 32;
 // A picture is compared as a whole, by colour, and in six parts.
 constexpr int kColumns = 3, kRows = 2;
 constexpr std::size_t kMeans = 3 + kColumns * kRows;
@@ -81,9 +81,8 @@ protected:
 
     std::array<std::vector<double>, kMeans> render(const Way& way,
                                                    const std::string& arguments) const {
-        runWell("render",
-                "set.ply --camera still.json --frames 1-24 --size 48x27 -o out.####.exr " +
-                    arguments + " " + way.arguments);
+        runWell("render", "set.ply --camera still.json --frames 1-" + std::to_string(kFrames) +
+                              " --size 48x27 -o out.####.exr " + arguments + " " + way.arguments);
         std::array<std::vector<double>, kMeans> found;
         for (int frame = 1; frame <= kFrames; ++frame) {
             const std::string number = std::to_string(10000 + frame).substr(1);
