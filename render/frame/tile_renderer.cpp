@@ -81,7 +81,7 @@ float TileRenderer::irradianceScale(double radiance, const Rgb& albedo) const {
     // On black, no error is seen.
     const double share =
         std::max(static_cast<double>(context_.environment.luminance(albedo)), 1e-6);
-    const double most = std::numeric_limits<float>::max();
+    const auto most = static_cast<double>(std::numeric_limits<float>::max());
     return static_cast<float>(std::min(kPi * radiance / share, most));
 }
 

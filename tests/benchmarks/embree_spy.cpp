@@ -31,7 +31,7 @@ struct Ledger {
 
 std::atomic<Spying> mode{Spying::off};
 std::atomic<std::uint64_t> generation{0};
-std::atomic<RTCScene> scene{nullptr};
+std::atomic<RTCScene> seenScene{nullptr};
 std::mutex mutex;
 std::vector<std::unique_ptr<Ledger>> ledgers;
 
@@ -80,7 +80,7 @@ void pass(std::uint64_t rays, RTCScene target, const Forward& forward, const Rec
     ++l.calls;
     l.rays += rays;
     if (now == Spying::record && isKept(l)) {
-        scene.store(target, std::memory_order_relaxed);
+        seenScene.store(target, std::memory_order_relaxed);
         record(l.bursts.back());
     }
     if (now != Spying::time) return forward();
@@ -136,7 +136,7 @@ Spied endSpying() {
 }
 
 RTCScene lastScene() {
-    return scene;
+    return seenScene;
 }
 
 }  // namespace shadowcache::bench

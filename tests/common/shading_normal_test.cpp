@@ -194,7 +194,7 @@ double selfShadowed(bool offset) {
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
         for (const auto& [u, v] : {std::pair(0.33f, 0.33f), {0.1f, 0.1f}, {0.8f, 0.1f}}) {
             const auto [a, b, c] = placedCorners(mesh, t);
-            const Vec3f p(a + (b - a) * double{u} + (c - a) * double{v});
+            const Vec3f p(a + (b - a) * static_cast<double>(u) + (c - a) * static_cast<double>(v));
             const Vec3f side = scene.normal(t);
             if (shadingNormal(mesh, t, u, v, side).dot(sun) < 0.05f) continue;
             ++lit;

@@ -1,6 +1,7 @@
-"""Compiles the files that it is given with clang++-14, with the release preset's flags, for its warnings alone.
+"""Compiles with clang++-14, with the release preset's flags and for its warnings alone, each of our files that
+BUILD/compile_commands.json names.
 
-Usage: clang_warnings.py BUILD [FILE ...]    without files: all that BUILD/compile_commands.json names
+Usage: clang_warnings.py BUILD
 """
 import json
 import os
@@ -27,11 +28,9 @@ def warnings(entry):
 
 
 def main():
-    build, names = Path(sys.argv[1]), sys.argv[2:]
-    wanted = {str(SOURCE / name) for name in names}
+    build = Path(sys.argv[1])
     entries = [entry for entry in json.loads((build / "compile_commands.json").read_text())
-               if (entry["file"] in wanted or not names) and entry["file"].startswith(str(SOURCE))
-               and "/build/" not in entry["file"]]
+               if entry["file"].startswith(str(SOURCE)) and "/build/" not in entry["file"]]
     said = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for text in pool.map(warnings, entries):
