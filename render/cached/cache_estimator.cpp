@@ -235,18 +235,21 @@ private:
         return budget_ ? budget_->shareOf(noise) : samples;
     }
 
-    /// Samples of each point of a cluster go to `wanted`.
+    /// Samples of each point of a cluster go to `wanted`, and what makes one heavy to `heavyFrom`.
     ///
     /// @return mean of those of its camera rays that were asked for
     double shareOut(const PointBatch& batch, std::span<const std::uint32_t> members,
-                    const Predicted& predicted, std::vector<double>& wanted) const {
-        wanted.clear();
+                    const Predicted& predicted, ClusterTools& tools) const {
+        tools.wanted.clear();
+        tools.heavyFrom.clear();
         double samples = 0, rays = 0;
         for (const std::uint32_t member : members) {
             const ShadingPoint& point = batch.points[member];
+            const PredictedNoise noise = noiseOf(predicted, point);
             const auto part = static_cast<double>(point.share);
-            wanted.push_back(part * shareOf(noiseOf(predicted, point), batch.samples));
-            samples += wanted.back();
+            tools.wanted.push_back(part * shareOf(noise, batch.samples));
+            tools.heavyFrom.push_back(heavy_ * noise.scale * kJudgedSamples / batch.samples);
+            samples += tools.wanted.back();
             rays += part;
         }
         return samples / rays;
@@ -306,7 +309,7 @@ private:
         const Regions& regions =
             w.regionBuilder.build(w.lookup.pooled(), centre.normal, cluster.tilt, calibration_);
         const auto members = w.tools.membersOf(cluster);
-        const double share = shareOut(batch, members, predictedOf(regions), w.tools.wanted);
+        const double share = shareOut(batch, members, predictedOf(regions), w.tools);
         const SamplingPlan& plan = w.planner.plan(regions, kJudgedSamples * share / batch.samples,
                                                   brightnessRule(), heavy_);
         const ControlVariate predicted(context_.environment, regions, plan);
@@ -317,7 +320,7 @@ private:
             sharePoints(w.tools.wanted,
                         toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)),
                         w.tools.shares);
-        reuse.addCluster(regions, plan, members, shares);
+        reuse.addCluster(regions, plan, members, shares, w.tools.heavyFrom);
         return {regions, plan,
                 w.tools.sampler.draw(batch, members, shares, regions, plan, context_.sequence)};
     }

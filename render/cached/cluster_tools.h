@@ -17,7 +17,8 @@ struct ClusterTools {
         : sampler(environment), reuse(environment, tiers) {}
 
     PointClusters clusters;
-    std::vector<double> wanted;  ///< samples of a cluster's points
+    std::vector<double> wanted;     ///< samples of a cluster's points
+    std::vector<double> heavyFrom;  ///< irradiance from which on one is heavy [luminance]
     std::vector<PointShare> shares;
     ClusterSampler sampler;
     NeighborReuse reuse;

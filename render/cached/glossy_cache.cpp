@@ -137,7 +137,7 @@ GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& clust
         sharesOf(1 - ofLobes, RenderSalt::glossShare, batch.tools.shares);
     const std::span<const PointShare> lobeShares =
         sharesOf(ofLobes, RenderSalt::glossRounding, w.lobeShares);
-    reuse.addCluster(glossy.regions, plan, members, shares, lobeShares);
+    reuse.addCluster(glossy.regions, plan, members, shares, {}, lobeShares);
     return {members, shares, lobeShares, glossy, plan, w.matches};
 }
 

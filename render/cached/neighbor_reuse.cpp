@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "common/base/tuned.h"
 
@@ -17,6 +19,12 @@ SHADOWCACHE_TUNED(double, kGroupPerFind, 8);
 SHADOWCACHE_TUNED(double, kGlossyGroupPerFind, 16);
 /// Most points of a group.
 SHADOWCACHE_TUNED(double, kMostGroupPoints, 256);
+
+/// What a point receives of a misprediction is too heavy for its group alone from this many times
+/// the heaviness from which on samples are reused.
+SHADOWCACHE_TUNED(double, kWideReuse, 3);
+/// Rows of a batch that reuse together what is too heavy for a group: 4096 points of a tile.
+SHADOWCACHE_TUNED(std::uint32_t, kWideRows, 16);
 
 /// Clusters that are asked how likely a misprediction is.
 SHADOWCACHE_TUNED(std::size_t, kAskedClusters, 32);
@@ -51,6 +59,8 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
     ++batchNumber_;
     const std::size_t points = batch.points.size();
     samples_.assign(points, 0);
+    mostReceived_.assign(points, std::numeric_limits<double>::infinity());
+    received_.resize(batch.pixels);
     clusterOf_.resize(points);
     for (std::uint32_t c = 0; c < clusters.clusters().size(); ++c) {
         const PointCluster& cluster = clusters.clusters()[c];
@@ -69,6 +79,7 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
 void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan& plan,
                                       std::span<const std::uint32_t> members,
                                       std::span<const PointShare> shares,
+                                      std::span<const double> heavyFrom,
                                       std::span<const PointShare> ofLobes) {
     NeighborReuse& r = reuse_;
     if (r.offers_.size() == r.count_) {
@@ -82,6 +93,8 @@ void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan
         r.samples_[members[i]] = shares[i].expected;
         cluster.samples += shares[i].expected;
     }
+    for (std::size_t i = 0; i < heavyFrom.size(); ++i)
+        r.mostReceived_[members[i]] = kWideReuse * heavyFrom[i];
     for (std::size_t i = 0; i < ofLobes.size(); ++i)
         r.lobeSamples_[members[i]] = ofLobes[i].expected;
 }
@@ -114,8 +127,7 @@ void NeighborReuse::Batch::finish(const Scene& scene, std::span<Estimate> estima
     r.offeredNumber_.resize(std::max(r.offeredNumber_.size(), r.count_), 0);
     for (const Misprediction& found : r.found_) {
         ++r.foundNumber_;
-        r.findCandidates(found);
-        r.keepMispredicted(found, scene, estimates);
+        r.findMispredicted(found, scene, estimates);
         r.contribute(found, estimates);
     }
 }
@@ -163,13 +175,61 @@ double NeighborReuse::densityOf(std::uint32_t point, const Offered& offer,
            lobeSamples_[point] * static_cast<double>(glossy_[point].lobe.density(direction));
 }
 
-void NeighborReuse::findCandidates(const Misprediction& found) {
-    candidates_.clear();
+/// The points that reuse a direction: the mispredicted ones of the finder's group, or, where what
+/// they receive is too heavy, those of all such groups of its rows. Whether it is depends on the
+/// direction and on the group, not on who found it, so both divide the points into disjoint sets.
+void NeighborReuse::findMispredicted(const Misprediction& found, const Scene& scene,
+                                     std::span<Estimate> estimates) {
     const ShadingPoint& finder = batch_.points[found.finder];
     const std::uint32_t size = groupSize(found);
     const std::uint32_t first = finder.pixel / size * size;
-    const std::uint32_t last = std::min(first + size, batch_.pixels);
-    const std::int32_t* row = pointAt_.data() + std::size_t{finder.row} * batch_.pixels;
+    candidates_.clear();
+    addCandidates(found, finder.row, first, std::min(first + size, batch_.pixels));
+    keepMispredicted(found, scene, estimates);
+    if (!isTooHeavy(found, candidates_)) return;
+
+    const std::uint32_t firstRow = finder.row / kWideRows * kWideRows;
+    const std::uint32_t lastRow = std::min(firstRow + kWideRows, batch_.cameraRays);
+    candidates_.clear();
+    for (std::uint32_t row = firstRow; row < lastRow; ++row)
+        addCandidates(found, row, 0, batch_.pixels);
+    keepMispredicted(found, scene, estimates);
+    keepTooHeavyGroups(found, size);
+}
+
+double NeighborReuse::densityOf(std::span<const Candidate> candidates) {
+    double density = 0;
+    for (const Candidate& c : candidates) density += c.density;
+    return density;
+}
+
+bool NeighborReuse::isTooHeavy(const Misprediction& found, std::span<const Candidate> group) const {
+    const double density = densityOf(group);
+    return std::any_of(group.begin(), group.end(), [&](const Candidate& c) {
+        const Rgb value = received(c.point, found, density);
+        return static_cast<double>(environment_.luminance(value)) > mostReceived_[c.point];
+    });
+}
+
+void NeighborReuse::keepTooHeavyGroups(const Misprediction& found, std::uint32_t size) {
+    const auto groupOf = [&](const Candidate& c) {
+        const ShadingPoint& point = batch_.points[c.point];
+        return std::pair(point.row, point.pixel / size);
+    };
+    auto kept = candidates_.begin();
+    for (auto begin = candidates_.begin(); begin != candidates_.end();) {
+        const auto end = std::find_if(begin, candidates_.end(), [&](const Candidate& c) {
+            return groupOf(c) != groupOf(*begin);
+        });
+        kept = isTooHeavy(found, {begin, end}) ? std::copy(begin, end, kept) : kept;
+        begin = end;
+    }
+    candidates_.erase(kept, candidates_.end());
+}
+
+void NeighborReuse::addCandidates(const Misprediction& found, std::uint32_t rowNumber,
+                                  std::uint32_t first, std::uint32_t last) {
+    const std::int32_t* row = pointAt_.data() + std::size_t{rowNumber} * batch_.pixels;
     for (std::uint32_t pixel = first; pixel < last; ++pixel) {
         if (row[pixel] < 0) continue;
         const auto point = static_cast<std::uint32_t>(row[pixel]);
@@ -189,7 +249,7 @@ void NeighborReuse::findCandidates(const Misprediction& found) {
     }
 }
 
-/// Removes the candidates that the direction does not contradict.
+/// Removes the candidates that the direction does not contradict; the others keep their order.
 void NeighborReuse::keepMispredicted(const Misprediction& found, const Scene& scene,
                                      std::span<Estimate> estimates) {
     std::size_t kept = 0;
@@ -208,6 +268,7 @@ void NeighborReuse::keepMispredicted(const Misprediction& found, const Scene& sc
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
         const Candidate c = candidates_[i];
         if (c.point == found.finder) {
+            if (queued > 0) flush();
             candidates_[kept++] = c;
             continue;
         }
@@ -227,15 +288,21 @@ Rgb NeighborReuse::received(std::uint32_t point, const Misprediction& found, dou
     return found.radiance * static_cast<float>(static_cast<double>(cosine) / density);
 }
 
-void NeighborReuse::contribute(const Misprediction& found, std::span<Estimate> estimates) const {
-    double density = 0;
-    for (const Candidate& c : candidates_) density += c.density;
+/// Estimates of a pixel that receive the same misprediction err alike.
+void NeighborReuse::contribute(const Misprediction& found, std::span<Estimate> estimates) {
+    const double density = densityOf(candidates_);
+    for (const Candidate& c : candidates_) received_[batch_.points[c.point].pixel] = 0;
     for (const Candidate& c : candidates_) {
         const Rgb added = received(c.point, found, c.visible ? density : -density);
+        estimates[c.point].irradiance += added;
+        received_[batch_.points[c.point].pixel] += environment_.luminance(added);
+    }
+    for (const Candidate& c : candidates_) {
+        const float own =
+            environment_.luminance(received(c.point, found, c.visible ? density : -density));
         Estimate& estimate = estimates[c.point];
-        estimate.irradiance += added;
-        const float luminance = environment_.luminance(added);
-        estimate.variance += luminance * luminance;
+        estimate.variance += own * own;
+        estimate.covariance += own * (received_[batch_.points[c.point].pixel] - own);
     }
 }
 

@@ -43,18 +43,20 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     pixel.cameraRays = static_cast<float>(sum.cameraRays);
     pixel.coverage = static_cast<float>(sum.hits) * scale;
     const auto hits = static_cast<float>(std::max(1, sum.hits));
-    pixel.sampleVariance = sum.sum.variance / (hits * hits);
+    pixel.sampleVariance = (sum.sum.variance + sum.sum.covariance) / (hits * hits);
+    pixel.covariance *= scale * scale;
+    const double reflectance = static_cast<double>(pixel.diffuseAlbedo.dot(luminanceWeights)) / kPi;
     if (sum.cameraRays < 2) {
-        const double reflectance =
-            static_cast<double>(pixel.diffuseAlbedo.dot(luminanceWeights)) / kPi;
         pixel.colorVariance =
             static_cast<float>(reflectance * reflectance * static_cast<double>(pixel.variance)) +
             pixel.glossVariance;
     } else {
+        const auto shared = static_cast<double>(pixel.covariance);
         pixel.variance =
-            static_cast<float>(sum.irradiance.varianceOfMean(runLength, sum.cameraRays));
+            static_cast<float>(sum.irradiance.varianceOfMean(runLength, sum.cameraRays) + shared);
         pixel.colorVariance =
-            static_cast<float>(sum.color.varianceOfMean(runLength, sum.cameraRays));
+            static_cast<float>(sum.color.varianceOfMean(runLength, sum.cameraRays) +
+                               reflectance * reflectance * shared);
     }
     return pixel;
 }

@@ -331,6 +331,7 @@ void TileRenderer::addToPixel(const TileScratch& scratch, const TileScratch::Pla
     sum.position += Vec3f(point.position);
     sum.depth += hit.distance;
     sum.variance += e.variance;
+    sum.covariance += e.covariance;
     sum.glossVariance += gloss.variance;
     sum.rays += static_cast<float>(e.rays + e.reused + gloss.rays);
     sum.reusedRays += static_cast<float>(e.reused);

@@ -57,6 +57,20 @@ TEST(RunSpread, IsTheVarianceOfTheMeanOfKnownValues) {
     EXPECT_DOUBLE_EQ(pairs.varianceOfMean(2, 4), 12.5 / 2);
 }
 
+TEST(PixelSum, AddsWhatTheSpreadOfCameraRaysDoesNotShow) {
+    PixelSum sum;
+    sum.cameraRays = sum.hits = 4;
+    for (const double value : {1.0, 2.0, 4.0, 9.0}) sum.irradiance.add(value, 1);
+    sum.sum.variance = 5;
+    const Pixel apart = averageOf(sum, 1, Rgb(0, 1, 0));
+    sum.sum.covariance = 8;
+    const Pixel alike = averageOf(sum, 1, Rgb(0, 1, 0));
+    EXPECT_FLOAT_EQ(apart.variance, 38.0f / 3 / 4);
+    EXPECT_FLOAT_EQ(alike.variance, 38.0f / 3 / 4 + 8 / 16.0f);
+    EXPECT_FLOAT_EQ(apart.sampleVariance, 5 / 16.0f);
+    EXPECT_FLOAT_EQ(alike.sampleVariance, (5 + 8) / 16.0f);
+}
+
 TEST(PixelFilter, OffsetsAreDistributedAsTheFilter) {
     for (const FilterKind kind : kKinds)
         for (const double width : {1.25, 2.5}) {

@@ -251,6 +251,94 @@ TEST(NeighborReuse, LessensTheNoiseOfAMetal) {
     EXPECT_LT(noiseTogether(reflectionOf, Slit(tellsOther())), 1 / 2.0);
 }
 
+/// Four pixels of four camera rays each, where a direction through the slit concerns one point of
+/// each row of camera rays, and one camera ray of each pixel: sums of the pixels' irradiance.
+struct PixelSums {
+    std::vector<test::Estimates> dark{kSide / 2}, bright{kSide / 2};
+    double ownVariance = 0;  ///< of all pixels, as their points' estimates have it, in the mean
+    double covariance = 0;   ///< the same of that between their camera rays
+
+    double variance() const {
+        double sum = 0;
+        for (const auto* pixels : {&dark, &bright})
+            for (const test::Estimates& pixel : *pixels) sum += pixel.sampleVariance(1);
+        return sum;
+    }
+};
+
+/// Whatever few points receive is heavy to pixels of this brightness.
+constexpr float kDark = 0.01f;
+
+/// @param bright  brightness of the other pixels
+/// @param apart  each row is a batch of its own
+PixelSums sumPixels(const std::string& name, const Told& told, int samples, int count, float bright,
+                    bool apart) {
+    const Slit slit(told);
+    const auto estimator =
+        findEstimator(name).make({slit.scene, slit.environment, &slit.cache.cache(), {}});
+    const auto workspace = estimator->makeWorkspace();
+    std::vector<ShadingPoint> points = floorPoints(slit.scene);
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+        points[i].row = points[i].cameraRay = i / kSide;
+        points[i].pixel = (i + i / kSide) % kSide;
+        points[i].errorScale = points[i].pixel < kSide / 2 ? kDark : bright;
+    }
+    PixelSums sums;
+    for (int k = 0; k < count; ++k) {
+        std::array<double, kSide> irradiance{};
+        for (std::size_t i = 0; i < kPoints; ++i)
+            points[i].seed = hashWords(static_cast<std::uint64_t>(k), points[i].pixel);
+        const std::size_t together = apart ? kSide : kPoints;
+        for (std::size_t begin = 0; begin < kPoints; begin += together) {
+            PointBatch batch{{&points[begin], together}, samples, kSide, kSide};
+            batch.pixelSamples = static_cast<std::uint32_t>(samples * kSide);
+            std::vector<Estimate> found(together);
+            estimator->estimate(batch, *workspace, found);
+            for (std::size_t i = 0; i < together; ++i) {
+                irradiance[points[begin + i].pixel] += static_cast<double>(found[i].irradiance.y);
+                sums.ownVariance += static_cast<double>(found[i].variance) / count;
+                sums.covariance += static_cast<double>(found[i].covariance) / count;
+            }
+        }
+        for (std::size_t p = 0; p < kSide / 2; ++p) {
+            sums.dark[p].color[1].push_back(irradiance[p]);
+            sums.bright[p].color[1].push_back(irradiance[kSide / 2 + p]);
+        }
+    }
+    return sums;
+}
+
+/// Control: 4 % more.
+void expectSameTotal(const std::vector<test::Estimates>& found,
+                     const std::vector<test::Estimates>& truth) {
+    const double level = test::significance(8);
+    std::vector<double> totals = totalsOf(truth);
+    EXPECT_GT(test::sameMeanPValue(totalsOf(found), totals), level);
+    for (double& value : totals) value *= 1.04;
+    EXPECT_LT(test::sameMeanPValue(totalsOf(found), totals), level);
+}
+
+// What is too heavy for the dark pixels of some rows is not for the bright ones of others.
+TEST(NeighborReuse, ChangesNoMeanOfPixelsThatReuseTogether) {
+    for (const Told& told : {tells(0, 200), tellsOther()}) {
+        SCOPED_TRACE(told.name);
+        const PixelSums cache = sumPixels("cache", told, 4, 20000, 100, false);
+        const PixelSums mis = sumPixels("mis", told, 128, 5000, 100, true);
+        expectSameTotal(cache.dark, mis.dark);
+        expectSameTotal(cache.bright, mis.bright);
+    }
+}
+
+// Rows of their own are the control: there each direction concerns a single point.
+TEST(NeighborReuse, LessensTheNoiseOfPixelsWhoseRowsHaveOnePointEach) {
+    const PixelSums together = sumPixels("cache", tells(0, 200), 4, 4000, kDark, false);
+    const PixelSums apart = sumPixels("cache", tells(0, 200), 4, 4000, kDark, true);
+    EXPECT_LT(together.variance(), apart.variance() / 2);
+    // One direction now adds to several camera rays of a pixel, whose spread does not show it.
+    EXPECT_GT(together.covariance, together.ownVariance);
+    EXPECT_LT(apart.covariance, 1e-3 * apart.ownVariance);  // control
+}
+
 /// The bake of `mesh` but for the base cell around `direction`, all of which counts as occluded.
 BakeResult bakeHiding(const TriangleMesh& mesh, const Vec3d& direction) {
     BakeResult result = bakeOf(mesh);
