@@ -186,7 +186,7 @@ void NeighborReuse::findMispredicted(const Misprediction& found, const Scene& sc
     candidates_.clear();
     addCandidates(found, finder.row, first, std::min(first + size, batch_.pixels));
     keepMispredicted(found, scene, estimates);
-    if (!isTooHeavy(found, candidates_)) return;
+    if (batch_.cameraRays < 2 || !isTooHeavy(found, candidates_)) return;
 
     const std::uint32_t firstRow = finder.row / kWideRows * kWideRows;
     const std::uint32_t lastRow = std::min(firstRow + kWideRows, batch_.cameraRays);
