@@ -235,7 +235,8 @@ private:
         return budget_ ? budget_->shareOf(noise) : samples;
     }
 
-    /// Samples of each point of a cluster go to `wanted`, and what makes one heavy to `heavyFrom`.
+    /// Samples of each point of a cluster go to `tools.wanted`, and the irradiance from which on
+    /// one is heavy to `tools.heavyFrom`.
     ///
     /// @return mean of those of its camera rays that were asked for
     double shareOut(const PointBatch& batch, std::span<const std::uint32_t> members,
@@ -248,7 +249,8 @@ private:
             const PredictedNoise noise = noiseOf(predicted, point);
             const auto part = static_cast<double>(point.share);
             tools.wanted.push_back(part * shareOf(noise, batch.samples));
-            tools.heavyFrom.push_back(heavy_ * noise.scale * kJudgedSamples / batch.samples);
+            tools.heavyFrom.push_back(heavy_ * noise.scale * kJudgedSamples /
+                                      (batch.samples * part));
             samples += tools.wanted.back();
             rays += part;
         }

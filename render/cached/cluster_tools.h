@@ -18,7 +18,7 @@ struct ClusterTools {
 
     PointClusters clusters;
     std::vector<double> wanted;     ///< samples of a cluster's points
-    std::vector<double> heavyFrom;  ///< irradiance from which on one is heavy [luminance]
+    std::vector<double> heavyFrom;  ///< irradiance from which on a sample is heavy [luminance]
     std::vector<PointShare> shares;
     ClusterSampler sampler;
     NeighborReuse reuse;

@@ -23,7 +23,7 @@ SHADOWCACHE_TUNED(double, kMostGroupPoints, 256);
 /// What a point receives of a misprediction is too heavy for its group alone from this many times
 /// the heaviness from which on samples are reused.
 SHADOWCACHE_TUNED(double, kWideReuse, 3);
-/// Rows of a batch that reuse together what is too heavy for a group: 4096 points of a tile.
+/// Rows of a batch that reuse together what is too heavy for a group: about 4096 points of a tile.
 SHADOWCACHE_TUNED(std::uint32_t, kWideRows, 16);
 
 /// Clusters that are asked how likely a misprediction is.
@@ -59,8 +59,8 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
     ++batchNumber_;
     const std::size_t points = batch.points.size();
     samples_.assign(points, 0);
-    mostReceived_.assign(points, std::numeric_limits<double>::infinity());
-    received_.resize(batch.pixels);
+    tooHeavyFrom_.assign(points, std::numeric_limits<double>::infinity());
+    pixelReceived_.resize(batch.pixels);
     clusterOf_.resize(points);
     for (std::uint32_t c = 0; c < clusters.clusters().size(); ++c) {
         const PointCluster& cluster = clusters.clusters()[c];
@@ -94,7 +94,7 @@ void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan
         cluster.samples += shares[i].expected;
     }
     for (std::size_t i = 0; i < heavyFrom.size(); ++i)
-        r.mostReceived_[members[i]] = kWideReuse * heavyFrom[i];
+        r.tooHeavyFrom_[members[i]] = kWideReuse * heavyFrom[i];
     for (std::size_t i = 0; i < ofLobes.size(); ++i)
         r.lobeSamples_[members[i]] = ofLobes[i].expected;
 }
@@ -197,17 +197,17 @@ void NeighborReuse::findMispredicted(const Misprediction& found, const Scene& sc
     keepTooHeavyGroups(found, size);
 }
 
-double NeighborReuse::densityOf(std::span<const Candidate> candidates) {
+double NeighborReuse::sumOfDensities(std::span<const Candidate> candidates) {
     double density = 0;
     for (const Candidate& c : candidates) density += c.density;
     return density;
 }
 
 bool NeighborReuse::isTooHeavy(const Misprediction& found, std::span<const Candidate> group) const {
-    const double density = densityOf(group);
+    const double density = sumOfDensities(group);
     return std::any_of(group.begin(), group.end(), [&](const Candidate& c) {
         const Rgb value = received(c.point, found, density);
-        return static_cast<double>(environment_.luminance(value)) > mostReceived_[c.point];
+        return static_cast<double>(environment_.luminance(value)) > tooHeavyFrom_[c.point];
     });
 }
 
@@ -290,19 +290,19 @@ Rgb NeighborReuse::received(std::uint32_t point, const Misprediction& found, dou
 
 /// Estimates of a pixel that receive the same misprediction err alike.
 void NeighborReuse::contribute(const Misprediction& found, std::span<Estimate> estimates) {
-    const double density = densityOf(candidates_);
-    for (const Candidate& c : candidates_) received_[batch_.points[c.point].pixel] = 0;
+    const double density = sumOfDensities(candidates_);
+    for (const Candidate& c : candidates_) pixelReceived_[batch_.points[c.point].pixel] = 0;
     for (const Candidate& c : candidates_) {
         const Rgb added = received(c.point, found, c.visible ? density : -density);
         estimates[c.point].irradiance += added;
-        received_[batch_.points[c.point].pixel] += environment_.luminance(added);
+        pixelReceived_[batch_.points[c.point].pixel] += environment_.luminance(added);
     }
     for (const Candidate& c : candidates_) {
         const float own =
             environment_.luminance(received(c.point, found, c.visible ? density : -density));
         Estimate& estimate = estimates[c.point];
         estimate.variance += own * own;
-        estimate.covariance += own * (received_[batch_.points[c.point].pixel] - own);
+        estimate.covariance += own * (pixelReceived_[batch_.points[c.point].pixel] - own);
     }
 }
 

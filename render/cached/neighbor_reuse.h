@@ -28,10 +28,10 @@ double pointsOfGroup(double chance);
 /// Points of neighbouring pixels reuse each other's mispredictions, each of which is rare and
 /// heavy: multi-sample MIS. A point takes part in what another found with the balance heuristic
 /// over all points of its group that are mispredicted in that direction, too. Groups hold one
-/// camera ray of each of some pixels; groups of which too few are mispredicted, so that each
-/// receives much, reuse it together. Unbiased, because groups, densities, and whether a point is
-/// mispredicted, do not depend on the samples. [docs/estimator.md; Bekaert et al. 2002 for the
-/// reuse of paths]
+/// camera ray of each of some pixels; groups with so few mispredicted points that each
+/// would receive too much reuse the direction together. Unbiased, because groups, densities, and
+/// whether a point is mispredicted, do not depend on the samples. [docs/estimator.md; Bekaert et
+/// al. 2002 for the reuse of paths]
 class NeighborReuse {
 public:
     NeighborReuse(const Environment& environment, const DirectionTiers& tiers);
@@ -43,8 +43,8 @@ public:
         /// The next cluster: its regions whose mispredictions are reused, and the samples that its
         /// points have or are expected to have.
         ///
-        /// @param heavyFrom  irradiance [luminance] from which on a sample of each point is heavy;
-        /// empty: never
+        /// @param heavyFrom  for each point, irradiance [luminance] from which on a sample is
+        /// heavy; empty: none is
         /// @param ofLobes  samples of the points' lobes beside them, of a batch of glossy points
         void addCluster(const Regions& regions, const SamplingPlan& plan,
                         std::span<const std::uint32_t> members, std::span<const PointShare> shares,
@@ -102,12 +102,12 @@ private:
     std::uint32_t groupSize(const Misprediction& found);
     void findMispredicted(const Misprediction& found, const Scene& scene,
                           std::span<Estimate> estimates);
-    static double densityOf(std::span<const Candidate> candidates);
+    static double sumOfDensities(std::span<const Candidate> candidates);
     /// Whether what the mispredicted points of a group would receive is too heavy for it.
     bool isTooHeavy(const Misprediction& found, std::span<const Candidate> group) const;
-    /// Of candidates that come group by group.
+    /// Removes the groups that are not too heavy; candidates come group by group.
     void keepTooHeavyGroups(const Misprediction& found, std::uint32_t size);
-    /// Those of some pixels, of one row.
+    /// Adds the points of some pixels of one row that may be mispredicted.
     void addCandidates(const Misprediction& found, std::uint32_t rowNumber, std::uint32_t first,
                        std::uint32_t last);
     void keepMispredicted(const Misprediction& found, const Scene& scene,
@@ -126,7 +126,7 @@ private:
     std::vector<std::uint32_t> clusterOf_;  ///< by point
     std::vector<double> samples_;           ///< by point
     std::vector<double> lobeSamples_;       ///< by glossy point
-    std::vector<double> mostReceived_;      ///< by point: luminance that is not too heavy
+    std::vector<double> tooHeavyFrom_;      ///< by point [luminance]
     std::vector<std::int32_t> pointAt_;     ///< by camera ray, then pixel; -1: none
     std::vector<Misprediction> found_;
 
@@ -137,7 +137,7 @@ private:
     std::vector<std::uint32_t> offeredNumber_;  ///< number of the misprediction that it is of
     std::uint32_t foundNumber_ = 0;
     std::vector<Candidate> candidates_;
-    std::vector<float> received_;  ///< by pixel, of one misprediction [luminance]
+    std::vector<float> pixelReceived_;  ///< of one misprediction [luminance]
 };
 
 }  // namespace shadowcache

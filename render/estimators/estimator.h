@@ -70,7 +70,7 @@ struct Estimate {
     Rgb irradiance{0, 0, 0};
     Rgb predicted{0, 0, 0};  ///< irradiance predicted without rays, if PointBatch::predict
     float variance = 0;    ///< of the irradiance's luminance, estimated from the samples themselves
-    float covariance = 0;  ///< sum of those with the other points of its pixel, likewise
+    float covariance = 0;  ///< sum of the covariances with the other points of its pixel
     std::uint32_t rays = 0;    ///< traced for this point's own samples
     std::uint32_t reused = 0;  ///< traced to reuse what other points found
 };

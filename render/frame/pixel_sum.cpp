@@ -44,19 +44,22 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     pixel.coverage = static_cast<float>(sum.hits) * scale;
     const auto hits = static_cast<float>(std::max(1, sum.hits));
     pixel.sampleVariance = (sum.sum.variance + sum.sum.covariance) / (hits * hits);
-    pixel.covariance *= scale * scale;
     const double reflectance = static_cast<double>(pixel.diffuseAlbedo.dot(luminanceWeights)) / kPi;
     if (sum.cameraRays < 2) {
         pixel.colorVariance =
             static_cast<float>(reflectance * reflectance * static_cast<double>(pixel.variance)) +
             pixel.glossVariance;
     } else {
-        const auto shared = static_cast<double>(pixel.covariance);
-        pixel.variance =
-            static_cast<float>(sum.irradiance.varianceOfMean(runLength, sum.cameraRays) + shared);
-        pixel.colorVariance =
-            static_cast<float>(sum.color.varianceOfMean(runLength, sum.cameraRays) +
-                               reflectance * reflectance * shared);
+        // What values have in common widens their mean, and narrows their spread.
+        const double rays = sum.cameraRays;
+        const double common = static_cast<double>(sum.sum.covariance) / (rays * (rays - 1));
+        const double ofHits = reflectance * rays / static_cast<double>(hits);
+        const auto variance = [&](const RunSpread& spread, double shared) {
+            return static_cast<float>(
+                std::max(0.0, spread.varianceOfMean(runLength, sum.cameraRays) + shared));
+        };
+        pixel.variance = variance(sum.irradiance, common);
+        pixel.colorVariance = variance(sum.color, ofHits * ofHits * common);
     }
     return pixel;
 }

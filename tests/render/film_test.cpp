@@ -62,13 +62,27 @@ TEST(PixelSum, AddsWhatTheSpreadOfCameraRaysDoesNotShow) {
     sum.cameraRays = sum.hits = 4;
     for (const double value : {1.0, 2.0, 4.0, 9.0}) sum.irradiance.add(value, 1);
     sum.sum.variance = 5;
-    const Pixel apart = averageOf(sum, 1, Rgb(0, 1, 0));
-    sum.sum.covariance = 8;
-    const Pixel alike = averageOf(sum, 1, Rgb(0, 1, 0));
-    EXPECT_FLOAT_EQ(apart.variance, 38.0f / 3 / 4);
-    EXPECT_FLOAT_EQ(alike.variance, 38.0f / 3 / 4 + 8 / 16.0f);
-    EXPECT_FLOAT_EQ(apart.sampleVariance, 5 / 16.0f);
-    EXPECT_FLOAT_EQ(alike.sampleVariance, (5 + 8) / 16.0f);
+    const auto pixel = [&](float covariance) {
+        sum.sum.covariance = covariance;
+        return averageOf(sum, 1, Rgb(0, 1, 0));
+    };
+    EXPECT_FLOAT_EQ(pixel(0).variance, 38.0f / 3 / 4);
+    EXPECT_FLOAT_EQ(pixel(8).variance, 38.0f / 3 / 4 + 8 / (4 * 3.0f));
+    EXPECT_FLOAT_EQ(pixel(-80).variance, 0);
+    EXPECT_FLOAT_EQ(pixel(0).sampleVariance, 5 / 16.0f);
+    EXPECT_FLOAT_EQ(pixel(8).sampleVariance, (5 + 8) / 16.0f);
+}
+
+// The same value in each camera ray that meets the set has no spread.
+TEST(PixelSum, VarianceOfColorAtAnEdgeIsThatOfTheRaysThatMeetTheSet) {
+    PixelSum sum;
+    sum.cameraRays = 4;
+    sum.hits = 2;
+    sum.sum.diffuseAlbedo = Rgb(1, 1, 1);  // of two hits
+    sum.sum.covariance = 6;
+    const double reflectance = 0.5 / kPi;
+    EXPECT_NEAR(averageOf(sum, 1, Rgb(0, 1, 0)).colorVariance,
+                reflectance * reflectance * 6 / (4 * 3), 1e-6);
 }
 
 TEST(PixelFilter, OffsetsAreDistributedAsTheFilter) {

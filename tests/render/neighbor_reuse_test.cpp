@@ -251,8 +251,8 @@ TEST(NeighborReuse, LessensTheNoiseOfAMetal) {
     EXPECT_LT(noiseTogether(reflectionOf, Slit(tellsOther())), 1 / 2.0);
 }
 
-/// Four pixels of four camera rays each, where a direction through the slit concerns one point of
-/// each row of camera rays, and one camera ray of each pixel: sums of the pixels' irradiance.
+/// Four pixels of four camera rays each, where a direction through the slit concerns few points of
+/// a row, which has one camera ray of each pixel: sums of the pixels' irradiance.
 struct PixelSums {
     std::vector<test::Estimates> dark{kSide / 2}, bright{kSide / 2};
     double ownVariance = 0;  ///< of all pixels, as their points' estimates have it, in the mean
@@ -329,8 +329,8 @@ TEST(NeighborReuse, ChangesNoMeanOfPixelsThatReuseTogether) {
     }
 }
 
-// Rows of their own are the control: there each direction concerns a single point.
-TEST(NeighborReuse, LessensTheNoiseOfPixelsWhoseRowsHaveOnePointEach) {
+// Rows of their own are the control.
+TEST(NeighborReuse, LessensTheNoiseOfPixelsWhoseRowsReuseTogether) {
     const PixelSums together = sumPixels("cache", tells(0, 200), 4, 4000, kDark, false);
     const PixelSums apart = sumPixels("cache", tells(0, 200), 4, 4000, kDark, true);
     EXPECT_LT(together.variance(), apart.variance() / 2);
