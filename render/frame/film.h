@@ -26,8 +26,7 @@ struct Pixel {
     float depth = 0;          ///< distance from the camera; 0: the sky
     float variance = 0;    ///< of the irradiance's luminance, from the spread of the camera rays;
                            ///< of one camera ray, from its samples
-    float covariance = 0;  ///< that of camera rays, summed over all pairs of one and another; only
-                           ///< while they are added up
+    float covariance = 0;  ///< of its camera rays' estimates, summed over all pairs
     float colorVariance = 0;   ///< of the colour's luminance: edges, albedo and sky included
     float glossVariance = 0;   ///< of the luminance of glossy, from the samples alone
     float rays = 0;            ///< shadow rays traced
