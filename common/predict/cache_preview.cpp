@@ -3,17 +3,12 @@
 #include <algorithm>
 #include <array>
 
-#include "common/base/tuned.h"
 #include "common/predict/count_tree.h"
 #include "common/predict/lanes.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// Noise of a cell, as a share of the place's own light, from which on it is split. In bright
-/// places that is more than samples need.
-SHADOWCACHE_TUNED(float, kLeastPreviewShare, 8e-3f);
 
 /// Blocks of base cells: twenty cells of level 0, or eighty of level 1.
 constexpr std::size_t kMostBaseBlocks = 5;
@@ -84,8 +79,12 @@ struct GradientSum : IrradianceSum {
 template <class Sum>
 class Summation {
 public:
-    Summation(const Environment& environment, const CellSplitter& splitter, const Vec3f& normal)
-        : environment_(environment), splitter_(splitter), normal_(normal) {}
+    Summation(const Environment& environment, const CellSplitter& splitter, float leastShare,
+              const Vec3f& normal)
+        : environment_(environment),
+          splitter_(splitter),
+          leastShare_(leastShare),
+          normal_(normal) {}
 
     template <CountTree Tree>
     const Sum& run(const Tree& tree) {
@@ -120,6 +119,7 @@ private:
 
     const Environment& environment_;
     const CellSplitter& splitter_;
+    const float leastShare_;
     const Vec3f normal_;
     float leastNoise_ = 0;
     Sum sum_;
@@ -149,7 +149,7 @@ private:
             for (int i = 0; i < kBlockCells; ++i) seen[i] = base.c[i] * base.sky.light[i];
             bright += sumOf(seen);
         }
-        leastNoise_ = std::max(splitter_.leastNoise(), kLeastPreviewShare * bright);
+        leastNoise_ = std::max(splitter_.leastNoise(), leastShare_ * bright);
     }
 
     /// Adds the cells of a block that stay whole, and goes on with the children of the others;
@@ -174,24 +174,32 @@ Rgb IrradianceWithGradient::at(const Vec3f& tilt) const {
     return irradiance;
 }
 
-CachePreview::CachePreview(const Environment& environment, const DirectionTiers& tiers)
-    : environment_(environment), tiers_(tiers), splitter_(environment, tiers) {}
+CachePreview::CachePreview(const Environment& environment, const DirectionTiers& tiers,
+                           float leastShare)
+    : environment_(environment),
+      tiers_(tiers),
+      splitter_(environment, tiers),
+      leastShare_(leastShare) {}
 
 Rgb CachePreview::irradiance(const PooledVisibility& pooled, const Vec3f& normal) const {
-    return Summation<IrradianceSum>(environment_, splitter_, normal).run(pooled).total();
+    return Summation<IrradianceSum>(environment_, splitter_, leastShare_, normal)
+        .run(pooled)
+        .total();
 }
 
 Rgb CachePreview::irradiance(const ItemView& item, const Vec3f& normal) const {
     prefetch(item, tiers_);
     const ItemCountTree counts(item, tiers_);
-    return Summation<IrradianceSum>(environment_, splitter_, normal).run(counts).total();
+    return Summation<IrradianceSum>(environment_, splitter_, leastShare_, normal)
+        .run(counts)
+        .total();
 }
 
 IrradianceWithGradient CachePreview::irradianceWithGradient(const ItemView& item,
                                                             const Vec3f& normal) const {
     prefetch(item, tiers_);
     const ItemCountTree counts(item, tiers_);
-    Summation<GradientSum> summation(environment_, splitter_, normal);
+    Summation<GradientSum> summation(environment_, splitter_, leastShare_, normal);
     const GradientSum& sum = summation.run(counts);
     IrradianceWithGradient irradiance{sum.total(), {}};
     for (std::size_t k = 0; k < 3; ++k)

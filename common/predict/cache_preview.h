@@ -2,11 +2,16 @@
 
 #include <array>
 
+#include "common/base/tuned.h"
 #include "common/light/environment.h"
 #include "common/predict/cell_splits.h"
 #include "common/predict/pooled_visibility.h"
 
 namespace shadowcache {
+
+/// Noise of a cell, as a share of the place's own light, from which on a preview splits it. In
+/// bright places that is more than samples need.
+inline SHADOWCACHE_TUNED(float, kLeastPreviewShare, 8e-3f);
 
 /// Irradiance on a surface, and its rotational gradient. [Ward & Heckbert 1992]
 struct IrradianceWithGradient {
@@ -24,7 +29,11 @@ class CachePreview {
 public:
     /// @param environment  outlives the preview
     /// @param tiers        of the cache: header().tiers()
-    CachePreview(const Environment& environment, const DirectionTiers& tiers);
+    /// @param leastShare   noise of a cell, as a share of the place's own light, from which on it
+    /// is
+    ///                     split; above 0: the more, the rougher and faster
+    CachePreview(const Environment& environment, const DirectionTiers& tiers,
+                 float leastShare = kLeastPreviewShare);
 
     /// On a surface of unit normal `normal`, by the counts of several items.
     Rgb irradiance(const PooledVisibility& pooled, const Vec3f& normal) const;
@@ -37,6 +46,7 @@ private:
     const Environment& environment_;
     DirectionTiers tiers_;
     CellSplitter splitter_;
+    float leastShare_;
 };
 
 }  // namespace shadowcache

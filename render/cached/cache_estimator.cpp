@@ -6,23 +6,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
 #include "common/base/parallel.h"
 #include "common/base/tuned.h"
-#include "common/predict/cache_preview.h"
-#include "common/predict/item_irradiance.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
 #include "render/cached/cache_insight.h"
-#include "render/cached/cache_pilot.h"
+#include "render/cached/cache_workspace.h"
 #include "render/cached/cluster_lighting.h"
-#include "render/cached/cluster_tools.h"
 #include "render/cached/control_variate.h"
 #include "render/cached/glossy_cache.h"
 #include "render/cached/heaviness.h"
-#include "render/cached/place_lookup.h"
 #include "render/cached/sample_budget.h"
 
 namespace shadowcache {
@@ -38,27 +35,12 @@ constexpr double kFloor = 0.1;
 /// How much of the light that is predicted but not sure makes a place bright, whose samples are
 /// then not heavy.
 SHADOWCACHE_TUNED(double, kUnsureShare, 0.4);
+/// Rays of the pilot, as a part of the picture's: more would take longer than what they save.
+SHADOWCACHE_TUNED(double, kPilotShare, 0.0625);
+/// Fewest places of a pilot: with less, the budget's mean is no longer near what is asked for.
+SHADOWCACHE_TUNED(double, kFewestPlaces, 128);
 /// Places of a pilot that one thread takes at a time.
 constexpr std::size_t kPilotChunk = 32;
-
-struct CacheWorkspace final : Workspace {
-    CacheWorkspace(const ShadowCache& cache, const Environment& environment)
-        : lookup(cache),
-          preview(environment, cache.header().tiers()),
-          itemIrradiance(preview),
-          regionBuilder(environment, cache.header().tiers()),
-          tools(environment, cache.header().tiers()),
-          glossy(environment, cache.header().tiers()) {}
-
-    PlaceLookup lookup;
-    CachePreview preview;
-    ItemIrradiance itemIrradiance;
-    PilotRays pilotRays;
-    RegionBuilder regionBuilder;
-    SamplingPlanner planner;
-    ClusterTools tools;
-    GlossyWorkspace glossy;
-};
 
 class CacheEstimator final : public Estimator,
                              private FramePilot,
@@ -124,9 +106,16 @@ private:
     const OpennessMeter openness_{context_.cache->header().tiers()};
     Calibration calibration_;
     std::optional<SampleBudget> budget_;  ///< once a pilot ran, if samples are shared out
+    double splitNoise_ = 0;               ///< of a cell, times samples, below which it stays whole
     double darkest_ = 0;     ///< irradiance below which errors count no more [luminance]
     double floor_ = 1;       ///< irradiance below which errors are absolute [luminance]
     double heavy_ = kHeavy;  ///< part of a point's brightness from which on samples are reused
+
+    std::size_t places(std::uint64_t samples) const override {
+        const double wanted = kPilotShare * static_cast<double>(samples) / kPilotRays;
+        return static_cast<std::size_t>(
+            std::clamp(wanted, kFewestPlaces, static_cast<double>(FramePilot::places(samples))));
+    }
 
     std::uint64_t run(std::span<const ShadingPoint> points, int samples,
                       double otherError) override {
@@ -143,10 +132,15 @@ private:
         });
         for (const Calibration& part : found) calibration_.add(part);
         calibration_.update();
-        const std::vector<Predicted> predicted = predictPlaces(points);
-        double brightness = 0;
-        for (const Predicted& p : predicted)
-            brightness += p.luminance / static_cast<double>(predicted.size());
+        const std::vector<PredictedPlace> predicted = predictPlaces(points);
+        double brightness = 0, fine = 0, coarse = 0;
+        for (const PredictedPlace& p : predicted) {
+            const double part = 1 / static_cast<double>(predicted.size());
+            brightness += part * p.luminance;
+            fine += part * p.fine;
+            coarse += part * p.coarse;
+        }
+        splitNoise_ = splitNoise(fine, coarse);
         darkest_ = kDarkest * brightness;
         floor_ = std::max(kFloor * brightness, 1e-15);
         if (options_.adaptive) {
@@ -166,7 +160,7 @@ private:
         insight.items = pool(point, 0, w);
         insight.openness = openness_.measure(w.lookup.pooled(), point.normal);
         const Regions& regions =
-            w.regionBuilder.build(w.lookup.pooled(), point.normal, 0, calibration_);
+            w.regionBuilder.build(w.lookup.pooled(), point.normal, 0, calibration_, 0);
         for (const RegionGroup& group : regions.groups)
             insight.regions +=
                 static_cast<int>(std::count_if(group.deviation, group.deviation + kBlockCells,
@@ -184,17 +178,28 @@ private:
         double luminance = 0, deviation = 0;
     };
 
+    /// The same of a place of the pilot, and the sums of what its regions deviate: split as far as
+    /// they can be, and not at all.
+    struct PredictedPlace : Predicted {
+        double fine = 0, coarse = 0;
+    };
+
     static Predicted predictedOf(const Regions& regions) {
         return {regions.predictedLuminance, deviationOf(regions)};
     }
 
-    std::vector<Predicted> predictPlaces(std::span<const ShadingPoint> points) const {
-        std::vector<Predicted> predicted(points.size());
+    std::vector<PredictedPlace> predictPlaces(std::span<const ShadingPoint> points) const {
+        std::vector<PredictedPlace> predicted(points.size());
         parallelFor(points.size(), kPilotChunk, [&](const Chunk& chunk) {
             const auto workspace = makeWorkspace();
             auto& w = static_cast<CacheWorkspace&>(*workspace);
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                predicted[i] = predictedOf(lookAt(points[i], w));
+                const Regions& fine = lookAt(points[i], w);
+                predicted[i] = {predictedOf(fine), fine.deviationSum};
+                const Regions& coarse =
+                    w.regionBuilder.build(w.lookup.pooled(), points[i].normal, 0, calibration_,
+                                          std::numeric_limits<float>::max());
+                predicted[i].coarse = coarse.deviationSum;
             }
         });
         return predicted;
@@ -264,31 +269,33 @@ private:
     /// The regions of one point.
     const Regions& lookAt(const ShadingPoint& point, CacheWorkspace& w) const {
         pool(point, 0, w);
-        return w.regionBuilder.build(w.lookup.pooled(), point.normal, 0, calibration_);
+        return w.regionBuilder.build(w.lookup.pooled(), point.normal, 0, calibration_, 0);
     }
 
     /// The irradiance without any ray. What moves hides other things from each pixel; without it
     /// items can be summed up once for all pixels.
-    Rgb preview(const ShadingPoint& point, CacheWorkspace& w, bool& known) const {
+    Rgb preview(const ShadingPoint& point, CacheWorkspace& w, IrradianceWithoutRays& predicted,
+                bool& known) const {
         if (!context_.scene.movingBalls().empty()) {
             known = pool(point, 0, w) > 0;
-            return w.preview.irradiance(w.lookup.pooled(), point.normal);
+            return predicted.preview.irradiance(w.lookup.pooled(), point.normal);
         }
         const std::span<const ItemView> found = w.lookup.find(point);
         known = !found.empty();
-        return w.itemIrradiance.mean(found, point.normal);
+        return predicted.byItem.mean(found, point.normal);
     }
 
     Rgb countedPreview(const ShadingPoint& point, CacheWorkspace& w) const {
         bool known = false;
-        const Rgb irradiance = preview(point, w, known);
+        const Rgb irradiance = preview(point, w, w.preview, known);
         w.pointsWithoutItems += known ? 0 : 1;
         return irradiance;
     }
 
     Rgb predict(const ShadingPoint& point, Workspace& workspace) const override {
         bool known = false;
-        return preview(point, static_cast<CacheWorkspace&>(workspace), known);
+        auto& w = static_cast<CacheWorkspace&>(workspace);
+        return preview(point, w, w.rough, known);
     }
 
     std::optional<double> predictedError() const override {
@@ -308,9 +315,13 @@ private:
         const ShadingPoint& centre = batch.points[cluster.centre];
         if (pool(centre, cluster.radius, w) == 0)
             w.pointsWithoutItems += cluster.end - cluster.begin;
-        const Regions& regions =
-            w.regionBuilder.build(w.lookup.pooled(), centre.normal, cluster.tilt, calibration_);
         const auto members = w.tools.membersOf(cluster);
+        double samples = 0;
+        for (const std::uint32_t member : members)
+            samples += static_cast<double>(batch.points[member].share) * batch.samples;
+        const Regions& regions =
+            w.regionBuilder.build(w.lookup.pooled(), centre.normal, cluster.tilt, calibration_,
+                                  static_cast<float>(splitNoise_ / samples));
         const double share = shareOut(batch, members, predictedOf(regions), w.tools);
         const SamplingPlan& plan = w.planner.plan(regions, kJudgedSamples * share / batch.samples,
                                                   brightnessRule(), heavy_);

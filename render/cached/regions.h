@@ -48,6 +48,14 @@ struct Regions {
 /// because noise in a dark place that was predicted bright is seen, and the reverse is not.
 inline SHADOWCACHE_TUNED(float, kMostlyVisible, 0.75f);
 
+/// Noise of a cell, times the samples of its cluster, below which splitting it costs more time than
+/// it saves. With `fine` the deviation of a sample in a frame's mean where all cells are split that
+/// can be, and `coarse` where none is, a split of a cell of noise x lowers the deviation by about
+/// x (coarse - fine) / coarse; where it hardly does, as among leaves, few pay.
+///
+/// @param fine, coarse  at least 0 [radiance sr], as the result
+double splitNoise(double fine, double coarse);
+
 struct ParentVisibility;
 
 /// Makes regions of pooled counts. Its buffers are used again from call to call.
@@ -59,9 +67,11 @@ public:
     /// Regions for points whose normals are within the angle of sine `tilt` of `normal`: every
     /// direction above the horizon of one of them lies in a region.
     ///
+    /// @param leastNoise  of a cell: below it the cell stays whole, as below the splitter's own
+    ///                    [radiance sr]
     /// @return valid until the next call
     const Regions& build(const PooledVisibility& pooled, const Vec3f& normal, float tilt,
-                         const Calibration& calibration);
+                         const Calibration& calibration, float leastNoise);
 
 private:
     struct Task;

@@ -17,7 +17,7 @@ constexpr int kEnoughCameraRays = 256, kLeastMost = 4;
 
 /// Cost of a sample, in camera rays: its ray and what reusing it costs against a camera ray, its
 /// lookup and its place in a cluster.
-SHADOWCACHE_TUNED(double, kSampleCost, 0.6);
+SHADOWCACHE_TUNED(double, kSampleCost, 0.4);
 
 /// Rounds in which the rule and what it does to a frame come to agree.
 constexpr int kRounds = 12;

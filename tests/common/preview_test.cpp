@@ -145,6 +145,19 @@ TEST_P(Preview, ByItemsIsNearlyThatOfTheirPool) {
     EXPECT_GT(relativeDifference(shifted, pool), 0.1) << "control: other places";
 }
 
+// A rough sum is off by little. Control: it is another one.
+TEST_P(Preview, RoughIsNearTheFineOne) {
+    const CachePreview rough(environment_, tiers_, 0.2f);
+    std::vector<Rgb> found, wanted;
+    for (const Place& place : places())
+        for (const ItemView& item : place.items) {
+            found.push_back(rough.irradiance(item, item.normal));
+            wanted.push_back(preview_.irradiance(item, item.normal));
+        }
+    EXPECT_LT(relativeDifference(found, wanted), 0.05);
+    EXPECT_GT(relativeDifference(found, wanted), 1e-4);
+}
+
 // What a thread keeps of the items it met changes no bit: neither the order nor other normals do.
 TEST_P(Preview, DoesNotDependOnWhatWasMetBefore) {
     const std::vector<Place> all = places();

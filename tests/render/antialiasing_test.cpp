@@ -84,7 +84,7 @@ TEST(Antialiasing, PaysByTheFramesErrorAndTheCostOfSamples) {
 // What the rays of all pixels leave and cost is what the rule weighs those of one against: no other
 // threshold makes less of error times cost.
 TEST(Antialiasing, LeavesTheLeastErrorForItsCost) {
-    constexpr double kLight = 0.01, kSampleCost = 0.6;
+    constexpr double kLight = 0.01, kSampleCost = 0.4;
     constexpr int kCameraRays = 16;
     FrameSpread frame;
     for (int i = 0; i < 4096; ++i) frame.variances.push_back(std::exp2(i / 256.0 - 12));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -41,7 +43,7 @@ protected:
         members_.resize(kPoints);
         std::iota(members_.begin(), members_.end(), 0u);
         RegionBuilder builder(environment_, cache_.cache().header().tiers());
-        regions_ = builder.build(pooled_, centre.normal, kTilt, Calibration());
+        regions_ = builder.build(pooled_, centre.normal, kTilt, Calibration(), 0);
         plan_ = SamplingPlanner().plan(regions_, 64, {0, 0.4}, 0.045);
     }
 
@@ -67,6 +69,29 @@ protected:
     }
 
     static constexpr float kTilt = 0.6f;
+    static constexpr float kNoSplits = std::numeric_limits<float>::max();
+
+    /// Lit texels above the horizon of some point that no region covers.
+    int missed(const Regions& regions) const {
+        std::map<std::pair<int, std::uint32_t>, bool> has;
+        for (const RegionGroup& group : regions.groups)
+            for (std::uint32_t i = 0; i < kBlockCells; ++i)
+                if (group.light[i] > 0) has[{group.level, group.firstCell + i}] = true;
+        int count = 0;
+        for (std::uint32_t cell = 0; cell < cellCount(Environment::kLevel); ++cell) {
+            bool covered = false;
+            for (int level = 0; level <= Environment::kLevel; ++level)
+                covered |= has.count({level, ancestorCell(cell, Environment::kLevel, level)}) > 0;
+            for (auto i = environment_.texelsOf(cell)[0]; i < environment_.texelsOf(cell)[1]; ++i) {
+                if (!(environment_.luminance(environment_.texel(i).radiance) > 0)) continue;
+                const Vec3f direction(environment_.placeIn(i, 0.9, 0.9));
+                count += !covered && std::ranges::any_of(points_, [&](const ShadingPoint& p) {
+                    return direction.dot(p.normal) > 0;
+                });
+            }
+        }
+        return count;
+    }
 
 private:
     static TriangleMesh makeMesh() {
@@ -218,32 +243,45 @@ TEST_F(Cluster, SamplesAreStratifiedOverAllPoints) {
     EXPECT_LT(varianceOf(true), 0.25 * varianceOf(false));
 }
 
-// Every direction above the horizon of any point lies in a region. Control: regions of the centre's
-// normal alone miss some.
+// Every direction above the horizon of any point lies in a region, whatever is split. Control:
+// regions of the centre's normal alone miss some.
 TEST_F(Cluster, CoversTheHorizonsOfAllPoints) {
-    const auto missed = [&](const Regions& regions) {
-        std::map<std::pair<int, std::uint32_t>, bool> has;
-        for (const RegionGroup& group : regions.groups)
-            for (std::uint32_t i = 0; i < kBlockCells; ++i)
-                if (group.light[i] > 0) has[{group.level, group.firstCell + i}] = true;
-        int count = 0;
-        for (std::uint32_t cell = 0; cell < cellCount(Environment::kLevel); ++cell) {
-            bool covered = false;
-            for (int level = 0; level <= Environment::kLevel; ++level)
-                covered |= has.count({level, ancestorCell(cell, Environment::kLevel, level)}) > 0;
-            for (auto i = environment_.texelsOf(cell)[0]; i < environment_.texelsOf(cell)[1]; ++i) {
-                if (!(environment_.luminance(environment_.texel(i).radiance) > 0)) continue;
-                const Vec3f direction(environment_.placeIn(i, 0.9, 0.9));
-                count += !covered && std::ranges::any_of(points_, [&](const ShadingPoint& p) {
-                    return direction.dot(p.normal) > 0;
-                });
-            }
-        }
-        return count;
-    };
     EXPECT_EQ(missed(regions_), 0);
     RegionBuilder builder(environment_, pooled_.tiers());
-    EXPECT_GT(missed(builder.build(pooled_, points_[0].normal, 0, Calibration())), 20);
+    EXPECT_EQ(missed(builder.build(pooled_, points_[0].normal, kTilt, Calibration(), kNoSplits)),
+              0);
+    EXPECT_GT(missed(builder.build(pooled_, points_[0].normal, 0, Calibration(), 0)), 20);
+}
+
+// The more noise keeps a cell whole, the fewer regions there are and the more a sample deviates.
+TEST_F(Cluster, FewerSplitsMakeFewerAndNoisierRegions) {
+    RegionBuilder builder(environment_, pooled_.tiers());
+    const auto sky = static_cast<float>(environment_.luminanceIntegral());
+    std::vector<std::size_t> groups;
+    std::vector<double> deviations;
+    for (const float share : {0.0f, 2e-3f, 2e-2f, 1.0f}) {
+        const Regions& regions =
+            builder.build(pooled_, points_[0].normal, 0, Calibration(), share * sky);
+        groups.push_back(regions.groups.size());
+        deviations.push_back(regions.deviationSum);
+    }
+    EXPECT_TRUE(std::ranges::is_sorted(groups, std::greater()));
+    EXPECT_TRUE(std::ranges::is_sorted(deviations));
+    EXPECT_GT(groups.front(), 3 * groups.back());
+    EXPECT_GT(deviations.back(), 1.01 * deviations.front());
+    // Control: the splitter's own noise counts where it is more.
+    EXPECT_EQ(
+        builder.build(pooled_, points_[0].normal, 0, Calibration(), 1e-6f * sky).groups.size(),
+        groups.front());
+}
+
+// Splits that lower the deviation by half pay for less noise than those that lower it by a tenth.
+TEST(SplitNoise, IsLessWhereSplitsGain) {
+    EXPECT_NEAR(splitNoise(1, 2) / splitNoise(1.8, 2), 1.0 / 9, 1e-9);
+    EXPECT_NEAR(splitNoise(3, 6), 3 * splitNoise(1, 2), 1e-9);
+    EXPECT_EQ(splitNoise(0, 0), 0);
+    EXPECT_GT(splitNoise(2, 2), 100 * splitNoise(1, 2));
+    EXPECT_TRUE(std::isfinite(splitNoise(2, 2)));
 }
 
 // The polynomial's integral for a point's own normal is the mean of what samples subtract. With its
