@@ -35,10 +35,6 @@ constexpr double kFloor = 0.1;
 /// How much of the light that is predicted but not sure makes a place bright, whose samples are
 /// then not heavy.
 SHADOWCACHE_TUNED(double, kUnsureShare, 0.4);
-/// Rays of the pilot, as a part of the picture's: more would take longer than what they save.
-SHADOWCACHE_TUNED(double, kPilotShare, 0.0625);
-/// Fewest places of a pilot: with less, the budget's mean is no longer near what is asked for.
-SHADOWCACHE_TUNED(double, kFewestPlaces, 128);
 /// Places of a pilot that one thread takes at a time.
 constexpr std::size_t kPilotChunk = 32;
 
@@ -110,12 +106,6 @@ private:
     double darkest_ = 0;     ///< irradiance below which errors count no more [luminance]
     double floor_ = 1;       ///< irradiance below which errors are absolute [luminance]
     double heavy_ = kHeavy;  ///< part of a point's brightness from which on samples are reused
-
-    std::size_t places(std::uint64_t samples) const override {
-        const double wanted = kPilotShare * static_cast<double>(samples) / kPilotRays;
-        return static_cast<std::size_t>(
-            std::clamp(wanted, kFewestPlaces, static_cast<double>(FramePilot::places(samples))));
-    }
 
     std::uint64_t run(std::span<const ShadingPoint> points, int samples,
                       double otherError) override {

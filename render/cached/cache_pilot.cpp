@@ -1,9 +1,17 @@
 #include "render/cached/cache_pilot.h"
 
+#include "common/base/tuned.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
 
 namespace shadowcache {
+
+namespace {
+
+/// Rays at each place.
+SHADOWCACHE_TUNED(int, kPilotRays, 64);
+
+}  // namespace
 
 std::uint64_t PilotRays::trace(const EstimatorContext& context, const ShadingPoint& point,
                                const Regions& regions, LightSamples& samples, Calibration& found) {

@@ -3,15 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/base/tuned.h"
 #include "render/cached/calibration.h"
 #include "render/cached/regions.h"
 #include "render/estimators/estimator.h"
 
 namespace shadowcache {
-
-/// Rays of the pilot at each place.
-inline SHADOWCACHE_TUNED(int, kPilotRays, 64);
 
 /// Compares the counts at one place after another with a few rays, half of them where the counts
 /// are unsure and half where the light is. Arrays are reused from place to place.

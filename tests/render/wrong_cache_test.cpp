@@ -163,19 +163,6 @@ double meanVariance(const Estimator& estimator, std::span<const ShadingPoint> po
     return sum / static_cast<double>(points.size());
 }
 
-// A sixteenth of the picture's rays, within limits. A place takes 64.
-TEST(CachePilot, VisitsMorePlacesForMoreSamples) {
-    const TriangleMesh mesh = courtMesh();
-    const Scene scene(mesh);
-    const Environment environment = test::environmentOf(test::noiseMap(16, 8, 3));
-    const test::TestCache cache(bakeOf(mesh));
-    const auto estimator = findEstimator("cache").make({scene, environment, &cache.cache(), {}});
-    const FramePilot& pilot = *estimator->pilot();
-    EXPECT_EQ(pilot.places(1), 128u);
-    EXPECT_EQ(pilot.places(500 * 64 * 16), 500u);
-    EXPECT_EQ(pilot.places(std::uint64_t{1} << 40), 1024u);
-}
-
 // The pilot calibrates wrong counts. Control: without it the worst cache costs more.
 TEST(CalibratedWrongCache, CostsAtMostTwiceTheNoiseOfMis) {
     const TriangleMesh mesh = courtMesh();
