@@ -29,8 +29,8 @@ class CachePreview {
 public:
     /// @param environment  outlives the preview
     /// @param tiers        of the cache: header().tiers()
-    /// @param leastShare   noise of a cell, as a share of the place's own light, from which on it is
-    ///                     split: above 0; more is rougher and faster
+    /// @param leastShare   noise of a cell, as a share of the place's own light, from which on it
+    ///                     is split: above 0; more is rougher and faster
     CachePreview(const Environment& environment, const DirectionTiers& tiers,
                  float leastShare = kLeastPreviewShare);
 
