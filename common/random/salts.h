@@ -21,10 +21,9 @@ enum class BakeSalt : std::uint64_t {
 
 /// Seeds of frames and of their pilots' places.
 enum class FrameSalt : std::uint64_t {
-    pilotColumn = 1,  ///< place of a pilot ray in the frame
-    pilotRow = 2,
-    rulePixel = 4,   ///< a pixel that a frame's rule is made of; third word: column or row
-    someTiles = 82,  ///< which tiles are rendered for an estimate of the whole frame
+    pilotPlaces = 1,  ///< places on the film that a pilot looks at
+    rulePixel = 4,    ///< a pixel that a frame's rule is made of; third word: column or row
+    someTiles = 82,   ///< which tiles are rendered for an estimate of the whole frame
     tileBorder =
         84,  ///< offsets the borders of tiles pixel by pixel; the first word, without a seed
 };

@@ -40,16 +40,17 @@ std::uint64_t PilotRays::trace(const EstimatorContext& context, const ShadingPoi
 void PilotRays::draw(const Environment& environment, const ShadingPoint& point, int k, double sum,
                      LightSamples& samples) {
     const int each = kPilotRays / 2;
-    double below = 0;
     int j = 0;
     const auto numberOf = [&](int dimension) {
         return hashWords(point.seed, RenderSalt::pilotRay,
                          static_cast<std::uint64_t>(j) * 8 + static_cast<std::uint64_t>(k) * 4 +
                              static_cast<std::uint64_t>(dimension));
     };
+    const auto placeOf = [&] { return sum * (j + toUnit(numberOf(0))) / each; };
+    double below = 0, next = placeOf();
     for (const Region& r : regions_) {
         below += static_cast<double>(r.weight[k]);
-        for (; j < each && sum * (j + toUnit(numberOf(0))) / each < below; ++j) {
+        for (; j < each && next < below; ++j, next = placeOf()) {
             const std::uint64_t h = numberOf(1);
             const EnvironmentSample s = environment.sampleCell(
                 r.level, r.cell, toUnit(numberOf(2)), toUnitFloat(static_cast<std::uint32_t>(h)),

@@ -1,14 +1,18 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/base/hash.h"
 #include "common/base/parallel.h"
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
+#include "common/random/sequence.h"
 #include "render/frame/integrator.h"
+#include "render/frame/tile_loop.h"
 #include "render/frame/tile_renderer.h"
 
 namespace shadowcache {
@@ -18,30 +22,49 @@ namespace {
 /// Pixels that the rule of a frame is made of.
 SHADOWCACHE_TUNED(std::size_t, kRulePixels, 256);
 
+/// Pixels or places that one thread takes at a time.
+constexpr std::size_t kChunk = 32;
+
 /// Camera rays of a pixel with 64 shadow rays, for which reuse is judged.
 constexpr double kJudgedCameraRays = 16;
 
 /// What some pixels are predicted to show; nothing where their camera rays do not matter.
 std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const TileRenderer& renderer,
-                                        RenderStats& stats) {
+                                        Workspaces& workspaces) {
     const RenderOptions& options = frame.options;
     if (options.cameraRays < 2 || !frame.estimator.prediction()) return {};
     std::vector<PredictedSpread> pixels(kRulePixels);
-    parallelFor(kRulePixels, kRulePixels / 8, [&](const Chunk& chunk) {
-        const auto workspace = frame.estimator.makeWorkspace();
-        TileScratch scratch;
+    parallelFor(kRulePixels, kChunk, [&](const Chunk& chunk) {
+        std::unique_ptr<TileTools> tools = workspaces.take();
+        std::vector<FilmPlace> some;
         for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
             const std::uint64_t seed =
                 pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k));
             const auto at = [&](std::uint64_t axis, int size) {
                 return static_cast<int>(toUnit(hashWords(seed, FrameSalt::rulePixel, axis)) * size);
             };
-            pixels[k] = renderer.predictSpread({at(0, options.width), at(1, options.height)},
-                                               kMostSpreadRays, scratch, *workspace);
+            some.push_back({at(0, options.width), at(1, options.height)});
         }
+        std::ranges::copy(
+            renderer.predictSpreads(some, kMostSpreadRays, tools->scratch, *tools->workspace),
+            pixels.begin() + static_cast<std::ptrdiff_t>(chunk.begin));
+        workspaces.giveBack(std::move(tools));
     });
-    stats.spreadRays += kRulePixels * kMostSpreadRays;
     return spreadOf(pixels);
+}
+
+/// Places on the film, evenly spread.
+std::vector<FilmPosition> pilotPlaces(const FrameRequest& frame, std::size_t count) {
+    const std::uint64_t seed =
+        hashWords(pixelSeed(frame.options.seed, frame.number, -1, -1, 0), FrameSalt::pilotPlaces);
+    std::vector<std::uint32_t> columns(count), rows(count);
+    owenSobol(0, 0, seed, columns);
+    owenSobol(0, 1, seed, rows);
+    std::vector<FilmPosition> places(count);
+    for (std::size_t k = 0; k < count; ++k)
+        places[k] = {static_cast<double>(toUnitFloat(columns[k])),
+                     static_cast<double>(toUnitFloat(rows[k]))};
+    return places;
 }
 
 }  // namespace
@@ -57,25 +80,24 @@ void runPilot(FrameRequest& frame, RenderStats& stats) {
                                              static_cast<std::uint64_t>(options.height) *
                                              static_cast<std::uint64_t>(options.cameraRays) *
                                              static_cast<std::uint64_t>(options.samples));
-    const std::optional<FrameSpread> spread = predictFrame(frame, renderer, stats);
+    Workspaces workspaces(frame.estimator);
+    const std::optional<FrameSpread> spread = predictFrame(frame, renderer, workspaces);
     const auto floor = spread ? std::optional(spread->floor) : std::nullopt;
+    const std::vector<FilmPosition> looked = pilotPlaces(frame, places);
     std::vector<std::optional<ShadingPoint>> seen(places);
-    parallelFor(places, 256, [&](const Chunk& chunk) {
-        const auto workspace = frame.estimator.makeWorkspace();
-        TileScratch scratch;
-        for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
+    parallelFor(places, kChunk, [&](const Chunk& chunk) {
+        std::unique_ptr<TileTools> tools = workspaces.take();
+        for (std::size_t k = chunk.begin; k < chunk.end; ++k)
             // The numbers of a pilot belong to no pixel.
-            const std::uint64_t seed =
-                pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k));
-            const FilmPosition at{toUnit(hashWords(seed, FrameSalt::pilotColumn)),
-                                  toUnit(hashWords(seed, FrameSalt::pilotRow))};
-            seen[k] = renderer.pilotPoint(at, seed, floor, scratch, *workspace);
-        }
+            seen[k] = renderer.pilotPoint(
+                looked[k], pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k)),
+                floor, tools->scratch, *tools->workspace);
+        workspaces.giveBack(std::move(tools));
     });
+    workspaces.addCounts(stats);
     std::vector<ShadingPoint> points;
     for (const std::optional<ShadingPoint>& point : seen)
         if (point) points.push_back(*point);
-    if (floor) stats.spreadRays += points.size() * kMostSpreadRays;
     stats.shadowRays +=
         pilot->run(points, options.samples,
                    spread ? spread->cameraError / std::pow(kJudgedCameraRays, kStratification) : 0);

@@ -19,7 +19,7 @@ namespace {
 constexpr int kBatchSamples = 1 << 21;
 
 /// A pixel has one camera ray that decides how many it gets for so many that are asked for.
-SHADOWCACHE_TUNED(int, kRaysOfSpreadRay, 4);
+SHADOWCACHE_TUNED(int, kRaysOfSpreadRay, 8);
 
 void addInsight(const CacheInsight& insight, Pixel& pixel) {
     pixel.openness += insight.openness;
@@ -134,54 +134,55 @@ std::optional<ShadingPoint> TileRenderer::pilotPoint(const FilmPosition& at, std
     ShadingPoint point = shadingPoint(view, seed, pixel.x, pixel.y);
     if (floor) {
         const double scale =
-            predictSpread(pixel, kMostSpreadRays, scratch, workspace).errorScale(*floor);
+            predictSpreads(std::span(&pixel, 1), kMostSpreadRays, scratch, workspace)
+                .front()
+                .errorScale(*floor);
         const Rgb albedo = diffuseAlbedo(surfaceOf(view.hit), -point.normal.dot(view.direction));
         point.errorScale = irradianceScale(scale, albedo);
     }
     return point;
 }
 
-PredictedSpread TileRenderer::predictSpread(const FilmPlace& place, int count, TileScratch& scratch,
-                                            Workspace& workspace) const {
-    const LightPrediction* prediction = estimator_.prediction();
-    PredictedSpread spread;
-    if (!prediction) return spread;
-    const Environment& environment = context_.environment;
+std::vector<PredictedSpread> TileRenderer::predictSpreads(std::span<const FilmPlace> places,
+                                                          int count, TileScratch& scratch,
+                                                          Workspace& workspace) const {
+    std::vector<PredictedSpread> spreads(places.size());
+    if (!estimator_.prediction()) return spreads;
     scratch.rays.clear();
-    const std::uint64_t seed =
-        hashWords(pixelSeed(options_.seed, number_, place.x, place.y, -1), RenderSalt::spreadRays);
-    aim(place, 0, seed, 0, count, scratch);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto [x, y] = places[i];
+        aim(places[i], static_cast<std::uint32_t>(i),
+            hashWords(pixelSeed(options_.seed, number_, x, y, -1), RenderSalt::spreadRays), 0,
+            count, scratch);
+    }
     scratch.spreadRays += scratch.rays.size();
     intersect(scratch.rays);
-    for (const TileScratch::Ray& ray : scratch.rays) {
-        const Hit& hit = ray.view.hit;
-        if (!hit.found) {
-            spread.add(static_cast<double>(
-                environment.luminance(environment.radiance(ray.view.direction))));
-            continue;
-        }
-        const ShadingPoint point = shadingPoint(ray.view, 0, place.x, place.y);
-        const Surface surface = surfaceOf(hit);
-        // Gloss as if it were diffuse.
-        Rgb radiance = surface.emission;
-        if (!surface.unlit)
-            radiance += surface.baseColor * prediction->predict(point, workspace) *
-                        static_cast<float>(1 / kPi);
-        spread.add(static_cast<double>(environment.luminance(radiance)));
-    }
-    return spread;
+    const Environment& environment = context_.environment;
+    for (const TileScratch::Ray& ray : scratch.rays)
+        spreads[ray.pixel].add(static_cast<double>(
+            environment.luminance(predictRadiance(ray.view, places[ray.pixel], workspace))));
+    return spreads;
+}
+
+Rgb TileRenderer::predictRadiance(const View& view, const FilmPlace& place,
+                                  Workspace& workspace) const {
+    if (!view.hit.found) return context_.environment.radiance(view.direction);
+    const Surface surface = surfaceOf(view.hit);
+    if (surface.unlit) return surface.emission;
+    // Gloss as if it were diffuse.
+    const ShadingPoint point = shadingPoint(view, 0, place.x, place.y);
+    return surface.emission + surface.baseColor *
+                                  estimator_.prediction()->predict(point, workspace) *
+                                  static_cast<float>(1 / kPi);
 }
 
 void TileRenderer::planPixels(std::span<const FilmPlace> places, TileScratch& scratch,
                               Workspace& workspace, std::span<PixelSum> sums) const {
-    std::vector<PredictedSpread> spreads;
-    spreads.reserve(places.size());
     // By the size of a pass, so that n passes are those of the whole.
     const int pass = std::min(options_.cameraRays, options_.passRays);
     const int count = std::clamp(pass / kRaysOfSpreadRay, 1, kMostSpreadRays);
-    for (const FilmPlace& place : places)
-        spreads.push_back(predictSpread(place, count, scratch, workspace));
-    const std::vector<PredictedSpread> around = withNeighbors(places, spreads);
+    const std::vector<PredictedSpread> around =
+        withNeighbors(places, predictSpreads(places, count, scratch, workspace));
     for (std::size_t i = 0; i < sums.size(); ++i) {
         sums[i].rayFactor = rayFactorOf(around[i], *antialiasing_);
         sums[i].errorScale = around[i].errorScale(antialiasing_->floor);

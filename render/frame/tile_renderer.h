@@ -64,11 +64,12 @@ public:
                                            std::optional<double> floor, TileScratch& scratch,
                                            Workspace& workspace) const;
 
-    /// What `count` camera rays of a pixel are predicted to see; they are none of the picture's.
+    /// What `count` camera rays of each of some pixels are predicted to see; they are none of the
+    /// picture's.
     ///
-    /// @return nothing where the estimator predicts nothing
-    PredictedSpread predictSpread(const FilmPlace& place, int count, TileScratch& scratch,
-                                  Workspace& workspace) const;
+    /// @return of each pixel: nothing where the estimator predicts nothing
+    std::vector<PredictedSpread> predictSpreads(std::span<const FilmPlace> places, int count,
+                                                TileScratch& scratch, Workspace& workspace) const;
 
     /// Adds camera rays `first` to `first + count - 1` of each pixel of a tile, or as many times
     /// more as its factor: those of places[i] to sums[i].
@@ -92,6 +93,8 @@ private:
     void intersect(std::span<TileScratch::Ray> rays) const;
     void addBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
                   Workspace& workspace, std::span<PixelSum> sums) const;
+    /// Radiance that a camera ray is predicted to see.
+    Rgb predictRadiance(const View& view, const FilmPlace& place, Workspace& workspace) const;
     /// Camera rays of each pixel, and what its errors are relative to.
     void planPixels(std::span<const FilmPlace> places, TileScratch& scratch, Workspace& workspace,
                     std::span<PixelSum> sums) const;
