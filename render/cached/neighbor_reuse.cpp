@@ -67,11 +67,13 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
         for (std::uint32_t i = cluster.begin; i < cluster.end; ++i)
             clusterOf_[clusters.order()[i]] = c;
     }
-    pointAt_.assign(std::size_t{batch.cameraRays} * batch.pixels, -1);
+    rows_ = 0;
+    for (const ShadingPoint& point : batch.points) rows_ = std::max(rows_, point.row + 1);
+    pointAt_.assign(std::size_t{rows_} * batch.pixels, -1);
     for (std::size_t i = 0; i < points; ++i) {
         const ShadingPoint& point = batch.points[i];
-        pointAt_[std::size_t{point.row} * batch.pixels + point.pixel] =
-            static_cast<std::int32_t>(i);
+        std::int32_t& first = pointAt_[std::size_t{point.row} * batch.pixels + point.pixel];
+        if (first < 0) first = static_cast<std::int32_t>(i);
     }
     return Batch(*this);
 }
@@ -186,10 +188,10 @@ void NeighborReuse::findMispredicted(const Misprediction& found, const Scene& sc
     candidates_.clear();
     addCandidates(found, finder.row, first, std::min(first + size, batch_.pixels));
     keepMispredicted(found, scene, estimates);
-    if (batch_.cameraRays < 2 || !isTooHeavy(found, candidates_)) return;
+    if (rows_ < 2 || !isTooHeavy(found, candidates_)) return;
 
     const std::uint32_t firstRow = finder.row / kWideRows * kWideRows;
-    const std::uint32_t lastRow = std::min(firstRow + kWideRows, batch_.cameraRays);
+    const std::uint32_t lastRow = std::min(firstRow + kWideRows, rows_);
     candidates_.clear();
     for (std::uint32_t row = firstRow; row < lastRow; ++row)
         addCandidates(found, row, 0, batch_.pixels);
@@ -232,21 +234,27 @@ void NeighborReuse::addCandidates(const Misprediction& found, std::uint32_t rowN
     const std::int32_t* row = pointAt_.data() + std::size_t{rowNumber} * batch_.pixels;
     for (std::uint32_t pixel = first; pixel < last; ++pixel) {
         if (row[pixel] < 0) continue;
-        const auto point = static_cast<std::uint32_t>(row[pixel]);
-        if (!(samples_[point] > 0)) continue;
-        const Vec3f& normal =
-            glossy_.empty() ? batch_.points[point].normal : glossy_[point].lobe.normal();
-        if (found.direction.dot(normal) <= 0) continue;
-        const std::uint32_t c = clusterOf_[point];
-        if (offeredNumber_[c] != foundNumber_) {
-            offeredNumber_[c] = foundNumber_;
-            offered_[c] = offered(offers_[c], found);
-        }
-        const Offered& offer = offered_[c];
-        if (offer.expected == 0) continue;
-        candidates_.push_back(
-            {point, densityOf(point, offer, found.direction), offer.expected > 0});
+        for (auto point = static_cast<std::uint32_t>(row[pixel]);
+             point < batch_.points.size() && batch_.points[point].pixel == pixel &&
+             batch_.points[point].row == rowNumber;
+             ++point)
+            addCandidate(found, point);
     }
+}
+
+void NeighborReuse::addCandidate(const Misprediction& found, std::uint32_t point) {
+    if (!(samples_[point] > 0)) return;
+    const Vec3f& normal =
+        glossy_.empty() ? batch_.points[point].normal : glossy_[point].lobe.normal();
+    if (found.direction.dot(normal) <= 0) return;
+    const std::uint32_t c = clusterOf_[point];
+    if (offeredNumber_[c] != foundNumber_) {
+        offeredNumber_[c] = foundNumber_;
+        offered_[c] = offered(offers_[c], found);
+    }
+    const Offered& offer = offered_[c];
+    if (offer.expected == 0) return;
+    candidates_.push_back({point, densityOf(point, offer, found.direction), offer.expected > 0});
 }
 
 /// Removes the candidates that the direction does not contradict; the others keep their order.

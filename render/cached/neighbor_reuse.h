@@ -27,11 +27,11 @@ double pointsOfGroup(double chance);
 
 /// Points of neighbouring pixels reuse each other's mispredictions, each of which is rare and
 /// heavy: multi-sample MIS. A point takes part in what another found with the balance heuristic
-/// over all points of its group that are mispredicted in that direction, too. Groups hold one
-/// camera ray of each of some pixels; groups with so few mispredicted points that each
-/// would receive too much reuse the direction together. Unbiased, because groups, densities, and
-/// whether a point is mispredicted, do not depend on the samples. [docs/estimator.md; Bekaert et
-/// al. 2002 for the reuse of paths]
+/// over all points of its group that are mispredicted in that direction, too. Groups hold one row
+/// of some pixels: one camera ray of each, or more where a pixel has more; groups with so few
+/// mispredicted points that each would receive too much reuse the direction together. Unbiased,
+/// because groups, densities, and whether a point is mispredicted, do not depend on the samples.
+/// [docs/estimator.md; Bekaert et al. 2002 for the reuse of paths]
 class NeighborReuse {
 public:
     NeighborReuse(const Environment& environment, const DirectionTiers& tiers);
@@ -110,6 +110,7 @@ private:
     /// Adds the points of some pixels of one row that may be mispredicted.
     void addCandidates(const Misprediction& found, std::uint32_t rowNumber, std::uint32_t first,
                        std::uint32_t last);
+    void addCandidate(const Misprediction& found, std::uint32_t point);
     void keepMispredicted(const Misprediction& found, const Scene& scene,
                           std::span<Estimate> estimates);
     void contribute(const Misprediction& found, std::span<Estimate> estimates);
@@ -127,7 +128,8 @@ private:
     std::vector<double> samples_;           ///< by point
     std::vector<double> lobeSamples_;       ///< by glossy point
     std::vector<double> tooHeavyFrom_;      ///< by point [luminance]
-    std::vector<std::int32_t> pointAt_;     ///< by camera ray, then pixel; -1: none
+    std::uint32_t rows_ = 0;                ///< of the batch's points
+    std::vector<std::int32_t> pointAt_;     ///< first of a row and pixel; -1: none
     std::vector<Misprediction> found_;
 
     std::vector<std::uint32_t> sizes_;      ///< groupSize() by cell

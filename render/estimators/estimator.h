@@ -33,8 +33,9 @@ struct ShadingPoint {
     int filmX = 0;          ///< pixel of the camera ray that found it
     int filmY = 0;
     std::uint32_t cameraRay = 0;  ///< number of that ray in its pixel
-    std::uint32_t row = 0;        ///< and among those of its pixel in the batch
-    std::uint32_t pixel = 0;      ///< number of the pixel in its batch
+    std::uint32_t row = 0;  ///< of the camera rays asked for in the batch, which one; f of a pixel
+                            ///< that has f times as many are in one row, one after another
+    std::uint32_t pixel = 0;  ///< number of the pixel in its batch
     /// Irradiance that errors of its light are relative to: what would make the point as bright as
     /// its pixel is predicted to be. 0: its own light.
     float errorScale = 0;

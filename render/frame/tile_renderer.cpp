@@ -271,7 +271,7 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
         TileScratch::Place& place = scratch.places.emplace_back();
         place.point = shadingPoint(ray.view, scratch.seeds[ray.pixel], x, y);
         place.point.cameraRay = static_cast<std::uint32_t>(ray.number);
-        place.point.row = static_cast<std::uint32_t>(ray.row);
+        place.point.row = static_cast<std::uint32_t>(ray.row / sums[ray.pixel].rayFactor);
         place.point.pixel = ray.pixel;
         place.point.share = 1.0f / static_cast<float>(sums[ray.pixel].rayFactor);
         place.surface = surfaceOf(ray.view.hit);
