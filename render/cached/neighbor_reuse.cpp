@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -12,25 +13,26 @@ namespace shadowcache {
 
 namespace {
 
-/// Points of a group for each that is mispredicted, on average: the gain saturates at one, but a
+/// Pixels of a group for each that is mispredicted, on average: the gain saturates at one, but a
 /// reused ray costs a tenth of a sample.
 SHADOWCACHE_TUNED(double, kGroupPerFind, 8);
 /// The same of glossy points, whose lobes differ: fewer of them gain from a misprediction.
 SHADOWCACHE_TUNED(double, kGlossyGroupPerFind, 16);
-/// Most points of a group.
-SHADOWCACHE_TUNED(double, kMostGroupPoints, 256);
+/// Most pixels of a group.
+SHADOWCACHE_TUNED(double, kMostGroupPixels, 256);
 
-/// What a point receives of a misprediction is too heavy for its group alone from this many times
-/// the heaviness from which on samples are reused.
+/// What the points of a pixel receive of a misprediction is too heavy for their group alone from
+/// this many times the heaviness from which on samples are reused.
 SHADOWCACHE_TUNED(double, kWideReuse, 3);
-/// Rows of a batch that reuse together what is too heavy for a group: about 4096 points of a tile.
+/// Rows of a batch that reuse together what is too heavy for a group: about 4096 points of a tile,
+/// more where pixels have more camera rays.
 SHADOWCACHE_TUNED(std::uint32_t, kWideRows, 16);
 
 /// Clusters that are asked how likely a misprediction is.
 SHADOWCACHE_TUNED(std::size_t, kAskedClusters, 32);
 
 double pointsOfGroup(double chance, double perFind) {
-    return std::clamp(perFind / std::max(chance, 1e-12), 1.0, kMostGroupPoints);
+    return std::clamp(perFind / std::max(chance, 1e-12), 1.0, kMostGroupPixels);
 }
 
 }  // namespace
@@ -73,7 +75,11 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
     for (std::size_t i = 0; i < points; ++i) {
         const ShadingPoint& point = batch.points[i];
         std::int32_t& first = pointAt_[std::size_t{point.row} * batch.pixels + point.pixel];
-        if (first < 0) first = static_cast<std::int32_t>(i);
+        if (first < 0)
+            first = static_cast<std::int32_t>(i);
+        else
+            assert(batch.points[i - 1].pixel == point.pixel &&
+                   batch.points[i - 1].row == point.row);
     }
     return Batch(*this);
 }
@@ -207,10 +213,16 @@ double NeighborReuse::sumOfDensities(std::span<const Candidate> candidates) {
 
 bool NeighborReuse::isTooHeavy(const Misprediction& found, std::span<const Candidate> group) const {
     const double density = sumOfDensities(group);
-    return std::any_of(group.begin(), group.end(), [&](const Candidate& c) {
-        const Rgb value = received(c.point, found, density);
-        return static_cast<double>(environment_.luminance(value)) > tooHeavyFrom_[c.point];
-    });
+    double ofPixel = 0;  // what its points receive, over what is too much
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        const std::uint32_t point = group[i].point;
+        if (i > 0 && batch_.points[point].pixel != batch_.points[group[i - 1].point].pixel)
+            ofPixel = 0;
+        const Rgb value = received(point, found, density);
+        ofPixel += static_cast<double>(environment_.luminance(value)) / tooHeavyFrom_[point];
+        if (ofPixel > 1) return true;
+    }
+    return false;
 }
 
 void NeighborReuse::keepTooHeavyGroups(const Misprediction& found, std::uint32_t size) {
@@ -219,24 +231,25 @@ void NeighborReuse::keepTooHeavyGroups(const Misprediction& found, std::uint32_t
         return std::pair(point.row, point.pixel / size);
     };
     auto kept = candidates_.begin();
-    for (auto begin = candidates_.begin(); begin != candidates_.end();) {
+    for (auto begin = kept; begin != candidates_.end();) {
         const auto end = std::find_if(begin, candidates_.end(), [&](const Candidate& c) {
             return groupOf(c) != groupOf(*begin);
         });
-        kept = isTooHeavy(found, {begin, end}) ? std::copy(begin, end, kept) : kept;
-        begin = end;
+        const bool keeps = isTooHeavy(found, {begin, end});
+        for (; begin != end; ++begin)
+            if (keeps) *kept++ = *begin;
     }
     candidates_.erase(kept, candidates_.end());
 }
 
-void NeighborReuse::addCandidates(const Misprediction& found, std::uint32_t rowNumber,
+void NeighborReuse::addCandidates(const Misprediction& found, std::uint32_t row,
                                   std::uint32_t first, std::uint32_t last) {
-    const std::int32_t* row = pointAt_.data() + std::size_t{rowNumber} * batch_.pixels;
+    const std::int32_t* firstPoints = pointAt_.data() + std::size_t{row} * batch_.pixels;
     for (std::uint32_t pixel = first; pixel < last; ++pixel) {
-        if (row[pixel] < 0) continue;
-        for (auto point = static_cast<std::uint32_t>(row[pixel]);
+        if (firstPoints[pixel] < 0) continue;
+        for (auto point = static_cast<std::uint32_t>(firstPoints[pixel]);
              point < batch_.points.size() && batch_.points[point].pixel == pixel &&
-             batch_.points[point].row == rowNumber;
+             batch_.points[point].row == row;
              ++point)
             addCandidate(found, point);
     }

@@ -103,12 +103,12 @@ private:
     void findMispredicted(const Misprediction& found, const Scene& scene,
                           std::span<Estimate> estimates);
     static double sumOfDensities(std::span<const Candidate> candidates);
-    /// Whether what the mispredicted points of a group would receive is too heavy for it.
+    /// Whether what the mispredicted points of one pixel of a group would receive is too heavy.
     bool isTooHeavy(const Misprediction& found, std::span<const Candidate> group) const;
     /// Removes the groups that are not too heavy; candidates come group by group.
     void keepTooHeavyGroups(const Misprediction& found, std::uint32_t size);
     /// Adds the points of some pixels of one row that may be mispredicted.
-    void addCandidates(const Misprediction& found, std::uint32_t rowNumber, std::uint32_t first,
+    void addCandidates(const Misprediction& found, std::uint32_t row, std::uint32_t first,
                        std::uint32_t last);
     void addCandidate(const Misprediction& found, std::uint32_t point);
     void keepMispredicted(const Misprediction& found, const Scene& scene,

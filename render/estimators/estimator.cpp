@@ -103,7 +103,7 @@ void Estimator::estimate(std::span<const ShadingPoint> points, int samples, Work
     std::vector<ShadingPoint> alone(points.begin(), points.end());
     for (std::size_t i = 0; i < alone.size(); ++i) {
         alone[i].pixel = static_cast<std::uint32_t>(i);
-        alone[i].cameraRay = 0;
+        alone[i].cameraRay = alone[i].row = 0;
     }
     PointBatch batch{alone, samples, static_cast<std::uint32_t>(alone.size())};
     batch.pixelSamples = static_cast<std::uint32_t>(samples);

@@ -373,7 +373,7 @@ TEST_F(Progressive, TargetErrorIsMet) {
     options_.seed = 77;
     const Image reference = colorImage(atOnce("cache"));
     options_.samples = 4;
-    constexpr int kSeeds = 4;  // of a picture of so few tiles, one tile is checked
+    constexpr int kSeeds = 4;  // so small a picture has one tile that is checked: it decides alone
     for (const char* name : {"mis", "cache"})
         for (const double target : {0.02, 0.002}) {
             const auto made =

@@ -44,7 +44,7 @@ protected:
         FrameRequest frame = request(*estimator);
         RenderStats stats;
         runPilot(frame, stats);
-        if (sameRays_) frame.antialiasing->most = 1;
+        if (sameRays_ && frame.antialiasing) frame.antialiasing->most = 1;
         return shadowcache::render(frame, stats);
     }
     Film withoutFilter(int samples) {
@@ -91,7 +91,7 @@ TEST_F(FilteredPreview, IsNearerToTheTruthThanPredictionAndEstimate) {
 TEST_F(FilteredPreview, IsConsistent) {
     sameRays_ = true;
     const std::array numbers{1, 4, 16, 64};
-    std::array<double, 4> errors{};  // sums over seeds: of one, a few pixels decide
+    std::array<double, 4> errors{};  // over seeds: with one, a few pixels decide
     double predicted = 0;
     for (options_.seed = 1; options_.seed <= 4; ++options_.seed) {
         const Film reference = withoutFilter(1024);

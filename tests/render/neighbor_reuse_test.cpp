@@ -254,7 +254,7 @@ TEST(NeighborReuse, LessensTheNoiseOfAMetal) {
 }
 
 /// Four pixels of four camera rays each, where a direction through the slit concerns few points of
-/// a row, which has one camera ray of each pixel: sums of the pixels' irradiance.
+/// a row, which has one camera ray of each pixel or more: sums of the pixels' irradiance.
 struct PixelSums {
     std::vector<test::Estimates> dark{kSide / 2}, bright{kSide / 2};
     double ownVariance = 0;  ///< of all pixels, as their points' estimates have it, in the mean
@@ -284,6 +284,7 @@ PixelSums sumPixels(const std::string& name, const Told& told, int samples, int 
     for (std::uint32_t i = 0; i < kPoints; ++i) {
         points[i].cameraRay = i / kSide;
         points[i].row = points[i].cameraRay / raysOfRow;
+        points[i].share = i % 2 == 0 ? 1.0f : 1.0f / static_cast<float>(raysOfRow);
         points[i].pixel = (i + i / kSide) % kSide;
         points[i].errorScale = points[i].pixel < kSide / 2 ? kDark : bright;
     }
@@ -347,6 +348,46 @@ TEST(NeighborReuse, LessensTheNoiseOfPixelsWhoseRowsReuseTogether) {
     // One direction now adds to several camera rays of a pixel, whose spread does not show it.
     EXPECT_GT(together.covariance, together.ownVariance);
     EXPECT_LT(apart.covariance, 1e-3 * apart.ownVariance);  // control
+}
+
+/// Variance of a pixel with four times the camera rays asked for, which are two; other pixels
+/// beside it have these.
+///
+/// @param raysOfRow  of that pixel
+double noiseOfExtraRays(std::uint32_t raysOfRow) {
+    constexpr std::uint32_t kExtraRays = 8;
+    const Slit slit(tells(0, 200));
+    const auto estimator =
+        findEstimator("cache").make({slit.scene, slit.environment, &slit.cache.cache(), {}});
+    const auto workspace = estimator->makeWorkspace();
+    std::vector<ShadingPoint> points = floorPoints(slit.scene);
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+        ShadingPoint& point = points[i];
+        const bool extra = i < kExtraRays;
+        point.pixel = extra ? 0 : 1 + (i - kExtraRays) / 2;
+        point.cameraRay = extra ? i : i % 2;
+        point.row = extra ? i / raysOfRow : i % 2;
+        point.share = extra ? 0.25f : 1.0f;
+        point.errorScale = 100;  // too bright for reuse by all rows
+    }
+    test::Estimates pixel;
+    for (std::uint64_t k = 0; k < 4000; ++k) {
+        for (ShadingPoint& point : points) point.seed = hashWords(k, point.pixel);
+        PointBatch batch{points, 4, 1 + (kPoints - kExtraRays) / 2, kExtraRays};
+        batch.pixelSamples = 4 * kExtraRays;
+        std::vector<Estimate> found(kPoints);
+        estimator->estimate(batch, *workspace, found);
+        double sum = 0;
+        for (std::size_t i = 0; i < kExtraRays; ++i)
+            sum += static_cast<double>(found[i].irradiance.y);
+        pixel.color[1].push_back(sum / kExtraRays);
+    }
+    return pixel.sampleVariance(1);
+}
+
+// Extra rays in rows of their own, where nobody else finds what they see, are the control.
+TEST(NeighborReuse, OfExtraCameraRaysIsWithThoseOfOtherPixels) {
+    EXPECT_LT(noiseOfExtraRays(4), noiseOfExtraRays(1) / 2);
 }
 
 /// The bake of `mesh` but for the base cell around `direction`, all of which counts as occluded.
