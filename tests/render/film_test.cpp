@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "common/random/sequence.h"
@@ -191,53 +190,6 @@ TEST_F(Frame, OfAnotherNumberHasOtherNoise) {
     EXPECT_GT(differences(render("mis", 2)), lit / 2);
     // Control: the same number.
     EXPECT_EQ(differences(render("mis", 1)), 0);
-}
-
-/// Keeps what its pilot is shown.
-class Looker final : public PointEstimator, public FramePilot {
-public:
-    using PointEstimator::PointEstimator;
-    FramePilot* pilot() override { return this; }
-
-    std::vector<ShadingPoint> seen;
-
-private:
-    std::size_t places(std::uint64_t) const override { return 1024; }
-    std::uint64_t run(std::span<const ShadingPoint> points, int, double) override {
-        seen.assign(points.begin(), points.end());
-        return 0;
-    }
-    Rgb prepare(const ShadingPoint&, const SampleSlice&, Workspace&) const override {
-        return Rgb(0, 0, 0);
-    }
-};
-
-TEST(Pilot, LooksEvenlyOverTheFilm) {
-    const TriangleMesh mesh = test::floorMesh();
-    const Scene scene(mesh);
-    const Environment environment = test::environmentOf(test::noiseMap(64, 32, 5));
-    Looker looker({scene, environment, nullptr});
-    RenderOptions options;
-    options.width = options.height = 32;
-    FrameRequest frame{looker, lookAt({0, 0.1, 0.05}, {0, 0, 0}, {0, 0, 1}, 0.9), 1, options};
-    RenderStats stats;
-    // As many places as pixels: one in each.
-    const auto pixels = [&](std::uint64_t seed) {
-        frame.options.seed = seed;
-        runPilot(frame, stats);
-        std::vector<int> visits(1024);
-        for (const ShadingPoint& point : looker.seen)
-            ++visits[static_cast<std::size_t>(point.filmY * 32 + point.filmX)];
-        return visits;
-    };
-    EXPECT_EQ(pixels(1), std::vector<int>(1024, 1));
-    const std::vector<ShadingPoint> first = looker.seen;
-    EXPECT_EQ(pixels(2), std::vector<int>(1024, 1));
-    // Control: other seeds look at other places of these pixels.
-    int same = 0;
-    for (std::size_t i = 0; i < first.size(); ++i)
-        same += first[i].position == looker.seen[i].position;
-    EXPECT_LT(same, 10);
 }
 
 /// p-value that `scale` times what pixels say of their variance is what they have, over renders
