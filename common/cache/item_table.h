@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/cache/shadow_cache.h"
+
+namespace shadowcache {
+
+/// Stands for no item where the number of one is wanted.
+inline constexpr std::uint32_t kNoItem = 0xfffffffe;
+
+/// Where the items of an open cache are, in memory: by number, as ItemView::number gives it, and by
+/// place. Immutable and thread-safe; does not need the cache once it is made.
+class ItemTable {
+public:
+    /// @throws Error naming the cache's file if that cannot be read any more; without a name if the
+    /// cache has more items than 32 bits can number
+    explicit ItemTable(const ShadowCache& cache);
+
+    /// Number of items.
+    std::size_t size() const { return items_.size(); }
+    /// Side of a voxel [world units].
+    double spacing() const { return spacing_; }
+    /// Mean point of the item's surface, world space.
+    Vec3d position(std::uint32_t item) const {
+        return (Vec3d(items_[item].voxel) + Vec3d(items_[item].position)) * spacing_;
+    }
+    /// Unit mean normal of the item's surface, world space.
+    const Vec3f& normal(std::uint32_t item) const { return items_[item].normal; }
+
+    /// The item that would weigh most in a lookup at a place (ShadowCache::Reader::lookUp), or
+    /// kNoItem if a lookup would find none. Of equal ones the first.
+    ///
+    /// @param position  world space
+    /// @param normal    unit, towards the side that is lit
+    std::uint32_t itemAt(const Vec3d& position, const Vec3f& normal) const noexcept;
+
+    /// The item of a hit: of those with this side whose voxel is at most one from the place's own,
+    /// the one that is nearest in a lookup's terms, whatever its normal; or kNoItem.
+    ///
+    /// @param place  world space, in spacings
+    /// @param side   of PatchCode
+    std::uint32_t itemOfSide(const Vec3d& place, int side) const noexcept;
+
+    /// Bytes of memory that it takes.
+    std::size_t memoryBytes() const;
+
+    struct Item {
+        Vec3i voxel;
+        std::int16_t patch;  ///< PatchCode, packed
+        Vec3f position;      ///< from the voxel's centre, in spacings
+        Vec3f normal;
+    };
+    const Item& item(std::uint32_t number) const { return items_[number]; }
+
+private:
+    std::uint32_t firstOf(const Vec3i& voxel) const noexcept;
+    void index();
+
+    /// Calls `visit` with the number of each item of a voxel.
+    template <class Visit>
+    void visitVoxel(const Vec3i& voxel, const Visit& visit) const;
+
+    double spacing_;
+    std::vector<Item> items_;
+    std::vector<std::uint32_t> slots_;  ///< hashed by voxel: its first item, or kNoItem
+};
+
+}  // namespace shadowcache
