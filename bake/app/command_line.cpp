@@ -26,7 +26,7 @@ void parseShard(const std::string& text, BakeOptions& options) {
     options.shards = std::stoi(match[2]);
 }
 
-void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform) {
+void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform, bool& noTransport) {
     const std::string group = "Bake";
     app.add_option("--spacing", job.bake.spacing,
                    "Voxel size in metres; smaller is sharper, at a cost of the inverse square "
@@ -42,6 +42,9 @@ void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform) 
     // No negated flag: CLI11 would write it to a settings file the wrong way round.
     app.add_flag("--uniform", uniform,
                  "Refine every region to the finest level, not only where visibility is mixed")
+        ->group(group);
+    app.add_flag("--no-transport", noTransport,
+                 "Leave out which items the rays of each item met, which bounced light uses")
         ->group(group);
     app.add_option("--seed", job.bake.seed,
                    "Random seed; caches of different seeds merge into a better one")
@@ -148,11 +151,11 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     CLI::App app("Bakes the visibility of a static set into a sparse OpenVDB file.",
                  "shadowcache-bake");
     std::string up = "y", shard, memory;
-    bool uniform = false, allowExternal = false;
+    bool uniform = false, noTransport = false, allowExternal = false;
     ShotArguments shot;
     beginCommandLine(app);
     addSetOptions(app, job.files, up, job.mesh.scale, allowExternal, "Set");
-    defineBake(app, job, shard, uniform);
+    defineBake(app, job, shard, uniform, noTransport);
     defineShot(app, job, shot);
     defineOutput(app, job, memory);
     app.footer(kFooter);
@@ -161,6 +164,7 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     };
     if (const auto status = parseCommandLine(app, argc, argv, check)) return status;
     job.bake.adaptive = !uniform;
+    job.bake.transport = !noTransport;
     if (!shard.empty()) parseShard(shard, job.bake);
     job.shot.size = parsePair("--size", shot.size, "WxH, as in 960x540");
     for (const std::string& text : shot.dynamic) job.shot.dynamic.push_back(parseDynamic(text));

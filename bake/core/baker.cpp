@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bake/core/finished_items.h"
+#include "bake/core/hit_tracer.h"
 #include "bake/core/item_baker.h"
 #include "bake/core/region_bytes.h"
 #include "bake/core/side_choice.h"
@@ -268,8 +269,11 @@ private:
     }
 
     void add(const ItemCounts& counts, const Patch& patch, std::size_t v, Baked& out) const {
-        store(counts, patch, voxels_.voxel(v), out.items);
+        const Vec3i voxel = voxels_.voxel(v);
+        store(counts, patch, voxel, out.items);
         out.rays += counts.rays;
+        if (options_.transport)
+            out.rays += traceHits(scene_, voxels_.frame(), voxel, patch, out.items.hits);
     }
 
     /// Whether what one item's pilot rays found may show in the other.
@@ -321,6 +325,7 @@ CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options) {
                      .shards = options.shards,
                      .held = {{options.shard, options.shard}}}};
     header.version = kVersion;
+    header.hits = options.transport ? kHitRays : 0;
     header.fingerprint = fingerprint(mesh);
     return header;
 }

@@ -18,6 +18,7 @@ CacheToExtend readCacheToExtend(const std::filesystem::path& path, const CacheHe
     require("spacing", found.spacing, wanted.spacing);
     require("direction level", found.level, wanted.level);
     require("adaptive refinement", found.adaptive, wanted.adaptive);
+    require("hits of an item", found.hits, wanted.hits);
     require("rays", found.rays(), wanted.rays());
     require("seed", found.seeds(), wanted.seeds());
     require("program version", found.version, wanted.version);

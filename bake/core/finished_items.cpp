@@ -8,7 +8,7 @@ namespace shadowcache {
 
 void FinishedItems::set(std::size_t region, Baked baked) {
     const CacheItems& items = baked.items;
-    sizes_[region] = {items.size(), items.n.size(), items.blocks.size()};
+    sizes_[region] = {items.size(), items.n.size(), items.blocks.size(), items.hits.size()};
     if (!checkpoint_ || checkpoint_->mayKeep(bytesOf(items))) kept_[region] = std::move(baked);
 }
 
@@ -38,7 +38,8 @@ Baked FinishedItems::take(std::size_t region) {
 void FinishedItems::reserve(CacheItems& all) const {
     Size sum{};
     for (const Size& size : sizes_)
-        sum = {sum.items + size.items, sum.counts + size.counts, sum.blocks + size.blocks};
+        sum = {sum.items + size.items, sum.counts + size.counts, sum.blocks + size.blocks,
+               sum.hits + size.hits};
     all.voxel.reserve(sum.items);
     all.patch.reserve(sum.items);
     all.normal.reserve(sum.items);
@@ -47,6 +48,7 @@ void FinishedItems::reserve(CacheItems& all) const {
     all.d.reserve(sum.counts);
     all.firstBlock.reserve(sum.items + 1);
     all.blocks.reserve(sum.blocks);
+    all.hits.reserve(sum.hits);
 }
 
 }  // namespace shadowcache

@@ -27,7 +27,7 @@ public:
 
 private:
     struct Size {
-        std::size_t items, counts, blocks;
+        std::size_t items, counts, blocks, hits;
     };
 
     Baked take(std::size_t region);

@@ -114,6 +114,7 @@ JoinedHeader joinHeaders(const CacheHeader& header, const std::string& owner,
     require("spacing", more.spacing, header.spacing);
     require("direction level", more.level, header.level);
     require("adaptive refinement", more.adaptive, header.adaptive);
+    require("hits of an item", more.hits, header.hits);
     // Two shots of the same bakes meet in the same items.
     JoinedHeader joined{header, sameBakes(header, more) ? Overlap::keep : Overlap::add};
     for (const BakeRecord& other : more.bakes) {

@@ -7,7 +7,7 @@ namespace shadowcache {
 std::uint64_t bytesOf(const CacheItems& items) {
     const auto of = [](const auto& values) { return values.size() * sizeof(values[0]); };
     return of(items.voxel) + of(items.patch) + of(items.normal) + of(items.position) + of(items.n) +
-           of(items.d) + of(items.firstBlock) + of(items.blocks);
+           of(items.d) + of(items.firstBlock) + of(items.blocks) + of(items.hits);
 }
 
 std::string toBytes(const Baked& baked) {
@@ -22,6 +22,7 @@ std::string toBytes(const Baked& baked) {
     out.put(items.d);
     out.put(items.firstBlock);
     out.put(items.blocks);
+    out.put(items.hits);
     return out.take();
 }
 
@@ -38,6 +39,7 @@ Baked bakedFromBytes(std::string_view bytes) {
     items.d = in.getVector<std::uint8_t>();
     items.firstBlock = in.getVector<std::uint32_t>();
     items.blocks = in.getVector<CountBlock>();
+    items.hits = in.getVector<std::uint16_t>();
     return baked;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/base/json_file.h"
+#include "common/cache/hit_bytes.h"
 
 namespace shadowcache {
 
@@ -74,6 +75,14 @@ std::string partText(const CacheHeader& header) {
     return text;
 }
 
+/// What the cache keeps of what its rays met.
+std::string hitsText(const CacheFacts& facts) {
+    if (facts.header.hits == 0) return "hits           none: baked with --no-transport or before\n";
+    const double share = static_cast<double>(facts.hitBytes) / static_cast<double>(facts.fileBytes);
+    return print("hits           %d an item, %llu bytes of the file (%.1f %%)\n", facts.header.hits,
+                 static_cast<unsigned long long>(facts.hitBytes), 100 * share);
+}
+
 }  // namespace
 
 CacheFacts readFacts(const std::filesystem::path& path) {
@@ -81,6 +90,7 @@ CacheFacts readFacts(const std::filesystem::path& path) {
     facts.items = readCache(path, facts.header);
     facts.summary = summarize(facts.header, facts.items);
     facts.fileBytes = std::filesystem::file_size(path);
+    facts.hitBytes = hitBytes(path);
     return facts;
 }
 
@@ -98,9 +108,9 @@ std::vector<std::string> shareLabels() {
 }
 
 std::string factsAsJson(const CacheFacts& facts) {
-    const auto& [header, items, summary, fileBytes] = facts;
+    const auto& [header, items, summary, fileBytes, hitBytes] = facts;
     JsonFile out;
-    out.set("format", static_cast<std::uint64_t>(kCacheFormat));
+    out.set("format", static_cast<std::uint64_t>(header.format));
     out.set("version", header.version);
     out.set("fingerprint", fingerprintText(header.fingerprint));
     out.set("spacing", header.spacing);
@@ -129,16 +139,18 @@ std::string factsAsJson(const CacheFacts& facts) {
     out.set("regions.by_rays", asVector(summary.rays));
     out.set("regions.by_visible_share", asVector(summary.shares));
     out.set("openness", asVector(summary.skyVisibility));
+    out.set("hits", static_cast<std::uint64_t>(header.hits));
     out.set("bytes.file", fileBytes);
+    out.set("bytes.hits", hitBytes);
     for (const auto& [name, bytes] : summary.bytes) out.set("bytes." + name, bytes);
     return out.text();
 }
 
 std::string factsAsText(const CacheFacts& facts) {
-    const auto& [header, items, summary, fileBytes] = facts;
+    const auto& [header, items, summary, fileBytes, hitBytes] = facts;
     std::string text =
         print("baked by       shadowcache-bake %s, format %d\n", header.version.c_str(),
-              kCacheFormat) +
+              header.format) +
         print("set            fingerprint %s, up axis %s, %g metres a unit\n",
               fingerprintText(header.fingerprint).c_str(), header.upAxis.c_str(), header.unit) +
         print("bounds         %g, %g, %g to %g, %g, %g\n", summary.low.x, summary.low.y,
@@ -150,7 +162,8 @@ std::string factsAsText(const CacheFacts& facts) {
               items.size(), static_cast<unsigned long long>(summary.subpatches),
               static_cast<unsigned long long>(summary.voxels), header.spacing,
               items.blocks.size()) +
-        tallyLine("base regions", summary.base) + tallyLine("finer regions", summary.finer);
+        hitsText(facts) + tallyLine("base regions", summary.base) +
+        tallyLine("finer regions", summary.finer);
     text +=
         "items by visible share of their directions\n" + histogram(summary.skyVisibility, tenths());
     text += "regions by number of rays\n" + histogram(summary.rays, rayLabels());

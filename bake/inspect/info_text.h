@@ -13,6 +13,7 @@ struct CacheFacts {
     CacheItems items;             ///< all of them
     CacheSummary summary;         ///< of the items
     std::uint64_t fileBytes = 0;  ///< size of the file
+    std::uint64_t hitBytes = 0;   ///< of that: hits
 };
 
 /// Reads a cache and sums it up.

@@ -36,7 +36,7 @@ std::string megabytes(std::uint64_t bytes) {
 }
 
 void addSettings(HtmlPage& page, const CacheFacts& facts) {
-    const auto& [header, items, summary, fileBytes] = facts;
+    const auto& [header, items, summary, fileBytes, hitBytes] = facts;
     page.heading("Settings");
     page.table({{"baked by", "shadowcache-bake " + header.version + ", file format " +
                                  std::to_string(kCacheFormat)},

@@ -72,6 +72,7 @@ CacheSummary summarize(const CacheHeader& header, const CacheItems& items) {
                      {"items.d", bytesOf(items.d)},
                      {"items.first_block", items.size() * sizeof(std::int32_t)},
                      {"items.block_count", items.size() * sizeof(std::int16_t)},
+                     {"items.hits", bytesOf(items.hits)},
                      {"blocks.key", items.blocks.size() * sizeof(std::int16_t)},
                      {"blocks.n", blockBytes},
                      {"blocks.d", blockBytes}};

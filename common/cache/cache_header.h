@@ -11,7 +11,12 @@
 namespace shadowcache {
 
 /// Version of the file format; raised on any change of its bytes or of the direction mesh.
-inline constexpr int kCacheFormat = 3;
+inline constexpr int kCacheFormat = 4;
+/// Oldest version that is still read: the same without hits.
+inline constexpr int kOldestCacheFormat = 3;
+
+/// Most rays of an item whose hits a cache may keep.
+inline constexpr int kMostHits = 64;
 
 /// Finest level of the direction mesh that counts may have.
 inline constexpr int kMaxCacheLevel = 5;
@@ -86,6 +91,7 @@ std::vector<ShardRange> missingShards(const BakeRecord& bake);
 
 /// What a cache records of its bake; all of it is kept in the file's metadata.
 struct CacheHeader {
+    int format = kCacheFormat;      ///< of the file that it was read from
     int level = kMaxCacheLevel;     ///< finest direction level
     bool adaptive = true;           ///< blocks only where the direction explains visibility
     double spacing = 0;             ///< side of a voxel [world units]
@@ -95,6 +101,7 @@ struct CacheHeader {
     std::uint64_t fingerprint = 0;  ///< hash of the set's triangles
     std::string version;            ///< of the program that baked
     std::optional<CachePart> part;  ///< none: all of the set
+    int hits = 0;                   ///< rays of an item whose hits are kept; 0: none
 
     /// How its counts refine in direction.
     DirectionTiers tiers() const { return {level}; }

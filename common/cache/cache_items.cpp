@@ -48,6 +48,7 @@ void append(CacheItems& items, const CacheItems& more) {
     for (std::size_t i = 1; i < more.firstBlock.size(); ++i)
         items.firstBlock.push_back(offset + more.firstBlock[i]);
     join(items.blocks, more.blocks);
+    join(items.hits, more.hits);
 }
 
 namespace {
@@ -63,12 +64,13 @@ void appendItem(CacheItems& to, const CacheItems& from, std::size_t i, std::size
     to.patch.push_back(from.patch[i]);
     to.normal.push_back(from.normal[i]);
     to.position.push_back(from.position[i]);
-    const auto counts = [&](std::vector<std::uint8_t>& out, const std::vector<std::uint8_t>& in) {
-        const auto begin = in.begin() + static_cast<std::ptrdiff_t>(i * baseCells);
-        out.insert(out.end(), begin, begin + static_cast<std::ptrdiff_t>(baseCells));
+    const auto row = [&](auto& out, const auto& in, std::size_t values) {
+        const auto begin = in.begin() + static_cast<std::ptrdiff_t>(i * values);
+        out.insert(out.end(), begin, begin + static_cast<std::ptrdiff_t>(values));
     };
-    counts(to.n, from.n);
-    counts(to.d, from.d);
+    row(to.n, from.n, baseCells);
+    row(to.d, from.d, baseCells);
+    row(to.hits, from.hits, from.hits.size() / from.size());
 }
 
 /// Appends the blocks of item i of `a` and item j of `b` in the order of their keys, equal keys

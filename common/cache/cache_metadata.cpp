@@ -13,6 +13,8 @@ namespace {
 /// Largest spacing: the bake accepts no more.
 constexpr double kMostMetadata = 1e12;
 
+constexpr int kFirstFormatWithHits = 4;
+
 template <class T>
 T metaValue(const openvdb::MetaMap& meta, const char* key, const std::filesystem::path& path) {
     const auto value = meta.getMetadata<openvdb::TypedMetadata<T>>(key);
@@ -42,6 +44,7 @@ openvdb::MetaMap toMetadata(const CacheHeader& header, std::size_t items) {
         count("sides_of_set", header.part->sidesOfSet);
         meta.insertMeta("shots", openvdb::StringMetadata(header.part->shots));
     }
+    meta.insertMeta("hits", openvdb::Int32Metadata(header.hits));
     meta.insertMeta("items", openvdb::Int64Metadata(static_cast<std::int64_t>(items)));
     return meta;
 }
@@ -50,12 +53,14 @@ CacheHeader fromMetadata(const openvdb::MetaMap& meta, const std::filesystem::pa
     if (!meta[kFormatKey])
         throwFileError(path, "an OpenVDB file, but not a shadow cache (no 'shadowcache_format')");
     const auto format = metaValue<std::int32_t>(meta, kFormatKey, path);
-    if (format != kCacheFormat)
+    if (format < kOldestCacheFormat || format > kCacheFormat)
         throwFileError(path, "cache format " + std::to_string(format) + ", this program reads " +
+                                 std::to_string(kOldestCacheFormat) + " to " +
                                  std::to_string(kCacheFormat) +
                                  (format > kCacheFormat ? " (written by a newer version)"
                                                         : ": bake the set again"));
     CacheHeader header;
+    header.format = format;
     header.level = metaValue<std::int32_t>(meta, "level", path);
     header.adaptive = metaValue<bool>(meta, "adaptive", path);
     header.spacing = metaValue<double>(meta, "spacing", path);
@@ -82,6 +87,10 @@ CacheHeader fromMetadata(const openvdb::MetaMap& meta, const std::filesystem::pa
     if (header.level < 0 || header.level > kMaxCacheLevel)
         throwFileError(path,
                        "direction level " + std::to_string(header.level) + ", expected 0 to 5");
+    if (format >= kFirstFormatWithHits) header.hits = metaValue<std::int32_t>(meta, "hits", path);
+    if (header.hits < 0 || header.hits > kMostHits)
+        throwFileError(path, "hits of " + std::to_string(header.hits) +
+                                 " rays an item, expected 0 to " + std::to_string(kMostHits));
     const auto requirePositive = [&](const char* key, double value) {
         if (!(value > 0 && value <= kMostMetadata))
             throwFileError(path, std::string(key) + " " + std::to_string(value) +

@@ -211,8 +211,9 @@ namespace {
 /// Appends the items of one leaf in the order of their voxels, and their blocks.
 void appendLeaf(const openvdb::Coord& origin, const LeafView& leaf, std::size_t baseCells,
                 CacheItems& items) {
-    const auto row = [](std::vector<std::uint8_t>& out, const std::uint8_t* counts,
-                        std::size_t cells) { out.insert(out.end(), counts, counts + cells); };
+    const auto row = [](auto& out, const auto* values, std::size_t count) {
+        out.insert(out.end(), values, values + count);
+    };
     std::uint32_t i = 0;
     for (openvdb::Index v = 0; v < kLeafVoxels; ++v) {
         const openvdb::Coord voxel = origin + PointLeaf::offsetToLocalCoord(v);
@@ -223,6 +224,7 @@ void appendLeaf(const openvdb::Coord& origin, const LeafView& leaf, std::size_t 
             items.position.push_back(leaf.position[i]);
             row(items.n, leaf.n.row(i), baseCells);
             row(items.d, leaf.d.row(i), baseCells);
+            row(items.hits, leaf.hits + std::size_t{i} * leaf.hitsPerItem, leaf.hitsPerItem);
             const auto first = static_cast<std::size_t>(leaf.firstBlock[i]);
             const auto count = static_cast<std::size_t>(leaf.blockCount[i]);
             for (std::size_t b = first; b < first + count; ++b) {
@@ -269,7 +271,6 @@ CacheHeader readHeader(const fs::path& path) {
 CacheItems readCache(const fs::path& path, CacheHeader& header) {
     const CacheGrids grids = readGrids(path);
     header = grids.header;
-    const DirectionTiers tiers = header.tiers();
     CacheItems items;
     // OpenVDB's tree has larger nodes above the leaves, and visits them one by one.
     std::vector<PointLeaf*> leaves;
@@ -278,8 +279,8 @@ CacheItems readCache(const fs::path& path, CacheHeader& header) {
         leaves, [](const PointLeaf* a, const PointLeaf* b) { return a->origin() < b->origin(); });
     for (PointLeaf* leaf : leaves)
         appendLeaf(leaf->origin(),
-                   viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), tiers, path),
-                   tiers.baseCells(), items);
+                   viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header, path),
+                   header.tiers().baseCells(), items);
     return items;
 }
 

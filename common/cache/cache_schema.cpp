@@ -11,7 +11,7 @@ AttributeSpec spec(const char* name, openvdb::Index stride) {
 
 }  // namespace
 
-std::array<AttributeSpec, kItemAttributes> itemAttributes(const DirectionTiers& tiers) {
+std::array<AttributeSpec, kHits> lookupAttributes(const DirectionTiers& tiers) {
     return {spec<VectorArray>(kPositionName, 1),
             spec<VectorArray>("normal", 1),
             spec<ShortArray>("patch", 1),
@@ -19,6 +19,14 @@ std::array<AttributeSpec, kItemAttributes> itemAttributes(const DirectionTiers& 
             spec<ByteArray>("d", tiers.baseCells()),
             spec<IntArray>("first_block", 1),
             spec<ShortArray>("block_count", 1)};
+}
+
+std::vector<AttributeSpec> itemAttributes(const CacheHeader& header) {
+    const auto lookups = lookupAttributes(header.tiers());
+    std::vector<AttributeSpec> specs(lookups.begin(), lookups.end());
+    if (header.hits > 0)
+        specs.push_back(spec<ShortArray>("hits", static_cast<openvdb::Index>(header.hits)));
+    return specs;
 }
 
 std::array<AttributeSpec, kBlockAttributes> blockAttributes() {

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "common/cache/cache_header.h"
 
@@ -41,9 +42,13 @@ enum ItemAttribute : std::size_t {
     kItemD,
     kFirstBlock,
     kBlockCount,
+    kHits,  ///< only of caches that keep hits
     kItemAttributes
 };
-std::array<AttributeSpec, kItemAttributes> itemAttributes(const DirectionTiers& tiers);
+/// Those that lookups use: all but kHits.
+std::array<AttributeSpec, kHits> lookupAttributes(const DirectionTiers& tiers);
+/// All of a cache.
+std::vector<AttributeSpec> itemAttributes(const CacheHeader& header);
 
 /// Attributes of the blocks, as indices into blockAttributes(), in the file's order. OpenVDB adds a
 /// position to them, which is not used.

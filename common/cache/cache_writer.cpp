@@ -72,7 +72,7 @@ void setOffsets(PointLeaf& leaf, std::size_t count, VoxelOf voxelOf) {
 }
 
 void fillItemLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& items,
-                  std::size_t baseCells) {
+                  std::size_t baseCells, std::size_t hits) {
     setOffsets(leaf, range.end - range.begin,
                [&](std::size_t i) { return toCoord(items.voxel[range.begin + i]); });
     auto& position = expanded<VectorArray>(leaf, kPosition);
@@ -101,6 +101,11 @@ void fillItemLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& ite
     }
     n.compact();
     d.compact();
+    if (hits == 0) return;
+    auto& hit = expanded<ShortArray>(leaf, kHits);
+    for (std::size_t h = range.begin * hits; h < range.end * hits; ++h)
+        hit.setUnsafe(static_cast<openvdb::Index>(h - range.begin * hits),
+                      static_cast<std::int16_t>(items.hits[h]));
 }
 
 void fillBlockLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& items) {
@@ -141,7 +146,8 @@ struct PointGrids {
 
 PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
     const std::uint32_t baseCells = header.tiers().baseCells();
-    const auto itemAttributeSpecs = itemAttributes(header.tiers());
+    const auto hits = static_cast<std::size_t>(header.hits);
+    const std::vector<AttributeSpec> itemAttributeSpecs = itemAttributes(header);
     const auto itemSpecs = std::span(itemAttributeSpecs).subspan(kPosition + 1);
     const auto blockSpecs = blockAttributes();
     auto itemDescriptors = describe(itemSpecs);
@@ -160,7 +166,7 @@ PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
     }
     parallelFor(leaves.size(), 16, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            fillItemLeaf(*itemLeaves[i], leaves[i], items, baseCells);
+            fillItemLeaf(*itemLeaves[i], leaves[i], items, baseCells, hits);
             if (blockLeaves[i]) fillBlockLeaf(*blockLeaves[i], leaves[i], items);
         }
     });

@@ -22,7 +22,7 @@ AttributeArray& arrayOf(PointLeaf& leaf, const AttributeSpec& spec, const fs::pa
     return array;
 }
 
-/// Values of an attribute, one a point, as a plain array.
+/// Values of an attribute as a plain array.
 template <class Value, class Array>
 const Value* values(PointLeaf& leaf, const AttributeSpec& spec, const fs::path& path) {
     auto& array = Array::cast(arrayOf(leaf, spec, path));
@@ -48,9 +48,9 @@ std::uint32_t pointCount(const PointLeaf& leaf, const fs::path& path) {
 
 }  // namespace
 
-LeafView viewOf(PointLeaf& items, PointLeaf* blocks, const DirectionTiers& tiers,
+LeafView viewOf(PointLeaf& items, PointLeaf* blocks, const CacheHeader& header,
                 const fs::path& path) {
-    const auto specs = itemAttributes(tiers);
+    const std::vector<AttributeSpec> specs = itemAttributes(header);
     LeafView view;
     static_assert(sizeof *view.voxelEnd == sizeof *items.buffer().data());
     view.voxelEnd = reinterpret_cast<const std::uint32_t*>(items.buffer().data());
@@ -62,6 +62,10 @@ LeafView viewOf(PointLeaf& items, PointLeaf* blocks, const DirectionTiers& tiers
     view.patch = values<std::int16_t, ShortArray>(items, specs[kPatch], path);
     view.firstBlock = values<std::int32_t, IntArray>(items, specs[kFirstBlock], path);
     view.blockCount = values<std::int16_t, ShortArray>(items, specs[kBlockCount], path);
+    if (header.hits > 0) {
+        view.hits = values<std::uint16_t, ShortArray>(items, specs[kHits], path);
+        view.hitsPerItem = specs[kHits].stride;
+    }
     if (blocks) {
         const auto blockSpecs = blockAttributes();
         view.blocks = pointCount(*blocks, path);
@@ -69,7 +73,7 @@ LeafView viewOf(PointLeaf& items, PointLeaf* blocks, const DirectionTiers& tiers
         view.blockN = countRows(*blocks, blockSpecs[kBlockN], path);
         view.blockD = countRows(*blocks, blockSpecs[kBlockD], path);
     }
-    requireSound(view, tiers, path);
+    requireSound(view, header.tiers(), path);
     return view;
 }
 

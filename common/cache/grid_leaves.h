@@ -13,7 +13,7 @@ namespace shadowcache {
 /// as both stay. Sound, as requireSound() has it; firstItem is 0.
 ///
 /// @throws Error naming the file if they are not what the format has
-LeafView viewOf(PointLeaf& items, PointLeaf* blocks, const DirectionTiers& tiers,
+LeafView viewOf(PointLeaf& items, PointLeaf* blocks, const CacheHeader& header,
                 const std::filesystem::path& path);
 
 }  // namespace shadowcache

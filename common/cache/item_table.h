@@ -36,16 +36,16 @@ public:
     /// @param normal    unit, towards the side that is lit
     std::uint32_t itemAt(const Vec3d& position, const Vec3f& normal) const noexcept;
 
-    /// The item of a hit: of those with this side whose voxel is at most one from the place's own,
-    /// the one that is nearest in a lookup's terms, whatever its normal; or kNoItem.
+    /// The same of the items of one side, whatever their normals.
     ///
-    /// @param place  world space, in spacings
+    /// @param place  world space, in spacings; may lie up to a voxel beside the item
     /// @param side   of PatchCode
     std::uint32_t itemOfSide(const Vec3d& place, int side) const noexcept;
 
     /// Bytes of memory that it takes.
     std::size_t memoryBytes() const;
 
+    /// What a cache records of an item, without its counts.
     struct Item {
         Vec3i voxel;
         std::int16_t patch;  ///< PatchCode, packed
@@ -55,12 +55,12 @@ public:
     const Item& item(std::uint32_t number) const { return items_[number]; }
 
 private:
-    std::uint32_t firstOf(const Vec3i& voxel) const noexcept;
+    std::uint32_t slotOf(const Vec3i& voxel) const noexcept;
     void index();
 
-    /// Calls `visit` with the number of each item of a voxel.
-    template <class Visit>
-    void visitVoxel(const Vec3i& voxel, const Visit& visit) const;
+    template <class Weigh>
+    std::uint32_t heaviest(const Vec3d& place, int low, int high,
+                           const Weigh& weigh) const noexcept;
 
     double spacing_;
     std::vector<Item> items_;

@@ -1,8 +1,10 @@
 #include "common/cache/leaf_view.h"
 
+#include <algorithm>
 #include <array>
 
 #include "common/base/error.h"
+#include "common/cache/hit_code.h"
 #include "common/cache/patch_code.h"
 
 namespace shadowcache {
@@ -43,6 +45,14 @@ void requireSound(const LeafView& leaf, const DirectionTiers& tiers,
     for (std::uint32_t b = 0; b < leaf.blocks; ++b)
         if (leaf.blockKeys[b] < 0 || leaf.blockKeys[b] >= keys)
             throwFileError(path, "damaged: a block refines a region that does not exist");
+    requireSoundHits(leaf, path);
+}
+
+void requireSoundHits(const LeafView& leaf, const std::filesystem::path& path) {
+    if (!leaf.hits) return;
+    const std::uint16_t* end = leaf.hits + std::size_t{leaf.items} * leaf.hitsPerItem;
+    if (!std::all_of(leaf.hits, end, HitCode::isValid))
+        throwFileError(path, "damaged: a ray's hit does not exist");
 }
 
 }  // namespace shadowcache

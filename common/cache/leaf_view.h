@@ -37,6 +37,8 @@ struct LeafView {
     const std::int16_t* patch = nullptr;       ///< by item: PatchCode, packed
     const std::int32_t* firstBlock = nullptr;  ///< by item: in blockKeys, blockN and blockD
     const std::int16_t* blockCount = nullptr;  ///< by item: number of blocks from there
+    const std::uint16_t* hits = nullptr;       ///< by item, hitsPerItem each: HitCode; may be null
+    std::uint32_t hitsPerItem = 0;
 
     std::uint32_t blocks = 0;                 ///< number of blocks; with 0 the rest is null
     const std::int16_t* blockKeys = nullptr;  ///< by block: DirectionTiers::blockKey
@@ -44,10 +46,12 @@ struct LeafView {
 };
 
 /// Refuses a leaf that a reader could not use safely: items outside of its voxels, blocks outside
-/// of its items or out of order, patches or regions that do not exist.
+/// of its items or out of order, patches, regions or hits that do not exist.
 ///
 /// @throws Error naming the file and the cause
 void requireSound(const LeafView& leaf, const DirectionTiers& tiers,
                   const std::filesystem::path& path);
+/// The same of a leaf's hits alone, if it has some.
+void requireSoundHits(const LeafView& leaf, const std::filesystem::path& path);
 
 }  // namespace shadowcache

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "common/base/tuned.h"
+#include "common/cache/patch_code.h"
 #include "common/math/vec.h"
 
 namespace shadowcache {
@@ -27,6 +30,22 @@ inline float agreementOf(const Vec3f& itemNormal, const Vec3f& normal) {
 /// far corner from losing its weight altogether.
 inline float nearOf(double trilinear) {
     return static_cast<float>(trilinear) + 1e-6f;
+}
+
+/// Weight of a subpatch at a place, by the place's distance from the subpatch's middle along the
+/// patch: bilinear among subpatches of one size. Outside of its voxel it falls to zero across the
+/// patch, too. `fromMiddle`: of the voxel, in spacings.
+inline float partWeight(const PatchCode& code, const Vec3f& fromMiddle) {
+    const std::array<float, 2> middle = middleOf(code.subpatch);
+    const auto inverse = static_cast<float>(1 << subdivisionsOf(code.subpatch));
+    float weight = std::clamp(2 - 2 * std::abs(fromMiddle[code.side / 2]), 0.0f, 1.0f);
+    for (int k = 0; k < 2; ++k) {
+        const int axis = (code.side / 2 + 1 + k) % 3;
+        const float away =
+            std::abs(fromMiddle[axis] - middle[static_cast<std::size_t>(k)]) * inverse;
+        weight *= std::max(0.0f, 1 - away);
+    }
+    return weight;
 }
 
 /// Weight of an item in a lookup.

@@ -32,13 +32,13 @@ CountRows countsAt(const PagePin& page, const ArrayPlace& place, std::uint32_t s
 
 }  // namespace
 
-PagedLeaves::PagedLeaves(const std::filesystem::path& path, const DirectionTiers& tiers,
+PagedLeaves::PagedLeaves(const std::filesystem::path& path, const CacheHeader& header,
                          std::uint64_t budget)
-    : path_(path), tiers_(tiers) {
+    : path_(path), tiers_(header.tiers()), hits_(header.hits) {
     std::vector<FilePage> pages;
     CheckedFile file = openChecked(path);
     PointLayoutReader reader(file);
-    const PointLayout items = reader.read(kItemGrid, itemAttributes(tiers), pages);
+    const PointLayout items = reader.read(kItemGrid, itemAttributes(header), pages);
     blockLeaves_ = reader.read(kBlockGrid, blockAttributes(), pages);
     fillIndex(index_, items);
     openvdb::Int32Tree blockIndex(-1);
@@ -54,8 +54,11 @@ PagedLeaves::PagedLeaves(const std::filesystem::path& path, const DirectionTiers
     pages_ = std::make_unique<CachePages>(std::move(file), std::move(pages), budget, overhead);
 }
 
-PagedLeaves::Reader::Reader(const PagedLeaves& leaves)
-    : leaves_(leaves), accessor_(leaves.index_) {}
+PagedLeaves::Reader::Reader(const PagedLeaves& leaves, bool hits)
+    : leaves_(leaves),
+      hitsPerItem_(hits ? static_cast<std::uint32_t>(leaves.hits_) : 0),
+      attributes_(hitsPerItem_ > 0 ? kItemAttributes : kHits),
+      accessor_(leaves.index_) {}
 
 const LeafView* PagedLeaves::Reader::find(const openvdb::Coord& voxel) {
     const std::int32_t leaf = accessor_.getValue(leafOf(voxel));
@@ -86,7 +89,7 @@ void PagedLeaves::Reader::fill(Slot& slot, std::int32_t leaf) {
     std::array<std::uint32_t, kPlaces> pages;
     std::size_t count = 0;
     pages[count++] = place.items.voxelEnds.page;
-    for (std::size_t a = 0; a < kItemAttributes; ++a) pages[count++] = place.items.arrays[a].page;
+    for (std::size_t a = 0; a < attributes_; ++a) pages[count++] = place.items.arrays[a].page;
     for (std::size_t a = 0; blocks && a < kBlockAttributes; ++a)
         pages[count++] = blocks->arrays[a].page;
     const auto wanted = std::span(pages).first(count);
@@ -110,8 +113,12 @@ void PagedLeaves::Reader::fill(Slot& slot, std::int32_t leaf) {
     view.patch = valuesAt<std::int16_t>(pin[kPatch], item[kPatch]);
     view.firstBlock = valuesAt<std::int32_t>(pin[kFirstBlock], item[kFirstBlock]);
     view.blockCount = valuesAt<std::int16_t>(pin[kBlockCount], item[kBlockCount]);
+    if (hitsPerItem_ > 0) {
+        view.hits = valuesAt<std::uint16_t>(pin[kHits], item[kHits]);
+        view.hitsPerItem = hitsPerItem_;
+    }
     if (blocks) {
-        pin += kItemAttributes;
+        pin += attributes_;
         view.blocks = blocks->points;
         view.blockKeys = valuesAt<std::int16_t>(pin[kKey], blocks->arrays[kKey]);
         view.blockN = countsAt(pin[kBlockN], blocks->arrays[kBlockN], kBlockCells);

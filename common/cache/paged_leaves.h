@@ -17,20 +17,24 @@ class PagedLeaves {
 public:
     /// @param budget  bytes of memory
     /// @throws Error naming the file and the cause
-    PagedLeaves(const std::filesystem::path& path, const DirectionTiers& tiers,
-                std::uint64_t budget);
+    PagedLeaves(const std::filesystem::path& path, const CacheHeader& header, std::uint64_t budget);
 
     /// Number of items.
     std::size_t items() const { return items_; }
     /// Number of blocks.
     std::size_t blocks() const { return blocks_; }
+    /// Number of leaves.
+    std::size_t size() const { return leaves_.size(); }
+    /// First voxel of a leaf, in the file's order.
+    const openvdb::Coord& origin(std::size_t leaf) const { return leaves_[leaf].items.origin; }
     /// Use of the budget.
     MemoryUse use() const { return pages_->use(); }
 
     /// A thread's access; keeps the leaves it last visited. One Reader a thread.
     class Reader {
     public:
-        explicit Reader(const PagedLeaves& leaves);
+        /// @param hits  reads them, too; without, the views have none
+        explicit Reader(const PagedLeaves& leaves, bool hits = false);
 
         /// Begins another lookup: leaves of the last one may be released.
         void beginLookup() { ++now_; }
@@ -51,6 +55,8 @@ public:
         };
 
         const PagedLeaves& leaves_;
+        std::uint32_t hitsPerItem_;
+        std::size_t attributes_;  ///< of the items that are read
         openvdb::tree::ValueAccessor<const openvdb::Int32Tree> accessor_;
         std::uint64_t now_ = 0;
         std::array<Slot, 8> slots_;
@@ -68,6 +74,7 @@ private:
 
     std::filesystem::path path_;
     DirectionTiers tiers_;
+    int hits_;
     std::vector<Leaf> leaves_;
     PointLayout blockLeaves_;
     openvdb::Int32Tree index_{-1};  ///< by leaf, in leaf_; -1: none

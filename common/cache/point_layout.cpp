@@ -166,7 +166,8 @@ void PointLayoutReader::readSizes(Pass& pass, std::span<const AttributeSpec> wan
             const std::size_t w = pass.wantedIndex[a];
             if (w == kMostArrays) continue;
             const bool uniform = layout & kUniform;
-            if (uniform && stride == 1 && points > 1) failLayout("one value for all of a leaf");
+            if (uniform && wanted[w].valueBytes > 1 && std::uint64_t{points} * stride > 1)
+                failLayout("one value for all of a leaf");
             if (stride != wanted[w].stride ||
                 length - 6 !=
                     wanted[w].valueBytes * (uniform ? 1 : std::uint64_t{points} * stride) ||

@@ -109,6 +109,8 @@ public:
     };
 
 private:
+    friend struct OpenCache;  // for the cache's own .cpp files
+
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

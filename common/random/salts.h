@@ -16,7 +16,8 @@ enum class BakeSalt : std::uint64_t {
     filmColumn =
         0x66696c6d,  ///< place of a camera ray that looks for voxels; third word: its number
     filmRow = 0x66696c6e,
-    sample = 0x73616d70,  ///< voxels that an estimate bakes; third word: their run's number
+    hitOrigins = 0x68697473,  ///< points that an item's hit rays start from
+    sample = 0x73616d70,      ///< voxels that an estimate bakes; third word: their run's number
 };
 
 /// Seeds of frames and of their pilots' places.

@@ -11,6 +11,7 @@
 
 #include "bake/core/cache_part.h"
 #include "bake/core/extend.h"
+#include "bake/core/hit_tracer.h"
 #include "bake/core/surface_count.h"
 #include "bake/core/surface_voxels.h"
 #include "bake/shot/shot_source.h"
@@ -75,6 +76,9 @@ bool sameItem(const CacheItems& a, std::size_t i, const CacheItems& b, std::size
     const auto row = [&](const std::vector<std::uint8_t>& counts, std::size_t item) {
         return std::span(counts).subspan(item * cells, cells);
     };
+    const auto hits = [](const CacheItems& items, std::size_t item) {
+        return std::span(items.hits).subspan(item * kHitRays, kHitRays);
+    };
     const auto blocks = [](const CacheItems& items, std::size_t item) {
         return std::span(items.blocks)
             .subspan(items.firstBlock[item], items.firstBlock[item + 1] - items.firstBlock[item]);
@@ -82,6 +86,7 @@ bool sameItem(const CacheItems& a, std::size_t i, const CacheItems& b, std::size
     return a.normal[i] == b.normal[j] && a.position[i] == b.position[j] &&
            std::ranges::equal(row(a.n, i), row(b.n, j)) &&
            std::ranges::equal(row(a.d, i), row(b.d, j)) &&
+           std::ranges::equal(hits(a, i), hits(b, j)) &&
            std::ranges::equal(blocks(a, i), blocks(b, j), [](const auto& x, const auto& y) {
                return x.key == y.key && x.n == y.n && x.d == y.d;
            });

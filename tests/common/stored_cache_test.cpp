@@ -1,5 +1,5 @@
-// Cache files that earlier programs wrote, kept in tests/stored: those of the format of today are
-// read as they were written; those of an older one are refused with what to do.
+// Cache files that earlier programs wrote, kept in tests/stored: those of formats that are read
+// have every number that was written; those of an older one are refused with what to do.
 
 #include <gtest/gtest.h>
 
@@ -12,6 +12,7 @@
 
 #include "common/cache/cache_items.h"
 #include "common/cache/shadow_cache.h"
+#include "common/cache/transport.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache {
@@ -57,6 +58,7 @@ std::uint64_t digestOf(const CacheItems& items) {
             digest.add(std::uint32_t{block.d[static_cast<std::size_t>(cell)]});
         }
     }
+    for (const std::uint16_t hit : items.hits) digest.add(std::uint32_t{hit});
     return digest.value();
 }
 
@@ -66,14 +68,15 @@ struct Stored {
     const char *bakes, *shots;
     std::size_t items, blocks, subpatches;
     unsigned visible, rays;  ///< sums of the items' coarse counts
-    std::uint64_t digest;    ///< of all that the items hold
+    int format, hits;
+    std::uint64_t digest;  ///< of all that the items hold
 };
 
 constexpr std::array kStored{
-    Stored{"format-3", "seed=1 rays=8; seed=2 rays=8", "", 90, 696, 4, 142324, 166844,
+    Stored{"format-3", "seed=1 rays=8; seed=2 rays=8", "", 90, 696, 4, 142324, 166844, 3, 0,
            1523990672196180452u},
     Stored{"format-3-shot", "seed=1 rays=8", "camera.json, frames 1, 16x16", 41, 250, 4, 40371,
-           47794, 76474476188052940u}};
+           47794, 3, 0, 76474476188052940u}};
 
 std::size_t sum(const std::vector<std::uint8_t>& counts) {
     return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
@@ -84,6 +87,9 @@ TEST(StoredCaches, AreReadAsTheyWereWritten) {
         SCOPED_TRACE(wanted.name);
         CacheHeader header;
         const CacheItems items = readCache(stored(wanted.name), header);
+        EXPECT_EQ(header.format, wanted.format);
+        EXPECT_EQ(header.hits, wanted.hits);
+        EXPECT_EQ(items.hits.size(), wanted.items * static_cast<std::size_t>(wanted.hits));
         EXPECT_EQ(header.level, 4);
         EXPECT_TRUE(header.adaptive);
         EXPECT_EQ(header.spacing, 0.5);
@@ -121,6 +127,22 @@ TEST(StoredCaches, HaveADigestThatSeesOneRay) {
         --*count;
     }
     EXPECT_EQ(digestOf(items), whole);
+}
+
+/// Caches without hits have places, too.
+TEST(StoredCaches, KnowTheirItemsByNumber) {
+    for (const std::uint64_t budget : {std::uint64_t{0}, std::uint64_t{1} << 20})
+        for (const Stored& wanted : kStored) {
+            SCOPED_TRACE(wanted.name);
+            const ShadowCache cache(stored(wanted.name), budget);
+            const ItemTable items(cache);
+            EXPECT_EQ(items.size(), wanted.items);
+            for (std::uint32_t i = 0; i < items.size(); ++i)
+                if (PatchCode::of(items.item(i).patch).layer == 0)
+                    EXPECT_EQ(items.itemAt(items.position(i), items.normal(i)), i);
+            const auto transport = readTransport(cache, items);
+            EXPECT_EQ(transport ? transport->raysPerItem : 0, wanted.hits);
+        }
 }
 
 /// On the floor beside the table and below it, all in memory and page by page.
@@ -163,7 +185,7 @@ TEST(StoredCaches, OfOlderFormatsAreRefusedWithWhatToDo) {
         const fs::path path = stored("format-" + std::to_string(format));
         ASSERT_TRUE(fs::exists(path)) << path << ": run tests/stored/make caches";
         CacheHeader header;
-        if (format == kCacheFormat) {
+        if (format >= kOldestCacheFormat) {
             EXPECT_NO_THROW(readCache(path, header));
             continue;
         }

@@ -1,4 +1,4 @@
-#include "common/cache/shadow_cache.h"
+#include "common/cache/open_cache.h"
 
 #include <openvdb/tree/ValueAccessor.h>
 
@@ -9,11 +9,9 @@
 
 #include "common/base/error.h"
 #include "common/base/tuned.h"
-#include "common/cache/cache_grids.h"
 #include "common/cache/cache_items.h"
 #include "common/cache/grid_leaves.h"
 #include "common/cache/lookup_weight.h"
-#include "common/cache/paged_leaves.h"
 
 namespace shadowcache {
 
@@ -98,22 +96,6 @@ void preferParts(FoundItems& items) {
     for (std::size_t i = 0; i < items.count; ++i) items.view[i].weight *= left[i];
 }
 
-/// Weight of a subpatch at a place, by the place's distance from the subpatch's middle along the
-/// patch: bilinear among subpatches of one size. Outside of its voxel it falls to zero across the
-/// patch, too. `fromMiddle`: of the voxel, in spacings.
-float partWeight(const PatchCode& code, const Vec3f& fromMiddle) {
-    const std::array<float, 2> middle = middleOf(code.subpatch);
-    const auto inverse = static_cast<float>(1 << subdivisionsOf(code.subpatch));
-    float weight = std::clamp(2 - 2 * std::abs(fromMiddle[code.side / 2]), 0.0f, 1.0f);
-    for (int k = 0; k < 2; ++k) {
-        const int axis = (code.side / 2 + 1 + k) % 3;
-        const float away =
-            std::abs(fromMiddle[axis] - middle[static_cast<std::size_t>(k)]) * inverse;
-        weight *= std::max(0.0f, 1 - away);
-    }
-    return weight;
-}
-
 #ifndef SHADOWCACHE_TUNABLE
 static_assert(kLeastItemShare * ShadowCache::kMaxItems < 1, "one item at least must be left");
 #endif
@@ -135,26 +117,30 @@ int keepWeighty(std::span<ItemView> items) {
 
 }  // namespace
 
-struct ShadowCache::Impl {
-    CacheHeader header;
-    std::size_t items = 0, blocks = 0;
-    std::optional<PagedLeaves> paged;  ///< with a budget; else:
-    CacheGrids grids;
-    std::vector<LeafView> leaves;
-
-    void readAll(const fs::path& path);
-};
-
 void ShadowCache::Impl::readAll(const fs::path& path) {
     grids = readGrids(path);
     header = grids.header;
     for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf) {
         leaf->setTransientData(static_cast<openvdb::Index32>(leaves.size()));
         leaves.push_back(
-            viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header.tiers(), path));
+            viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header, path));
         leaves.back().firstItem = items;
         items += leaves.back().items;
         blocks += leaves.back().blocks;
+    }
+}
+
+void ShadowCache::Impl::visitLeaves(bool hits, const VisitLeaf& visit) const {
+    if (!paged) {
+        std::size_t i = 0;
+        for (auto leaf = grids.items->tree().cbeginLeaf(); leaf; ++leaf)
+            visit(leaf->origin(), leaves[i++]);
+        return;
+    }
+    PagedLeaves::Reader reader(*paged, hits);
+    for (std::size_t i = 0; i < paged->size(); ++i) {
+        reader.beginLookup();
+        visit(paged->origin(i), *reader.find(paged->origin(i)));
     }
 }
 
@@ -165,7 +151,7 @@ ShadowCache::ShadowCache(const fs::path& path, std::uint64_t memoryBudget)
         return;
     }
     impl_->header = readHeader(path);
-    impl_->paged.emplace(path, impl_->header.tiers(), memoryBudget);
+    impl_->paged.emplace(path, impl_->header, memoryBudget);
     impl_->items = impl_->paged->items();
     impl_->blocks = impl_->paged->blocks();
 }
