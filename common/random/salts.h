@@ -48,10 +48,19 @@ enum class RenderSalt : std::uint64_t {
     glossCluster = 94,    ///< a pixel's seed for the samples of its glossy points in clusters
     glossShare = 95,      ///< rounds the samples of their regions
     spreadRays = 96,      ///< camera rays that decide how many a pixel gets
-    domePilotTile = 90,   ///< tiles of the map that `dome`'s pilot rays go to
-    domePilotTexel = 91,  ///< places of these rays in their texels
-    domeTurn = 92,        ///< which of `dome`'s samples is the first drawn by the cosine
-    domeTexel = 93,       ///< place of a sample in a texel of its tile
+    bounceFirst = 97,     ///< a camera point's seed for the light that bounces to it
+    bounceSends = 98,     ///< whether a vertex of a path sends rays and is lit; third word: which
+    bounceSequence = 99,  ///< a pixel's seed for the first diffuse rays of its paths
+    bounceGroup = 100,    ///< a group's seed for the diffuse rays of its vertices
+    bounceShuffle = 101,  ///< which vertices of a cluster make a group
+    bounceLobe = 102,     ///< direction of a ray by a vertex's lobe; third word: the dimension
+    bounceChild = 103,    ///< seed of what a diffuse ray met
+    bounceLobeChild = 104,  ///< and of what a lobe's ray met
+    bounceDirect = 105,     ///< seed of a vertex's direct light
+    domePilotTile = 90,     ///< tiles of the map that `dome`'s pilot rays go to
+    domePilotTexel = 91,    ///< places of these rays in their texels
+    domeTurn = 92,          ///< which of `dome`'s samples is the first drawn by the cosine
+    domeTexel = 93,         ///< place of a sample in a texel of its tile
 };
 
 /// Member `i` of a salt's family.

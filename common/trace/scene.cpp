@@ -178,7 +178,15 @@ Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept
 }
 
 void Scene::intersect(const RayPacket& rays, int count, Hit* hits) const noexcept {
-    QueryContext context(true);
+    nearest(rays, count, true, hits);
+}
+
+void Scene::meet(const RayPacket& rays, int count, Hit* hits) const noexcept {
+    nearest(rays, count, false, hits);
+}
+
+void Scene::nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept {
+    QueryContext context(fromCamera);
     context.base.flags = packetFlags(mesh_);
     alignas(32) RTCRayHit8 query;
     fillRays(rays, blends_, query.ray);
@@ -187,7 +195,7 @@ void Scene::intersect(const RayPacket& rays, int count, Hit* hits) const noexcep
     const Lanes lanes(count);
     rtcIntersect8(lanes.valid, embree_->root(), &context.base, &query);
     if (moving_)
-        moving_->intersect(rays, count, hits);
+        moving_->nearest(rays, count, fromCamera, hits);
     else
         std::fill_n(hits, count, Hit{});
     for (int i = 0; i < count; ++i) {

@@ -84,6 +84,10 @@ public:
     /// @param hits  as many
     void intersect(const RayPacket& rays, int count, Hit* hits) const noexcept;
 
+    /// The same of rays that light travels along: they pass through holes, and backs stop them as
+    /// they stop shadow rays.
+    void meet(const RayPacket& rays, int count, Hit* hits) const noexcept;
+
     /// Whether nothing lies between a place and the one that is `way` from it.
     bool isFree(const Vec3f& origin, const Vec3f& way) const noexcept;
 
@@ -107,6 +111,8 @@ public:
                     const Vec3f& side) const noexcept;
 
 private:
+    /// @param fromCamera  backs of surfaces that are not double-sided are not seen
+    void nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept;
     Hit hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t triangle,
               const Hit& byEmbree) const noexcept;
 

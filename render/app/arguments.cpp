@@ -55,6 +55,17 @@ FilmRectangle parseCrop(const std::string& text) {
     return {std::stoi(match[1]), std::stoi(match[2]), std::stoi(match[3]), std::stoi(match[4])};
 }
 
+/// A number of bounces, or "unlimited".
+int parseBounces(const std::string& text) {
+    if (text == "unlimited") return kUnlimitedBounces;
+    int bounces = 0;
+    TextReader number(text);
+    if (!(number >> bounces) || !number.eof() || bounces < 0 || bounces > kMostBounces)
+        throw Error("--bounces " + text + ": expected a number from 0 to " +
+                    std::to_string(kMostBounces) + ", or unlimited");
+    return bounces;
+}
+
 /// "KEY=VALUE,...".
 Gloss parseMaterial(const std::string& text) {
     Gloss gloss;
@@ -129,6 +140,8 @@ RenderJob jobOf(const Arguments& arguments) {
     job.render.plain.albedo =
         Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])
                  : parseVector("--albedo", arguments.albedo, "one value, or R,G,B"));
+    job.render.bounces = arguments.bounces.empty() ? estimatorOf(job).standardBounces()
+                                                   : parseBounces(arguments.bounces);
     job.mesh.gloss = arguments.surfaces == "glossy";
     if (!arguments.material.empty()) job.render.plain.gloss = parseMaterial(arguments.material);
     if (!arguments.material.empty() && !job.mesh.gloss)

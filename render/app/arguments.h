@@ -14,7 +14,7 @@ struct Arguments {
     RenderJob job;
     std::string up = "y", frames, shotFrames, size = "960x540", sequence = "sobol",
                 budget = "adaptive", normals = "shading", albedo = "0.5", surfaces = "glossy",
-                material, memory, crop, filter = "blackman-harris";
+                material, memory, crop, filter = "blackman-harris", bounces;
     std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
     std::vector<std::string> dynamic;
     bool samplesGiven = false, cameraRaysGiven = false;

@@ -193,6 +193,18 @@ void defineEstimator(CLI::App& app, Arguments& arguments) {
                                 "predicted to differ")
                      ->excludes(spp);
     rays->capture_default_str()->group(group);
+    app.add_option("--bounces", arguments.bounces,
+                   "Surfaces that light may meet before the one that is seen: a number, or "
+                   "unlimited; 0: direct light alone [4; 0 with biased estimators and "
+                   "paper-image]")
+        ->type_name("B")
+        ->group(group);
+    app.add_option("--clamp-indirect", job.render.clampIndirect,
+                   "Cut the radiance that bounces add to a camera ray at this luminance: no "
+                   "fireflies, but darker; 0: unbiased")
+        ->type_name("L")
+        ->capture_default_str()
+        ->group(group);
     auto* preview =
         app.add_flag("--preview", job.render.preview,
                      "A few rays, and a filter: what they add to the prediction of the cache is "
@@ -321,8 +333,9 @@ constexpr const char* kExamples =
 
 std::optional<int> parseArguments(int argc, char** argv, Arguments& arguments) {
     CLI::App app(
-        "Renders a static set lit by an environment map: unbiased direct light, with fewer shadow "
-        "rays where a cache predicts the visibility.",
+        "Renders a static set lit by an environment map, without bias, with fewer rays where a "
+        "cache "
+        "predicts the visibility and the light that bounces.",
         "shadowcache-render");
     beginCommandLine(app);
     defineScene(app, arguments);

@@ -59,4 +59,12 @@ struct RenderJob {
         settings;  ///< every option as given or defaulted
 };
 
+/// The estimator asked for, or the standard one: `cache` with a cache, `mis` without.
+///
+/// @throws Error naming the estimators there are
+inline const EstimatorEntry& estimatorOf(const RenderJob& job) {
+    if (!job.estimator.empty()) return findEstimator(job.estimator);
+    return findEstimator(job.cache.empty() ? "mis" : "cache");
+}
+
 }  // namespace shadowcache

@@ -38,6 +38,8 @@ std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPla
 
 std::string biasOf(const RenderJob& job, const EstimatorEntry& entry) {
     if (job.render.preview) return "preview: what rays add to the prediction is filtered";
+    if (job.render.bounces != 0 && job.render.clampIndirect > 0)
+        return "clamp-indirect: bright light that bounces is cut";
     return biasOf(entry, job.render.samples);
 }
 
@@ -89,10 +91,14 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
                        int frame, InputHashes& inputs) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
-        if (name != "env" && name != "env-rotate" && name != "camera-rays" && name != "samples")
+        if (name != "env" && name != "env-rotate" && name != "camera-rays" && name != "samples" &&
+            name != "bounces")
             metadata.emplace_back("shadowcache:" + name, value);
-    // --spp, --preview and --target-error choose these.
+    // --spp, --preview, --target-error and --estimator choose these.
     metadata.emplace_back("shadowcache:camera-rays", std::to_string(job.render.cameraRays));
+    metadata.emplace_back("shadowcache:bounces", job.render.bounces == kUnlimitedBounces
+                                                     ? "unlimited"
+                                                     : std::to_string(job.render.bounces));
     metadata.emplace_back("shadowcache:samples", std::to_string(job.render.samples));
     TextWriter angle;
     angle.precision(17);
@@ -148,6 +154,8 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
     out.set("rays.shadow", stats.shadowRays);
     out.set("rays.own", stats.shadowRays - stats.reusedRays);
     out.set("rays.reused", stats.reusedRays);
+    out.set("rays.bounces", stats.bounces.rays());
+    out.set("bounces.vertices", stats.bounces.vertices);
     out.set("cache.items", std::uint64_t{cache ? cache->itemCount() : 0});
     out.set("cache.bytes", std::uint64_t{cache ? cache->memoryBytes() : 0});
     if (cache) addMemoryUse(out, cache->memoryUse());

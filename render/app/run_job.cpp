@@ -21,6 +21,7 @@
 #include "render/app/job_output.h"
 #include "render/app/memory_report.h"
 #include "render/app/pixel_report.h"
+#include "render/bounces/item_looks.h"
 #include "render/frame/integrator.h"
 #include "render/frame/progressive.h"
 #include "render/frame/target_error.h"
@@ -65,9 +66,8 @@ const EstimatorEntry& validate(const RenderJob& job) {
         requireRange("debug (x)", (*job.debugPixel)[0], 0, job.render.width - 1);
         requireRange("debug (y)", (*job.debugPixel)[1], 0, job.render.height - 1);
     }
-    const std::string name =
-        !job.estimator.empty() ? job.estimator : (job.cache.empty() ? "mis" : "cache");
-    const EstimatorEntry& entry = findEstimator(name);
+    const EstimatorEntry& entry = estimatorOf(job);
+    const std::string name = entry.name;
     if (entry.needsCache && job.cache.empty())
         throw Error("--estimator " + name +
                     " requires --cache: bake the set with shadowcache-bake first");
@@ -76,6 +76,9 @@ const EstimatorEntry& validate(const RenderJob& job) {
                     " expected at least " + std::to_string(entry.minSamples));
     if (job.render.preview && name != "cache")
         throw Error("--preview: expected --estimator cache, found " + name);
+    if (job.render.bounces != 0 && entry.inOrder)
+        throw Error("--bounces: a pixel of --estimator " + name +
+                    " depends on the pixels before it; expected --bounces 0");
     if (job.progressive && job.sequence != Sequence::sobol && job.sequence != Sequence::random)
         throw Error(
             "--progressive: expected --sequence sobol or random, which have no fixed length");
@@ -119,6 +122,7 @@ public:
         cache_ = openCache(job_, mesh_);
         const double loaded = secondsNow();
         scene_.emplace(mesh_);
+        readBounces();
         timing_ = {loaded - start, secondsNow() - loaded};
         options_ = job_.render;
         options_.insight = std::ranges::any_of(job_.aovs, needsInsight);
@@ -147,7 +151,9 @@ private:
         if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
         if (light_.load(i)) {
-            estimator_ = entry_.make({*scene_, light_.environment(), cache_.get(), job_.sequence},
+            solveBounces();
+            estimator_ = entry_.make({*scene_, light_.environment(), cache_.get(), job_.sequence,
+                                      solve_ ? &*solve_ : nullptr},
                                      job_.estimatorOptions);
         }
         if (job_.debugPixel && estimator_->inOrder())
@@ -195,6 +201,32 @@ private:
                         done.end == FrameEnd::interrupted ? "interrupted" : "out of time",
                         done.cameraRays, request.options.cameraRays);
         interrupted_ = done.end == FrameEnd::interrupted;
+    }
+
+    /// Solves the light that bounces under the environment, as far as the cache knows it.
+    void solveBounces() {
+        solve_.reset();
+        if (!transport_) return;
+        solve_.emplace(*cache_, *items_, *transport_, light_.environment(), looks_,
+                       job_.render.bounces);
+    }
+
+    /// What the cache knows of the set's transport, if light bounces.
+    void readBounces() {
+        if (job_.render.bounces == 0 || !cache_) return;
+        items_.emplace(*cache_);
+        transport_ = readTransport(*cache_, *items_);
+        if (transport_) {
+            looks_ = looksOf(*scene_, *items_, job_.render.plain);
+            return;
+        }
+        items_.reset();
+        if (job_.render.samples == 0 || job_.render.preview)
+            throwFileError(job_.cache,
+                           "holds no transport, of which a preview of bounces is made: bake "
+                           "without --no-transport, or render with --bounces 0");
+        std::printf(
+            "bounces: not predicted, the cache holds no transport; unbiased, but noisier\n");
     }
 
     /// The frame; with --progressive the file is written after each pass.
@@ -265,6 +297,9 @@ private:
         if (stats_.reusedRays > 0)
             std::printf(" (%.1f M of them reuse neighbours' samples)",
                         static_cast<double>(stats_.reusedRays) * 1e-6);
+        if (stats_.bounces.rays() > 0)
+            std::printf(", %.1f M rays of bounces",
+                        static_cast<double>(stats_.bounces.rays()) * 1e-6);
         const double without = static_cast<double>(stats_.raysWithoutItems) /
                                static_cast<double>(std::max<std::uint64_t>(stats_.cameraRays, 1));
         if (without > kFewWithoutItems)
@@ -284,6 +319,10 @@ private:
     std::optional<MovingSet> moving_;
     std::unique_ptr<ShadowCache> cache_;
     std::optional<Scene> scene_;
+    std::optional<ItemTable> items_;
+    std::optional<Transport> transport_;
+    std::vector<ItemLook> looks_;  ///< by item
+    std::optional<BounceSolve> solve_;
     std::unique_ptr<Estimator> estimator_;
     std::optional<Image> reference_;
     std::optional<RelativeError> error_;

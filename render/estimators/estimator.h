@@ -9,6 +9,7 @@
 
 #include "common/cache/shadow_cache.h"
 #include "common/light/environment.h"
+#include "common/predict/bounce_solve.h"
 #include "common/random/sequence.h"
 #include "common/surface/surface.h"
 #include "common/trace/scene.h"
@@ -21,6 +22,8 @@ struct EstimatorContext {
     const Environment& environment;
     const ShadowCache* cache;  ///< may be null
     Sequence sequence = Sequence::sobol;
+    /// What the cache predicts of the light that bounces under this environment; may be null.
+    const BounceSolve* solve = nullptr;
 };
 
 /// A place to light.

@@ -11,15 +11,18 @@ namespace shadowcache {
 
 /// What the renderer found at one pixel, averaged over its camera rays.
 struct Pixel {
-    Rgb color{0, 0, 0};      ///< outgoing radiance, or the sky's: the sum of the next three
-    Rgb diffuse{0, 0, 0};    ///< irradiance times diffuseAlbedo / pi
-    Rgb glossy{0, 0, 0};     ///< reflected besides: GlossyLobe
-    Rgb emission{0, 0, 0};   ///< of surfaces, and the sky
-    Rgb predicted{0, 0, 0};  ///< the colour with its diffuse part predicted without rays, if
-                             ///< RenderOptions::preview
+    Rgb color{0, 0, 0};            ///< outgoing radiance, or the sky's: the sum of the next three
+    Rgb diffuse{0, 0, 0};          ///< irradiance times diffuseAlbedo / pi
+    Rgb glossy{0, 0, 0};           ///< reflected besides: GlossyLobe
+    Rgb diffuseIndirect{0, 0, 0};  ///< part of `diffuse` that comes from other surfaces
+    Rgb glossyIndirect{0, 0, 0};   ///< part of `glossy` that does
+    Rgb emission{0, 0, 0};         ///< of surfaces, and the sky
+    Rgb predicted{0, 0, 0};        ///< the colour with its diffuse part predicted without rays, if
+                                   ///< RenderOptions::preview
     Rgb irradiance{0, 0, 0};
     Rgb albedo{0, 0, 0};         ///< base colour
     Rgb diffuseAlbedo{0, 0, 0};  ///< of the diffuse part
+    Rgb mirrorColor{0, 0, 0};    ///< reflectance of the glossy part at normal incidence
     float roughness = 0;
     Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
     Vec3f position{0, 0, 0};  ///< world space

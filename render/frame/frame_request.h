@@ -7,6 +7,7 @@
 
 #include "common/shot/camera.h"
 #include "common/surface/surface.h"
+#include "render/bounces/bounce_task.h"
 #include "render/estimators/estimator.h"
 #include "render/frame/antialiasing.h"
 #include "render/frame/options.h"
@@ -24,6 +25,7 @@ struct RenderStats {
     std::uint64_t shadowRays = 0;
     /// Of them met the set where the cache that is used holds no item.
     std::uint64_t raysWithoutItems = 0;
+    BounceCounts bounces;          ///< rays of the light that bounces
     std::uint64_t reusedRays = 0;  ///< those of shadowRays that reuse what other pixels found
     int samples = 0;               ///< of a camera ray, in the last frame
     double cameraRaysAPixel = 0;   ///< in the last frame, on the mean

@@ -7,8 +7,8 @@
 #include "common/base/error.h"
 #include "common/base/progress.h"
 #include "render/frame/film_parts.h"
+#include "render/frame/frame_loop.h"
 #include "render/frame/preview.h"
-#include "render/frame/tile_loop.h"
 
 namespace shadowcache {
 
@@ -18,8 +18,8 @@ Film render(const FrameRequest& wanted, RenderStats& stats) {
     Film film = makeFilm(options);
     const std::vector<std::size_t> tiles = Tiles(options).touching(options.region());
     Progress progress("frame " + std::to_string(frame.number), tiles.size());
-    renderTiles(frame, tiles, stats, [&](const TileTurn& turn, std::span<const Pixel> pixels) {
-        placePixels(turn.places, pixels, film);
+    renderTiles(frame, tiles, BlockExtent::wholeFrame, stats, [&](const RenderedTile& tile) {
+        placePixels(tile.places, tile.pixels, film);
         progress.add(1);
     });
     requireFinite(film, frame.number, options.seed);
@@ -38,40 +38,36 @@ std::vector<std::vector<Pixel>> renderSomeTiles(const FrameRequest& frame,
         some.tileRays.push_back(frame.raysOfTile(number));
     }
     std::vector<std::vector<Pixel>> parts(tiles.size());
-    renderTiles(some, tiles, stats, [&](const TileTurn& turn, std::span<const Pixel> pixels) {
-        parts[turn.index].assign(pixels.begin(), pixels.end());
+    renderTiles(some, tiles, BlockExtent::given, stats, [&](const RenderedTile& tile) {
+        parts[tile.index].assign(tile.pixels.begin(), tile.pixels.end());
     });
     return parts;
 }
 
-namespace {
-
-/// Camera rays of a tile of the frame.
-int raysOf(const FrameRequest& frame, std::size_t tile) {
-    if (frame.tileRays.empty()) return frame.options.cameraRays;
-    const auto tiles = Tiles(frame.options).touching(frame.options.region());
-    const auto found = std::ranges::find(tiles, tile);
-    return found == tiles.end() ? frame.options.cameraRays
-                                : frame.raysOfTile(static_cast<std::size_t>(found - tiles.begin()));
-}
-
-}  // namespace
-
 Pixel renderPixel(const FrameRequest& frame, int x, int y, const CameraSampleObserver& observer) {
     TileRenderer renderer(frame);
     renderer.observe(x, y, observer);
-    const auto workspace = frame.estimator.makeWorkspace();
-    TileScratch scratch;
+    Workspaces workspaces(frame.estimator);
+    const Tiles all(frame.options);
+    const RenderOptions& options = frame.options;
+    const std::size_t tile = all.tileOf(x, y);
+    // Without a plan for the region's tiles, a pixel beside the region will do.
+    const std::vector<std::size_t> tiles =
+        all.touching(frame.tileRays.empty() ? FilmRectangle{0, 0, options.width, options.height}
+                                            : options.region());
+    const TileBlocks blocks(frame, tiles, BlockExtent::wholeFrame);
+    const auto [block, number] = blocks.find(tile);
+    std::vector<std::vector<PixelSum>> sums(blocks.block(block).size());
+    const BlockRenderer tool(frame, renderer, workspaces);
+    RenderStats stats;
+    for (int first = 0; first < options.cameraRays; first += options.passRays)
+        tool.addCameraRays(blocks.block(block), first,
+                           std::min(options.passRays, options.cameraRays - first), sums, stats);
     std::vector<FilmPlace> places;
-    const Tiles tiles(frame.options);
-    const std::size_t tile = tiles.tileOf(x, y);
-    tiles.findPlaces(tile, places);
-    const int cameraRays = raysOf(frame, tile);
-    std::vector<PixelSum> sums(places.size());
-    renderer.renderTile(places, cameraRays, scratch, *workspace, sums);
+    all.findPlaces(tile, places);
     const auto place =
         std::ranges::find_if(places, [&](const FilmPlace& p) { return p.x == x && p.y == y; });
-    return renderer.average(sums[static_cast<std::size_t>(place - places.begin())]);
+    return renderer.average(sums[number][static_cast<std::size_t>(place - places.begin())]);
 }
 
 }  // namespace shadowcache

@@ -42,6 +42,7 @@ void validate(const RenderOptions& options) {
                     std::to_string(options.samples) + ": wanted at most " +
                     std::to_string(kMostPixelSamples) + " samples a pixel");
     requireRange("pass-rays", options.passRays, 1, kMostCameraRays);
+    requireRange("clamp-indirect", options.clampIndirect, 0.0f, 1e30f);
     requireRange("filter-width", options.filterWidth, 0.0, 16.0);
     for (int k = 0; k < 3; ++k) requireRange("albedo", options.plain.albedo[k], 0.0f, 1.0f);
     const Gloss gloss = options.plain.gloss.value_or(Gloss{});

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/mesh/looks.h"
+#include "render/bounces/bounce_task.h"
 
 namespace shadowcache {
 
@@ -29,6 +30,10 @@ struct RenderOptions {
     FilterKind filter = FilterKind::blackmanHarris;
     double filterWidth = 0;             ///< in pixels; 0: 1 for the box, 1.5 for the others
     std::optional<FilmRectangle> crop;  ///< the part of the frame to render; none: all of it
+    int bounces = 0;            ///< surfaces that light may meet before the one that is seen;
+                                ///< kUnlimitedBounces: any number
+    float clampIndirect = 0;    ///< BounceOptions::clamp
+    bool sharedBounces = true;  ///< BounceOptions::shared
     std::uint64_t seed = 1;
     bool preview = false;  ///< filter what the estimate adds to the prediction: biased
     bool insight =

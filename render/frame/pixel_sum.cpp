@@ -25,11 +25,14 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     pixel.color *= scale;
     pixel.diffuse *= scale;
     pixel.glossy *= scale;
+    pixel.diffuseIndirect *= scale;
+    pixel.glossyIndirect *= scale;
     pixel.emission *= scale;
     pixel.predicted *= scale;
     pixel.irradiance *= scale;
     pixel.albedo *= scale;
     pixel.diffuseAlbedo *= scale;
+    pixel.mirrorColor *= scale;
     pixel.roughness *= scale;
     pixel.normal *= scale;
     pixel.position *= scale;

@@ -6,7 +6,7 @@
 #include "common/base/progress.h"
 #include "render/frame/film_parts.h"
 #include "render/frame/preview.h"
-#include "render/frame/tile_loop.h"
+#include "render/frame/tile_blocks.h"
 
 namespace shadowcache {
 
@@ -23,37 +23,35 @@ public:
           renderer_(frame),
           workspaces_(frame.estimator),
           tiles_(Tiles(frame.options).touching(frame.options.region())),
-          sums_(tiles_.size()) {}
+          blocks_(frame, tiles_, BlockExtent::wholeFrame),
+          blockRenderer_(frame, renderer_, workspaces_),
+          sums_(tiles_.size()),
+          blockSums_(blocks_.count()) {}
 
     /// Adds `count` camera rays to each pixel.
     ///
     /// @throws PassStopped, Interrupted; the sums are then of no use
     Film run(int first, int count, const std::function<bool()>& stop, RenderStats& stats) {
         Film film = makeFilm(frame_.options);
-        std::vector<RayCounts> counts(tiles_.size());
+        counts_.assign(tiles_.size(), {});
         Progress progress("frame " + std::to_string(frame_.number) + ", camera rays " +
                               std::to_string(first + 1) + " to " + std::to_string(first + count),
                           tiles_.size());
-        forEachTile(frame_, tiles_, workspaces_, stats, [&](const TileTurn& turn) {
-            if (first > 0 && stop()) throw PassStopped();
-            std::vector<PixelSum>& sums = sums_[turn.index];
-            sums.resize(turn.places.size());
-            const int rays = std::min(count, frame_.raysOfTile(turn.index) - first);
-            if (rays > 0)
-                renderer_.addCameraRays(turn.places, first, rays, turn.scratch, turn.workspace,
-                                        sums);
-            std::vector<Pixel> pixels;
-            pixels.reserve(sums.size());
-            for (const PixelSum& sum : sums) {
-                pixels.push_back(renderer_.average(sum));
-                counts[turn.index].add(pixels.back());
-            }
-            placePixels(turn.places, pixels, film);
+        const auto finish = [&](std::size_t index, std::span<const FilmPlace> places,
+                                std::span<const PixelSum> sums) {
+            place(index, places, sums, film);
             progress.add(1);
-        });
+        };
+        const auto mayStop = [&] {
+            if (first > 0 && stop()) throw PassStopped();
+        };
+        if (frame_.options.bounces == 0)
+            addTiles(first, count, mayStop, finish, stats);
+        else
+            addBlocks(first, count, mayStop, finish, stats);
         requireFinite(film, frame_.number, frame_.options.seed);
         total_ = {};
-        for (const RayCounts& count_ : counts) total_.add(count_);
+        for (const RayCounts& count_ : counts_) total_.add(count_);
         return film;
     }
 
@@ -61,11 +59,60 @@ public:
     const RayCounts& total() const { return total_; }
 
 private:
+    template <class MayStop, class Finish>
+    void addTiles(int first, int count, const MayStop& mayStop, const Finish& finish,
+                  RenderStats& stats) {
+        forEachTile(frame_, tiles_, workspaces_, stats, [&](const TileTurn& turn) {
+            mayStop();
+            std::vector<PixelSum>& sums = sums_[turn.index];
+            sums.resize(turn.places.size());
+            const int rays = std::min(count, frame_.raysOfTile(turn.index) - first);
+            if (rays > 0)
+                renderer_.addCameraRays(turn.places, first, rays, turn.scratch, turn.workspace,
+                                        sums);
+            finish(turn.index, turn.places, sums);
+        });
+    }
+
+    template <class MayStop, class Finish>
+    void addBlocks(int first, int count, const MayStop& mayStop, const Finish& finish,
+                   RenderStats& stats) {
+        const Tiles all(frame_.options);
+        std::vector<FilmPlace> places;
+        for (std::size_t b = 0; b < blocks_.count(); ++b) {
+            mayStop();
+            const auto tiles = blocks_.block(b);
+            std::vector<std::vector<PixelSum>>& sums = blockSums_[b];
+            sums.resize(tiles.size());
+            blockRenderer_.addCameraRays(tiles, first, count, sums, stats);
+            for (std::size_t i = 0; i < tiles.size(); ++i) {
+                if (!tiles[i].index) continue;
+                all.findPlaces(tiles[i].tile, places);
+                finish(*tiles[i].index, places, sums[i]);
+            }
+        }
+    }
+
+    void place(std::size_t index, std::span<const FilmPlace> places, std::span<const PixelSum> sums,
+               Film& film) {
+        std::vector<Pixel> pixels;
+        pixels.reserve(sums.size());
+        for (const PixelSum& sum : sums) {
+            pixels.push_back(renderer_.average(sum));
+            counts_[index].add(pixels.back());
+        }
+        placePixels(places, pixels, film);
+    }
+
     const FrameRequest& frame_;
     const TileRenderer renderer_;
     Workspaces workspaces_;
     const std::vector<std::size_t> tiles_;
-    std::vector<std::vector<PixelSum>> sums_;
+    const TileBlocks blocks_;
+    const BlockRenderer blockRenderer_;
+    std::vector<std::vector<PixelSum>> sums_;                    ///< by tile
+    std::vector<std::vector<std::vector<PixelSum>>> blockSums_;  ///< by block and tile of it
+    std::vector<RayCounts> counts_;
     RayCounts total_;
 };
 

@@ -28,33 +28,26 @@ void RayCounts::addTo(RenderStats& stats) const {
 }
 
 std::unique_ptr<TileTools> Workspaces::take() {
-    {
-        const std::lock_guard lock(mutex_);
-        if (!free_.empty()) {
-            std::unique_ptr<TileTools> tools = std::move(free_.back());
-            free_.pop_back();
-            return tools;
-        }
-    }
-    auto tools = std::make_unique<TileTools>();
-    tools->workspace = estimator_.makeWorkspace();
-    return tools;
+    return pool_.take([&] {
+        auto tools = std::make_unique<TileTools>();
+        tools->workspace = estimator_.makeWorkspace();
+        return tools;
+    });
 }
 
 void Workspaces::giveBack(std::unique_ptr<TileTools> tools) {
-    const std::lock_guard lock(mutex_);
-    free_.push_back(std::move(tools));
+    pool_.giveBack(std::move(tools));
 }
 
 void Workspaces::addCounts(RenderStats& stats) {
     std::uint64_t setup = 0, trace = 0;
-    for (const auto& tools : free_) {
-        Workspace& workspace = *tools->workspace;
+    pool_.forEach([&](TileTools& tools) {
+        Workspace& workspace = *tools.workspace;
         setup += std::exchange(workspace.setupNanoseconds, 0);
         trace += std::exchange(workspace.traceNanoseconds, 0);
         stats.raysWithoutItems += std::exchange(workspace.pointsWithoutItems, 0);
-        stats.spreadRays += std::exchange(tools->scratch.spreadRays, 0);
-    }
+        stats.spreadRays += std::exchange(tools.scratch.spreadRays, 0);
+    });
     stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
     stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();
 }
@@ -75,26 +68,6 @@ void forEachTile(const FrameRequest& frame, std::span<const std::size_t> tiles,
         workspaces.giveBack(std::move(tools));
     });
     workspaces.addCounts(stats);
-}
-
-void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, RenderStats& stats,
-                 const std::function<void(const TileTurn&, std::span<const Pixel>)>& take) {
-    const TileRenderer renderer(frame);
-    Workspaces workspaces(frame.estimator);
-    std::vector<RayCounts> counts(tiles.size());
-    forEachTile(frame, tiles, workspaces, stats, [&](const TileTurn& turn) {
-        std::vector<PixelSum> sums(turn.places.size());
-        renderer.renderTile(turn.places, frame.raysOfTile(turn.index), turn.scratch, turn.workspace,
-                            sums);
-        std::vector<Pixel> pixels;
-        pixels.reserve(sums.size());
-        for (const PixelSum& sum : sums) {
-            pixels.push_back(renderer.average(sum));
-            counts[turn.index].add(pixels.back());
-        }
-        take(turn, pixels);
-    });
-    for (const RayCounts& count : counts) count.addTo(stats);
 }
 
 }  // namespace shadowcache

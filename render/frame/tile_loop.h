@@ -2,10 +2,10 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
+#include "common/base/pool.h"
 #include "render/frame/tile_renderer.h"
 
 namespace shadowcache {
@@ -31,8 +31,7 @@ public:
 
 private:
     const Estimator& estimator_;
-    std::mutex mutex_;
-    std::vector<std::unique_ptr<TileTools>> free_;
+    Pool<TileTools> pool_;
 };
 
 /// Rays that pixels took.
@@ -56,10 +55,5 @@ struct TileTurn {
 void forEachTile(const FrameRequest& frame, std::span<const std::size_t> tiles,
                  Workspaces& workspaces, RenderStats& stats,
                  const std::function<void(const TileTurn&)>& work);
-
-/// Renders `tiles` to their end, in parallel; `take` has the pixels of each as it is done, in no
-/// stated order.
-void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, RenderStats& stats,
-                 const std::function<void(const TileTurn&, std::span<const Pixel>)>& take);
 
 }  // namespace shadowcache

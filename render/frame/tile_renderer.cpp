@@ -5,11 +5,9 @@
 #include <limits>
 
 #include "common/base/tuned.h"
-#include "common/mesh/looks.h"
-#include "common/mesh/placed_mesh.h"
-#include "common/mesh/shading_normal.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
+#include "render/estimators/set_place.h"
 
 namespace shadowcache {
 
@@ -50,31 +48,15 @@ View TileRenderer::look(const FilmPosition& at) const {
     return lookThrough(camera_, context_.scene, at);
 }
 
-Vec3f TileRenderer::shadowOrigin(const View& view) const {
-    const Hit& hit = view.hit;
-    const Vec3f side = view.geometricNormal();
-    const Vec3f onSurface = hit.scene->rayOrigin(hit.position, hit.triangle, side);
-    const Vec3f offset = smoothOffset(hit.scene->mesh(), hit.triangle, hit.u, hit.v, side);
-    // On flat parts it is less than what keeps rays off the surface.
-    if (offset.length2() <= (onSurface - hit.position).length2()) return onSurface;
-    return context_.scene.isFree(onSurface, offset) ? onSurface + offset : onSurface;
-}
-
 ShadingPoint TileRenderer::shadingPoint(const View& view, std::uint64_t seed, int filmX,
                                         int filmY) const {
-    return {shadowOrigin(view),
+    return {rayStartOf(context_.scene, view),
             worldPosition(context_.scene, view.hit),
             view.shadingNormal(),
             view.geometricNormal(),
             seed,
             filmX,
             filmY};
-}
-
-Surface TileRenderer::surfaceOf(const Hit& hit) const {
-    const TriangleMesh& mesh = hit.scene->mesh();
-    return surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v,
-                     options_.plain);
 }
 
 float TileRenderer::irradianceScale(double radiance, const Rgb& albedo) const {
@@ -137,7 +119,8 @@ std::optional<ShadingPoint> TileRenderer::pilotPoint(const FilmPosition& at, std
             predictSpreads(std::span(&pixel, 1), kMostSpreadRays, scratch, workspace)
                 .front()
                 .errorScale(*floor);
-        const Rgb albedo = diffuseAlbedo(surfaceOf(view.hit), -point.normal.dot(view.direction));
+        const Rgb albedo =
+            diffuseAlbedo(surfaceOf(view.hit, options_.plain), -point.normal.dot(view.direction));
         point.errorScale = irradianceScale(scale, albedo);
     }
     return point;
@@ -167,13 +150,17 @@ std::vector<PredictedSpread> TileRenderer::predictSpreads(std::span<const FilmPl
 Rgb TileRenderer::predictRadiance(const View& view, const FilmPlace& place,
                                   Workspace& workspace) const {
     if (!view.hit.found) return context_.environment.radiance(view.direction);
-    const Surface surface = surfaceOf(view.hit);
+    const Surface surface = surfaceOf(view.hit, options_.plain);
     if (surface.unlit) return surface.emission;
     // Gloss as if it were diffuse.
     const ShadingPoint point = shadingPoint(view, 0, place.x, place.y);
-    return surface.emission + surface.baseColor *
-                                  estimator_.prediction()->predict(point, workspace) *
-                                  static_cast<float>(1 / kPi);
+    Rgb irradiance = estimator_.prediction()->predict(point, workspace);
+    if (options_.bounces != 0 && context_.solve) {
+        const ItemTable& items = context_.solve->items();
+        const std::uint32_t item = items.itemAt(point.position, point.geometricNormal);
+        if (item != kNoItem) irradiance += context_.solve->indirect(item, options_.bounces);
+    }
+    return surface.emission + surface.baseColor * irradiance * static_cast<float>(1 / kPi);
 }
 
 void TileRenderer::planPixels(std::span<const FilmPlace> places, TileScratch& scratch,
@@ -189,20 +176,57 @@ void TileRenderer::planPixels(std::span<const FilmPlace> places, TileScratch& sc
     }
 }
 
+template <class Visit>
+void TileRenderer::forEachBatch(std::size_t pixels, int first, int count,
+                                const Visit& visit) const {
+    const int samples = std::max(1, options_.samples);
+    const auto run = static_cast<std::size_t>(std::max(1, kBatchSamples / samples));
+    for (std::size_t p = 0; p < pixels; p += run) {
+        const std::size_t some = std::min(run, pixels - p);
+        const int rays = std::clamp(static_cast<int>(run / some), 1, options_.passRays);
+        for (int k = first; k < first + count; k += rays)
+            visit(p, some, k, std::min(rays, first + count - k));
+    }
+}
+
 void TileRenderer::addCameraRays(std::span<const FilmPlace> places, int first, int count,
                                  TileScratch& scratch, Workspace& workspace,
                                  std::span<PixelSum> sums) const {
     if (places.empty()) return;
     if (antialiasing_ && first == 0) planPixels(places, scratch, workspace, sums);
-    const int samples = std::max(1, options_.samples);
-    const auto run = static_cast<std::size_t>(std::max(1, kBatchSamples / samples));
-    for (std::size_t p = 0; p < places.size(); p += run) {
-        const std::size_t pixels = std::min(run, places.size() - p);
-        const int rays = std::clamp(static_cast<int>(run / pixels), 1, options_.passRays);
-        for (int k = first; k < first + count; k += rays)
-            addBatch(places.subspan(p, pixels), k, std::min(rays, first + count - k), scratch,
-                     workspace, sums.subspan(p, pixels));
-    }
+    forEachBatch(
+        places.size(), first, count, [&](std::size_t p, std::size_t some, int k, int rays) {
+            lightBatch(places.subspan(p, some), k, rays, scratch, workspace, sums.subspan(p, some));
+            addBatch(scratch, workspace, sums.subspan(p, some));
+        });
+}
+
+void TileRenderer::lightCameraRays(std::span<const FilmPlace> places, int first, int count,
+                                   TileScratch& scratch, Workspace& workspace,
+                                   std::span<PixelSum> sums,
+                                   std::vector<TileBatch>& batches) const {
+    batches.clear();
+    if (places.empty()) return;
+    if (antialiasing_ && first == 0) planPixels(places, scratch, workspace, sums);
+    forEachBatch(places.size(), first, count,
+                 [&](std::size_t p, std::size_t some, int k, int rays) {
+                     TileBatch& batch = batches.emplace_back(TileBatch{p, some, {}});
+                     lightBatch(places.subspan(p, some), k, rays, batch.scratch, workspace,
+                                sums.subspan(p, some));
+                 });
+}
+
+void TileRenderer::addBatches(std::span<const TileBatch> batches, Workspace& workspace,
+                              std::span<PixelSum> sums) const {
+    for (const TileBatch& batch : batches)
+        addBatch(batch.scratch, workspace, sums.subspan(batch.firstPixel, batch.pixels));
+}
+
+void TileRenderer::findReceivers(const TileScratch& scratch,
+                                 std::vector<BounceReceiver>& receivers) const {
+    for (const TileScratch::Place& place : scratch.places)
+        receivers.push_back({&place.point, place.diffuseAlbedo, place.diffuse.has_value(),
+                             place.glossy ? &scratch.glossyPoints[*place.glossy].lobe : nullptr});
 }
 
 PointBatch TileRenderer::batchOf(std::span<const ShadingPoint> points, std::size_t pixels,
@@ -216,9 +240,9 @@ PointBatch TileRenderer::batchOf(std::span<const ShadingPoint> points, std::size
             options_.preview};
 }
 
-void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int count,
-                            TileScratch& scratch, Workspace& workspace,
-                            std::span<PixelSum> sums) const {
+void TileRenderer::lightBatch(std::span<const FilmPlace> places, int first, int count,
+                              TileScratch& scratch, Workspace& workspace,
+                              std::span<PixelSum> sums) const {
     sendCameraRays(places, first, count, scratch, sums);
     findPoints(scratch);
     const int most = std::ranges::max(sums, {}, &PixelSum::rayFactor).rayFactor * count;
@@ -229,14 +253,19 @@ void TileRenderer::addBatch(std::span<const FilmPlace> places, int first, int co
         if (places[p].x == observed_.x && places[p].y == observed_.y)
             workspace.watchedPixel = static_cast<std::uint32_t>(p);
     estimator_.estimate(batch, workspace, scratch.estimates);
+    scratch.watched = workspace.watched;
     if (!scratch.glossyPoints.empty())
         estimator_.estimateGloss(batch, scratch.glossyPoints, workspace, scratch.glossEstimates);
+}
+
+void TileRenderer::addBatch(const TileScratch& scratch, Workspace& workspace,
+                            std::span<PixelSum> sums) const {
     std::size_t i = 0;
     for (const TileScratch::Ray& ray : scratch.rays) {
         PixelSum& sum = sums[ray.pixel];
         ++sum.cameraRays;
         if (ray.view.hit.found) {
-            addToPixel(scratch, scratch.places[i], ray.view.hit, workspace, sum);
+            addToPixel(scratch, i, ray.view.hit, workspace, sum);
             ++i;
         } else {
             sum.color.add(ray.skyLuminance, runLength_);
@@ -274,7 +303,7 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
         place.point.row = static_cast<std::uint32_t>(ray.row / sums[ray.pixel].rayFactor);
         place.point.pixel = ray.pixel;
         place.point.share = 1.0f / static_cast<float>(sums[ray.pixel].rayFactor);
-        place.surface = surfaceOf(ray.view.hit);
+        place.surface = surfaceOf(ray.view.hit, options_.plain);
         place.diffuseAlbedo =
             diffuseAlbedo(place.surface, -place.point.normal.dot(ray.view.direction));
         place.point.errorScale = irradianceScale(sums[ray.pixel].errorScale, place.diffuseAlbedo);
@@ -302,16 +331,20 @@ void TileRenderer::findPoints(TileScratch& scratch) const {
     scratch.glossEstimates.resize(scratch.glossyPoints.size());
 }
 
-void TileRenderer::addToPixel(const TileScratch& scratch, const TileScratch::Place& place,
-                              const Hit& hit, Workspace& workspace, PixelSum& pixel) const {
+void TileRenderer::addToPixel(const TileScratch& scratch, std::size_t number, const Hit& hit,
+                              Workspace& workspace, PixelSum& pixel) const {
+    const TileScratch::Place& place = scratch.places[number];
     const ShadingPoint& point = place.point;
     const Surface& surface = place.surface;
-    const Estimate e = place.diffuse ? scratch.estimates[*place.diffuse] : Estimate{};
-    const GlossEstimate gloss =
-        place.glossy ? scratch.glossEstimates[*place.glossy] : GlossEstimate{};
+    Estimate e = place.diffuse ? scratch.estimates[*place.diffuse] : Estimate{};
+    GlossEstimate gloss = place.glossy ? scratch.glossEstimates[*place.glossy] : GlossEstimate{};
+    const BouncedLight bounced = scratch.bounced.empty() ? BouncedLight{} : scratch.bounced[number];
+    e.irradiance += bounced.irradiance;
+    e.predicted += bounced.predicted;
+    gloss.radiance += bounced.glossy;
     if (observer_ && point.filmX == observed_.x && point.filmY == observed_.y) {
         std::vector<Vec3f> directions;
-        for (const WatchedSample& sample : workspace.watched)
+        for (const WatchedSample& sample : scratch.watched)
             if (sample.cameraRay == point.cameraRay) directions.push_back(sample.direction);
         (*observer_)({point, surface, e, gloss, directions});
     }
@@ -320,13 +353,16 @@ void TileRenderer::addToPixel(const TileScratch& scratch, const TileScratch::Pla
     Pixel& sum = pixel.sum;
     sum.color += color;
     sum.diffuse += diffuse;
+    sum.diffuseIndirect += place.diffuseAlbedo * bounced.irradiance * static_cast<float>(1 / kPi);
     sum.glossy += gloss.radiance;
+    sum.glossyIndirect += bounced.glossy;
     sum.emission += surface.emission;
     sum.predicted += place.diffuseAlbedo * e.predicted * static_cast<float>(1 / kPi) +
                      (gloss.radiance + surface.emission);
     sum.irradiance += e.irradiance;
     sum.albedo += surface.baseColor;
     sum.diffuseAlbedo += place.diffuseAlbedo;
+    sum.mirrorColor += surface.glossy ? surface.f0 : Rgb(0, 0, 0);
     sum.roughness += surface.roughness;
     sum.normal += point.normal;
     sum.position += Vec3f(point.position);

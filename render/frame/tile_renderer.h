@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/shot/view.h"
+#include "render/bounces/bounce_task.h"
 #include "render/frame/frame_request.h"
 #include "render/frame/pixel_filter.h"
 #include "render/frame/pixel_sum.h"
@@ -41,7 +42,15 @@ struct TileScratch {
     std::vector<Estimate> estimates;
     std::vector<GlossyPoint> glossyPoints;
     std::vector<GlossEstimate> glossEstimates;
-    std::uint64_t spreadRays = 0;  ///< camera rays that are none of the picture's
+    std::vector<WatchedSample> watched;  ///< of the pixel that the observer sees
+    std::vector<BouncedLight> bounced;   ///< of `places`; empty: no light bounces
+    std::uint64_t spreadRays = 0;        ///< camera rays that are none of the picture's
+};
+
+/// A batch of a tile's camera rays, whose light is known but for what bounces.
+struct TileBatch {
+    std::size_t firstPixel, pixels;  ///< of the tile
+    TileScratch scratch;
 };
 
 /// Renders the pixels of one tile: sends their camera rays and has the places that these meet lit
@@ -76,6 +85,16 @@ public:
     void addCameraRays(std::span<const FilmPlace> places, int first, int count,
                        TileScratch& scratch, Workspace& workspace, std::span<PixelSum> sums) const;
 
+    /// Lights the same camera rays, but adds them to no pixel yet: they go to `batches`.
+    void lightCameraRays(std::span<const FilmPlace> places, int first, int count,
+                         TileScratch& scratch, Workspace& workspace, std::span<PixelSum> sums,
+                         std::vector<TileBatch>& batches) const;
+    /// Adds them to the tile's pixels.
+    void addBatches(std::span<const TileBatch> batches, Workspace& workspace,
+                    std::span<PixelSum> sums) const;
+    /// The places of a batch that light bounces to.
+    void findReceivers(const TileScratch& scratch, std::vector<BounceReceiver>& receivers) const;
+
     /// Camera rays 0 to `cameraRays - 1` of each pixel of a tile, pass by pass.
     void renderTile(std::span<const FilmPlace> places, int cameraRays, TileScratch& scratch,
                     Workspace& workspace, std::span<PixelSum> sums) const;
@@ -91,8 +110,14 @@ private:
     void aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, int first, int count,
              TileScratch& scratch) const;
     void intersect(std::span<TileScratch::Ray> rays) const;
-    void addBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
-                  Workspace& workspace, std::span<PixelSum> sums) const;
+    /// Cuts camera rays of pixels into batches of bounded memory: `visit` gets the first pixel and
+    /// the number of pixels, the first camera ray and the number of camera rays of each.
+    template <class Visit>
+    void forEachBatch(std::size_t pixels, int first, int count, const Visit& visit) const;
+    /// Sends the camera rays of a batch, and estimates the light of what they meet.
+    void lightBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
+                    Workspace& workspace, std::span<PixelSum> sums) const;
+    void addBatch(const TileScratch& scratch, Workspace& workspace, std::span<PixelSum> sums) const;
     /// Radiance that a camera ray is predicted to see.
     Rgb predictRadiance(const View& view, const FilmPlace& place, Workspace& workspace) const;
     /// Camera rays of each pixel, and what its errors are relative to.
@@ -100,15 +125,12 @@ private:
                     std::span<PixelSum> sums) const;
     void sendCameraRays(std::span<const FilmPlace> places, int first, int count,
                         TileScratch& scratch, std::span<PixelSum> sums) const;
-    Surface surfaceOf(const Hit& hit) const;
     /// Irradiance by which a surface of such an albedo has a radiance.
     float irradianceScale(double radiance, const Rgb& albedo) const;
-    /// Where the shadow rays of a place start.
-    Vec3f shadowOrigin(const View& view) const;
     PointBatch batchOf(std::span<const ShadingPoint> points, std::size_t pixels, int count) const;
     /// Sorts the places by what light is to be estimated of them.
     void findPoints(TileScratch& scratch) const;
-    void addToPixel(const TileScratch& scratch, const TileScratch::Place& place, const Hit& hit,
+    void addToPixel(const TileScratch& scratch, std::size_t number, const Hit& hit,
                     Workspace& workspace, PixelSum& pixel) const;
 
     const Estimator& estimator_;

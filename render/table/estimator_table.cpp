@@ -30,7 +30,7 @@ constexpr EstimatorEntry kEstimators[] = {
     {"paper", "piecewise-constant importance over a triangulated map, times cached visibility", 1,
      false, with<makePaper, &EstimatorOptions::paper>},
     {"paper-image", "`paper` with its own cache: filled by the picture's earlier pixels", 1, false,
-     with<makePaperImage, &EstimatorOptions::paper>},
+     with<makePaperImage, &EstimatorOptions::paper>, nullptr, true},
     {"pixel", "importance from a low-resolution map", 1, false,
      with<makePixel, &EstimatorOptions::pixel>},
     {"cache", "cached visibility as a control variate (needs --cache; the default with one)", 0,

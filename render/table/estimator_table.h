@@ -8,6 +8,9 @@
 
 namespace shadowcache {
 
+/// Bounces of a picture that is delivered.
+inline constexpr int kStandardBounces = 4;
+
 /// The options of all estimators; each reads its own.
 struct EstimatorOptions {
     CacheOptions cache;
@@ -27,6 +30,11 @@ struct EstimatorEntry {
     bool needsCache;
     std::unique_ptr<Estimator> (*maker)(const EstimatorContext&, const EstimatorOptions&);
     const char* bias = nullptr;  ///< what its expectation leaves out or gets wrong; null: nothing
+    bool inOrder = false;        ///< Estimator::inOrder()
+
+    /// Bounces of its pictures unless others are asked for: those of a picture to deliver, or none
+    /// where its direct light is not all that there is, or cannot be asked for at any place.
+    int standardBounces() const { return bias || inOrder ? 0 : kStandardBounces; }
 
     std::unique_ptr<Estimator> make(const EstimatorContext& context,
                                     const EstimatorOptions& options = {}) const {

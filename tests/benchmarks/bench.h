@@ -123,6 +123,8 @@ void timeShares(const Settings& settings);
 void memory(const Settings& settings);
 void cycles(const Settings& settings);
 void overCycles(const Settings& settings);
+/// Pictures with four bounces, over Cycles and over brute force.
+void bounces(const Settings& settings);
 void scaling(const Settings& settings);
 void trade(const Settings& settings);
 void oracle(const Settings& settings);

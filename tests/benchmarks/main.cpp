@@ -43,6 +43,8 @@ int main(int argc, char** argv) try {
     };
     add("efficiency", "Error and time of the estimators", bench::efficiency);
     add("delivered", "Error and time of antialiased pictures", bench::delivered);
+    add("bounces", "Error and time of pictures with four bounces, over Cycles and brute force",
+        bench::bounces);
     add("gloss", "Noise of glossy pictures by roughness, metal and varnish", bench::gloss);
     add("break-even", "Frames from which on the bake of a shot pays", bench::breakEven);
     add("bake", "Rays a second of the bake against bare Embree calls", bench::bakeSpeed);

@@ -2,17 +2,10 @@
 // could take instead.
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
-#include "common/base/error.h"
-#include "common/base/parallel.h"
-#include "common/image/radiance.h"
 #include "tests/benchmarks/antialiased.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/benchmarks/in_cycles.h"
 
 namespace shadowcache::bench {
 
@@ -20,22 +13,6 @@ namespace {
 
 constexpr int kSamples = 64;
 constexpr Split kSplits[] = {{16, 4}, {64, 1}};
-constexpr double kAlbedo = 0.5;
-
-/// Two pictures of different seeds, and what one of them takes.
-struct Pair {
-    Image a, b;
-    double seconds = 0;  ///< of the processor, over the threads
-
-    /// Of one picture: that of the difference, which holds the noise of both, over the root of 2.
-    /// That Cycles filters the map otherwise does not count.
-    RelativeError noise(const Image& reference) const {
-        Image noisy = reference;
-        for (std::size_t i = 0; i < noisy.pixels.size(); ++i)
-            noisy.pixels[i] += (a.pixels[i] - b.pixels[i]) * std::sqrt(0.5f);
-        return relativeError(noisy, reference);
-    }
-};
 
 Pair ourPair(const Frame& frame, const Split& split) {
     RenderOptions options = wholeView().options;
@@ -47,35 +24,6 @@ Pair ourPair(const Frame& frame, const Split& split) {
     };
     const Rendered a = renderSeed(1), b = renderSeed(2);
     return {a.image, b.image, std::min(a.processorSeconds, b.processorSeconds)};
-}
-
-Pair cyclesPair(const Settings& settings, const Frame& frame) {
-    const test::TemporaryFolder folder;
-    const std::filesystem::path request = folder.path() / "request.json",
-                                stats = folder.path() / "stats.json", log = folder.path() / "log",
-                                a = folder.path() / "a.exr", b = folder.path() / "b.exr";
-    const SetFiles files = setFiles(settings, frame.set.name);
-    const RenderOptions& options = wholeView().options;
-    std::ofstream(request) << nlohmann::json{
-        {"set", std::filesystem::absolute(files.mesh)},
-        {"camera", std::filesystem::absolute(files.cameras)},
-        {"map", std::filesystem::absolute(mapFile(settings, frame.map))},
-        {"frame", frame.number},
-        {"size", {options.width, options.height}},
-        {"albedo", kAlbedo},
-        {"samples", kSamples},
-        {"threads", threadCount()},
-        {"pictures", {a, b}},
-        {"stats", stats}};
-    // Blender's Python takes its modules from where the first python3 of PATH has them.
-    const std::string command =
-        "PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 1 "
-        "--python " SHADOWCACHE_BENCHMARKS "/render_in_cycles.py -- '" +
-        request.string() + "' > '" + log.string() + "' 2>&1";
-    if (std::system(command.c_str()) != 0)
-        throw Error("Blender failed (Debian package: blender):\n" + test::readBytes(log));
-    const double seconds = nlohmann::json::parse(std::ifstream(stats)).at("processor_seconds");
-    return {readRadiance(a).image, readRadiance(b).image, seconds / threadCount()};
 }
 
 double meanOf(const Image& image) {
@@ -106,7 +54,7 @@ void overCycles(const Settings& settings) {
     forEachFrame(settings, [&](const Frame& frame) {
         const Image reference = antialiasedReference(frame, wholeView(), settings.work).image;
         const double light = meanOf(reference);
-        const Pair theirs = cyclesPair(settings, frame);
+        const Pair theirs = cyclesPair(settings, frame, kSamples, 0);
         const RelativeError noise = theirs.noise(reference);
         report(frame.key() + "." + Split{kSamples, 1}.name() + ".cycles", theirs, noise, {1, 1},
                meanOf(theirs.a) / light, json);

@@ -1,9 +1,9 @@
-"""Renders a frame of a set with Blender's Cycles: direct, diffuse light of a map alone, as shadowcache-render does.
+"""Renders a frame of a set with Blender's Cycles: diffuse light of a map alone, as shadowcache-render does.
 
 Usage: blender -b --factory-startup --python-exit-code 1 --python render_in_cycles.py -- REQUEST.json
 
 REQUEST.json: set (binary PLY of triangles, +Y up), map, camera (camera file), frame, size [width, height], albedo,
-samples of a pixel, threads, pictures (an .exr for each seed from 1 on) and stats, a JSON file that gets the processor
+samples of a pixel, bounces, threads, pictures (an .exr for each seed from 1 on) and stats, a JSON file that gets the processor
 seconds of the quickest picture, less those of a picture of one sample, which reads and writes as much.
 """
 
@@ -98,7 +98,7 @@ def choose_settings(request):
     scene.render.image_settings.color_depth = "32"
     cycles = scene.cycles
     cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.max_bounces = 0
+    cycles.max_bounces = cycles.diffuse_bounces = request["bounces"]
     cycles.light_sampling_threshold = 0  # else dim light is dropped at random, for speed
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.pixel_filter_type = "BLACKMAN_HARRIS"

@@ -120,7 +120,7 @@ class Bench:
             self.number += 1
             output = self.work / f"{self.number}.exr"
         seconds, stats = self.run("render/shadowcache-render",
-                                  [*self.scene(view, cache), "-o", output, *arguments], values)
+                                  [*self.scene(view, cache), "--bounces", 0, "-o", output, *arguments], values)
         error = error_of(luminance(output), self.references[reference or view])
         output.unlink()
         rays = stats["rays"]["shadow"]

@@ -21,6 +21,7 @@ struct RunLimits {
     std::optional<std::size_t> fileBytes;    ///< longest file it may write, as a full disk does
     std::optional<double> interruptSeconds;  ///< from being ready for Ctrl-C to it
     int signal = SIGINT;                     ///< in place of Ctrl-C
+    bool standardBounces = false;            ///< without it, light bounces only if asked to
 };
 
 /// Starts one of the project's programs in `folder`, and kills it with SIGKILL after a while.
@@ -30,7 +31,8 @@ bool runAndKill(const std::string& name, const std::vector<std::string>& argumen
                 const std::filesystem::path& folder, double seconds);
 
 /// Runs one of the project's programs ("bake", "render", "farm", "info", "merge", "make-set") in
-/// `folder` to its end. Each of its two outputs must fit a pipe (64 kB).
+/// `folder` to its end. Each of its two outputs must fit a pipe (64 kB). "render" shows direct
+/// light alone, which most tests are about, unless --bounces is among the arguments or the limits.
 ProgramRun runProgram(const std::string& name, const std::vector<std::string>& arguments,
                       const std::filesystem::path& folder, const RunLimits& limits = {});
 

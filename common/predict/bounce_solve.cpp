@@ -1,0 +1,93 @@
+#include "common/predict/bounce_solve.h"
+
+#include <algorithm>
+#include <array>
+
+#include "common/base/parallel.h"
+#include "common/predict/cache_preview.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Items that a thread takes at a time.
+constexpr std::size_t kChunk = 1024;
+
+/// Bounces that are solved for, at most: what later ones add is left to the residual.
+constexpr int kMostSolved = 64;
+
+/// Part of the irradiance, in the mean, that ends a solve without a number of bounces.
+constexpr double kLeastAdded = 1e-4;
+
+/// Direct irradiance of all items, by their own counts at their own normals.
+std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
+                          const Environment& environment) {
+    const CachePreview preview(environment, cache.header().tiers());
+    std::vector<Rgb> direct(items.size(), Rgb(0, 0, 0));
+    parallelFor(items.size(), kChunk, [&](const Chunk& chunk) {
+        ShadowCache::Reader reader(cache);
+        std::array<ItemView, ShadowCache::kMaxItems> found;
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            const auto number = static_cast<std::uint32_t>(i);
+            const Vec3f& normal = items.normal(number);
+            const int count = reader.lookUp(items.position(number), normal, found);
+            const auto views = std::span(found).first(static_cast<std::size_t>(count));
+            const auto self = std::ranges::find(views, std::uint64_t{number}, &ItemView::number);
+            if (self != views.end()) direct[i] = preview.irradiance(*self, normal);
+        }
+    });
+    return direct;
+}
+
+}  // namespace
+
+BounceSolve::BounceSolve(const ShadowCache& cache, const ItemTable& items,
+                         const Transport& transport, const Environment& environment,
+                         std::span<const ItemLook> looks, int bounces)
+    : items_(items) {
+    irradiance_.push_back(directOf(cache, items, environment));
+    const int most = bounces < 0 ? kMostSolved : std::min(bounces, kMostSolved);
+    const auto rays = static_cast<std::size_t>(transport.raysPerItem);
+    for (int b = 1; b <= most; ++b) {
+        const std::vector<Rgb>&before = irradiance_.back(), &direct = irradiance_.front();
+        std::vector<Rgb> next(items.size());
+        const double added = parallelSum(items.size(), kChunk, [&](const Chunk& chunk) {
+            double change = 0;
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                Rgb sum(0, 0, 0);
+                int known = 0;
+                for (std::size_t k = i * rays; k < (i + 1) * rays; ++k) {
+                    const std::uint32_t met = transport.hit[k];
+                    known += met != kNoItem ? 1 : 0;
+                    if (met >= looks.size()) continue;
+                    sum += looks[met].emission * static_cast<float>(kPi) +
+                           looks[met].albedo * before[met];
+                }
+                next[i] = direct[i] + sum * (1 / static_cast<float>(std::max(1, known)));
+                for (int c = 0; c < 3; ++c)
+                    change += std::abs(static_cast<double>(next[i][c] - before[i][c]));
+            }
+            return change;
+        });
+        irradiance_.push_back(std::move(next));
+        if (bounces >= 0) continue;
+        const double all = parallelSum(items.size(), kChunk, [&](const Chunk& chunk) {
+            double sum = 0;
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                for (int c = 0; c < 3; ++c) sum += static_cast<double>(irradiance_.back()[i][c]);
+            return sum;
+        });
+        // Only the first and the last are read then.
+        if (b > 1) irradiance_.erase(irradiance_.end() - 2);
+        if (added <= kLeastAdded * all) break;
+    }
+}
+
+Rgb BounceSolve::indirect(std::span<const ItemView> items, int bounces) const {
+    Rgb sum(0, 0, 0);
+    for (const ItemView& item : items)
+        sum += indirect(static_cast<std::uint32_t>(item.number), bounces) * item.weight;
+    return sum;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,139 @@
+#include "render/bounces/bounce_light.h"
+
+#include <algorithm>
+#include <array>
+
+#include "common/base/parallel.h"
+#include "common/base/progress.h"
+#include "common/base/tuned.h"
+#include "render/bounces/exchange.h"
+#include "render/bounces/path_steps.h"
+#include "render/bounces/vertex_light.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Camera points that share what their rays meet: a test for visibility costs a tenth of a path.
+SHADOWCACHE_TUNED(std::size_t, kPointGroup, 64);
+
+/// Vertices of paths that do. They are farther from each other.
+SHADOWCACHE_TUNED(std::size_t, kVertexGroup, 8);
+
+/// Vertices that a thread takes at a time.
+constexpr std::size_t kChunk = 4096;
+
+template <class Body>
+void forEachIndex(std::size_t count, const Body& body) {
+    parallelFor(count, kChunk, [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) body(i);
+    });
+}
+
+}  // namespace
+
+BounceLight::BounceLight(const Estimator& estimator, const BounceOptions& options)
+    : estimator_(estimator), options_(options) {}
+
+int BounceLight::bouncesLeft(int bounce) const {
+    return options_.most == kUnlimitedBounces ? kUnlimitedBounces : options_.most - bounce;
+}
+
+void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
+                         BounceCounts& counts) const {
+    const EstimatorContext& context = estimator_.context();
+    std::vector<PathLevel> levels{firstLevel(receivers, context.environment.luminanceWeights())};
+    std::vector<VertexGroups> groups;
+    for (int bounce = 0; !levels.back().vertices.empty(); ++bounce) {
+        throwIfInterrupted();
+        PathLevel& level = levels.back();
+        if (bounce > 0) {
+            startWithPrediction(bouncesLeft(bounce), level);
+            decide(bouncesLeft(bounce), level);
+        }
+        const std::size_t size = bounce == 0 ? kPointGroup : kVertexGroup;
+        groups.push_back(groupVertices(level, options_.shared ? size : 1));
+        if (bounce > 0) {
+            stratifyNumbers(groups.back(), level);
+            counts.shadowRays += lightVertices(estimator_, groups.back(), workspaces_, level);
+        }
+        if (bouncesLeft(bounce) == 0) break;
+        PathLevel next = nextLevel(context, options_.plain, level, counts.pathRays);
+        counts.vertices += next.vertices.size();
+        levels.push_back(std::move(next));
+    }
+    while (levels.size() > 1) {
+        throwIfInterrupted();
+        const PathLevel next = std::move(levels.back());
+        levels.pop_back();
+        PathLevel& level = levels.back();
+        const std::size_t bounce = levels.size() - 1;
+        std::vector<Rgb> found(level.vertices.size());
+        counts.sharedRays += exchange(context.scene, groups[bounce], level, next, found);
+        addBounced(found, next, bouncesLeft(static_cast<int>(bounce)), level);
+    }
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        light[i].irradiance = levels.front().vertices[i].irradiance;
+        light[i].glossy = levels.front().vertices[i].mirrored;
+    }
+    clampLight(receivers, light);
+}
+
+void BounceLight::startWithPrediction(int bouncesLeft, PathLevel& level) const {
+    const BounceSolve* solve = estimator_.context().solve;
+    if (!solve) return;
+    forEachIndex(level.vertices.size(), [&](std::size_t i) {
+        PathVertex& v = level.vertices[i];
+        if (v.item != kNoItem && v.albedo != Rgb(0, 0, 0))
+            v.irradiance = solve->irradiance(v.item, bouncesLeft);
+    });
+}
+
+void BounceLight::addBounced(std::span<const Rgb> found, const PathLevel& next, int bouncesLeft,
+                             PathLevel& level) const {
+    const BounceSolve* solve = estimator_.context().solve;
+    forEachIndex(level.vertices.size(), [&](std::size_t i) {
+        PathVertex& v = level.vertices[i];
+        if (v.sendsDiffuse) {
+            const Rgb known =
+                v.item == kNoItem ? Rgb(0, 0, 0) : solve->indirect(v.item, bouncesLeft);
+            v.irradiance += (found[i] - known) * (1 / v.diffuseChance);
+        }
+        if (v.lobeChild == kNoVertex) return;
+        const PathVertex& met = next.vertices[static_cast<std::size_t>(v.lobeChild)];
+        v.mirrored += met.throughLobe * (met.diffuseRadiance() + met.mirrored) * (1 / v.lobeChance);
+    });
+}
+
+void BounceLight::predict(std::span<const BounceReceiver> receivers,
+                          std::span<BouncedLight> light) const {
+    const EstimatorContext& context = estimator_.context();
+    if (!context.solve) return;
+    parallelFor(receivers.size(), kChunk, [&](const Chunk& chunk) {
+        ShadowCache::Reader reader(*context.cache);
+        std::array<ItemView, ShadowCache::kMaxItems> items;
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            const ShadingPoint& point = *receivers[i].point;
+            const int found = reader.lookUp(point.position, point.geometricNormal, items);
+            light[i].predicted = context.solve->indirect(
+                std::span(items).first(static_cast<std::size_t>(found)), options_.most);
+        }
+    });
+}
+
+void BounceLight::clampLight(std::span<const BounceReceiver> receivers,
+                             std::span<BouncedLight> light) const {
+    if (!(options_.clamp > 0)) return;
+    const Environment& environment = estimator_.context().environment;
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        const Rgb radiance =
+            receivers[i].diffuseAlbedo * light[i].irradiance * static_cast<float>(1 / kPi) +
+            light[i].glossy;
+        const float luminance = environment.luminance(radiance);
+        if (!(luminance > options_.clamp)) continue;
+        light[i].irradiance *= options_.clamp / luminance;
+        light[i].glossy *= options_.clamp / luminance;
+    }
+}
+
+}  // namespace shadowcache

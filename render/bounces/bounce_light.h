@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+
+#include "common/base/pool.h"
+#include "render/bounces/bounce_task.h"
+#include "render/bounces/path_vertex.h"
+
+namespace shadowcache {
+
+/// Light that reaches places after it left other surfaces of the set. Paths go on from all places
+/// together, level by level; all vertices of a level are lit as one batch of the estimator that
+/// lights the places themselves, and near vertices share what their rays meet. Everything random is
+/// decided before the first ray that it could depend on. [docs/estimator.md]
+class BounceLight {
+public:
+    /// @param estimator  of direct light; outlives this object
+    BounceLight(const Estimator& estimator, const BounceOptions& options);
+
+    /// Light that reaches each of the receivers from other surfaces.
+    ///
+    /// @param light  as many as receivers
+    void gather(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
+                BounceCounts& counts) const;
+
+    /// The same as it is predicted, without rays.
+    ///
+    /// @param light  receives it as `predicted`; 0 without a solve
+    void predict(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;
+
+private:
+    /// Starts the vertices of a level with what is predicted of their irradiance.
+    void startWithPrediction(int bouncesLeft, PathLevel& level) const;
+    /// Adds what the rays of a level found to its vertices, in place of what was predicted of it.
+    void addBounced(std::span<const Rgb> found, const PathLevel& next, int bouncesLeft,
+                    PathLevel& level) const;
+    int bouncesLeft(int bounce) const;
+    void clampLight(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;
+
+    const Estimator& estimator_;
+    const BounceOptions options_;
+    mutable Pool<Workspace> workspaces_;
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,133 @@
+#include "render/bounces/exchange.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <span>
+
+#include "common/base/parallel.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Groups that a thread takes at a time.
+constexpr std::size_t kGroupsOfChunk = 64;
+
+/// Least density of a member's own ray: it drew the place, whatever rounding makes of the cosines.
+constexpr float kLeastDensity = 1e-12f;
+
+/// Density, times pi, with which the diffuse rays of `from` meet the surface at `to`, if nothing
+/// lies between; 0 where `from` does not see its lit side.
+float densityAt(const PathVertex& from, const PathVertex& to) {
+    const Vec3f way = to.target - from.origin;
+    const float cosine = way.dot(from.normal), cosineThere = -way.dot(to.geometricNormal);
+    if (cosine <= 0 || cosineThere <= 0 || way.dot(from.geometricNormal) <= 0) return 0;
+    const float squared = std::max(way.length2(), std::numeric_limits<float>::min());
+    return std::min(cosine / squared * (cosineThere / squared),
+                    std::numeric_limits<float>::max() / 1024);
+}
+
+/// One group at a time.
+class GroupExchange {
+public:
+    GroupExchange(const Scene& scene, const PathLevel& level, const PathLevel& next,
+                  std::vector<Rgb>& out)
+        : scene_(scene), level_(level), next_(next), out_(out) {}
+
+    std::uint64_t run(std::span<const std::uint32_t> members) {
+        findDensities(members);
+        const std::size_t n = members.size();
+        for (const std::uint32_t member : members) out_[member] = Rgb(0, 0, 0);
+        for (std::size_t j = 0; j < n; ++j) {
+            const PathVertex* met = childOf(members[j]);
+            if (!met) continue;
+            const auto column = std::span(density_).subspan(j * n, n);
+            const float sum = std::accumulate(column.begin(), column.end(), 0.0f);
+            const Rgb radiance = met->diffuseRadiance() * static_cast<float>(kPi);
+            for (std::size_t k = 0; k < n; ++k)
+                if (column[k] > 0) out_[members[k]] += radiance * (column[k] / sum);
+            out_[members[j]] += met->mirrored * static_cast<float>(kPi);
+        }
+        return rays_;
+    }
+
+private:
+    const PathVertex* childOf(std::uint32_t member) const {
+        const std::int32_t child = level_.vertices[member].diffuseChild;
+        return child == kNoVertex ? nullptr : &next_.vertices[static_cast<std::size_t>(child)];
+    }
+
+    /// density_[j n + k]: that of member k's rays at what j's ray met.
+    void findDensities(std::span<const std::uint32_t> members) {
+        const std::size_t n = members.size();
+        density_.assign(n * n, 0);
+        rays_ = 0;
+        for (std::size_t j = 0; j < n; ++j) {
+            const PathVertex* met = childOf(members[j]);
+            if (!met) continue;
+            for (std::size_t k = 0; k < n; ++k) {
+                const PathVertex& from = level_.vertices[members[k]];
+                float& density = density_[j * n + k];
+                density = densityAt(from, *met);
+                if (k == j)
+                    density = std::max(density, kLeastDensity);
+                else if (density > 0)
+                    enqueue(from.origin, met->target - from.origin, density);
+            }
+        }
+        flush();
+    }
+
+    void enqueue(const Vec3f& origin, const Vec3f& way, float& density) {
+        for (int k = 0; k < 3; ++k) {
+            stream_.origin[k][queued_] = origin[k];
+            stream_.direction[k][queued_] = way[k];
+        }
+        stream_.reach[queued_] = 1;
+        asked_[queued_] = &density;
+        if (++queued_ == RayStream::kSize) flush();
+    }
+
+    void flush() {
+        if (queued_ == 0) return;
+        scene_.trace(stream_, queued_);
+        // Streams do not see what moves.
+        const bool moves = !scene_.movingBalls().empty();
+        for (std::size_t i = 0; i < queued_; ++i) {
+            const auto vector = [i](const float(&of)[3][RayStream::kSize]) {
+                return Vec3f(of[0][i], of[1][i], of[2][i]);
+            };
+            if (stream_.reach[i] < 0 ||
+                (moves && !scene_.isFree(vector(stream_.origin), vector(stream_.direction))))
+                *asked_[i] = 0;
+        }
+        rays_ += queued_;
+        queued_ = 0;
+    }
+
+    const Scene& scene_;
+    const PathLevel& level_;
+    const PathLevel& next_;
+    std::vector<Rgb>& out_;
+    std::vector<float> density_;
+    RayStream stream_;
+    float* asked_[RayStream::kSize];
+    std::size_t queued_ = 0;
+    std::uint64_t rays_ = 0;
+};
+
+}  // namespace
+
+std::uint64_t exchange(const Scene& scene, const VertexGroups& groups, const PathLevel& level,
+                       const PathLevel& next, std::vector<Rgb>& out) {
+    std::vector<std::uint64_t> rays((groups.count() + kGroupsOfChunk - 1) / kGroupsOfChunk);
+    parallelFor(groups.count(), kGroupsOfChunk, [&](const Chunk& chunk) {
+        GroupExchange exchange(scene, level, next, out);
+        for (std::size_t g = chunk.begin; g < chunk.end; ++g)
+            rays[chunk.index] += exchange.run(groups.group(g));
+    });
+    return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,53 @@
+#include "render/bounces/item_looks.h"
+
+#include <array>
+
+#include "common/base/parallel.h"
+#include "render/estimators/set_place.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// How far above an item's mean point its ray starts, and how far below that it may find the
+/// surface, in spacings: a mean point lies off a curved surface.
+constexpr double kAbove = 0.25, kReach = 1;
+
+/// Of all light that a surface reflects the share in each colour, about.
+ItemLook lookOf(const Surface& surface) {
+    if (surface.unlit) return {Rgb(0, 0, 0), surface.emission};
+    return {surface.glossy ? surface.diffuse + surface.f0 * (Rgb(1, 1, 1) - surface.diffuse)
+                           : surface.diffuse,
+            surface.emission};
+}
+
+}  // namespace
+
+std::vector<ItemLook> looksOf(const Scene& scene, const ItemTable& items, const PlainLook& plain) {
+    std::vector<ItemLook> looks(items.size());
+    const ItemLook fallback{plain.albedo, Rgb(0, 0, 0)};
+    constexpr auto kSize = static_cast<std::size_t>(RayPacket::kSize);
+    parallelFor(items.size(), 1024, [&](const Chunk& chunk) {
+        RayPacket packet{};
+        std::array<Hit, kSize> hits;
+        for (std::size_t first = chunk.begin; first < chunk.end; first += kSize) {
+            const std::size_t count = std::min(kSize, chunk.end - first);
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto item = static_cast<std::uint32_t>(first + i);
+                const Vec3f normal = items.normal(item);
+                const Vec3d above =
+                    items.position(item) + Vec3d(normal) * (kAbove * items.spacing());
+                packet.set(static_cast<int>(i), Vec3f(above - scene.mesh().origin), -normal);
+            }
+            scene.meet(packet, static_cast<int>(count), hits.data());
+            for (std::size_t i = 0; i < count; ++i) {
+                const bool near = hits[i].found &&
+                                  static_cast<double>(hits[i].distance) < kReach * items.spacing();
+                looks[first + i] = near ? lookOf(surfaceOf(hits[i], plain)) : fallback;
+            }
+        }
+    });
+    return looks;
+}
+
+}  // namespace shadowcache

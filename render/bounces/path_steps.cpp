@@ -1,0 +1,192 @@
+#include "render/bounces/path_steps.h"
+
+#include <algorithm>
+#include <array>
+
+#include "common/base/parallel.h"
+#include "common/mesh/placed_mesh.h"
+#include "common/random/salts.h"
+#include "render/bounces/vertex_light.h"
+#include "render/estimators/hemisphere.h"
+#include "render/estimators/set_place.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Vertices whose rays one thread traces at a time.
+constexpr std::size_t kVerticesOfChunk = 1024;
+
+/// A ray and what it is for.
+struct PathRay {
+    Vec3f direction;
+    std::uint32_t from;  ///< vertex that sends it
+    bool ofLobe;
+    Rgb share;  ///< by which radiance that it finds counts at `from`
+};
+
+/// One chunk of a level's vertices: their rays, and what these meet.
+class Steps {
+public:
+    Steps(const EstimatorContext& context, const PlainLook& plain, const PathLevel& level)
+        : scene_(context.scene),
+          plain_(plain),
+          weights_(context.environment.luminanceWeights()),
+          items_(context.solve ? &context.solve->items() : nullptr),
+          level_(level) {}
+
+    /// A vertex that a ray met.
+    struct Met {
+        PathVertex vertex;
+        std::uint32_t from;
+        bool byLobe;
+    };
+
+    void run(std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto from = static_cast<std::uint32_t>(i);
+            const PathVertex& v = level_.vertices[i];
+            if (v.sendsDiffuse) sendDiffuse(v, from);
+            if (v.sendsLobe) sendLobe(v, from);
+        }
+        trace();
+    }
+
+    std::vector<Met> met;
+    std::vector<GlossyLobe> lobes;  ///< of `met`
+    std::size_t rayCount() const { return rays_.size(); }
+
+private:
+    void sendDiffuse(const PathVertex& v, std::uint32_t from) {
+        const Vec3f direction = aroundNormal(v.normal, std::sqrt(1 - v.numbers[0]), v.numbers[1]);
+        if (direction.dot(v.geometricNormal) > 0)
+            rays_.push_back({direction, from, false, v.albedo});
+    }
+
+    void sendLobe(const PathVertex& v, std::uint32_t from) {
+        const LobeRay ray = lobeRayOf(v, level_.lobes[static_cast<std::size_t>(v.lobe)]);
+        if (ray.share != Rgb(0, 0, 0)) rays_.push_back({ray.direction, from, true, ray.share});
+    }
+
+    void trace() {
+        constexpr auto kSize = static_cast<std::size_t>(RayPacket::kSize);
+        RayPacket packet{};
+        std::array<Hit, kSize> hits;
+        for (std::size_t first = 0; first < rays_.size(); first += kSize) {
+            const std::size_t count = std::min(kSize, rays_.size() - first);
+            for (std::size_t i = 0; i < count; ++i)
+                packet.set(static_cast<int>(i), level_.vertices[rays_[first + i].from].origin,
+                           rays_[first + i].direction);
+            scene_.meet(packet, static_cast<int>(count), hits.data());
+            for (std::size_t i = 0; i < count; ++i)
+                if (hits[i].found) add(rays_[first + i], hits[i]);
+        }
+    }
+
+    void add(const PathRay& ray, const Hit& hit) {
+        const View view{ray.direction, hit};
+        const bool back = hit.normal.dot(ray.direction) > 0;
+        if (back && !isDoubleSided(hit.scene->mesh(), hit.triangle)) return;
+        const PathVertex& from = level_.vertices[ray.from];
+        const Surface surface = surfaceOf(hit, plain_);
+        PathVertex v;
+        v.normal = view.shadingNormal();
+        v.geometricNormal = view.geometricNormal();
+        v.origin = rayStartOf(scene_, view);
+        v.target = hit.scene->rayOrigin(hit.position, hit.triangle, v.geometricNormal);
+        v.albedo =
+            surface.unlit ? Rgb(0, 0, 0) : diffuseAlbedo(surface, -v.normal.dot(ray.direction));
+        v.emission = surface.emission;
+        v.seed = hashWords(from.seed,
+                           ray.ofLobe ? RenderSalt::bounceLobeChild : RenderSalt::bounceChild);
+        v.errorScale = from.errorScale;
+        // Items are of the set alone, not of what moves.
+        if (items_ && hit.scene == &scene_)
+            v.item = items_->itemAt(worldPosition(scene_, hit), v.geometricNormal);
+        v.weight = from.weight * std::max(0.0f, ray.share.dot(weights_)) /
+                   (ray.ofLobe ? from.lobeChance : from.diffuseChance);
+        if (ray.ofLobe) v.throughLobe = ray.share;
+        if (surface.glossy) {
+            v.lobe = static_cast<std::int32_t>(lobes.size());
+            lobes.emplace_back(surface, v.normal, -ray.direction);
+        }
+        met.push_back({v, ray.from, ray.ofLobe});
+    }
+
+    const Scene& scene_;
+    const PlainLook& plain_;
+    const Rgb weights_;
+    const ItemTable* const items_;
+    const PathLevel& level_;
+    std::vector<PathRay> rays_;
+};
+
+}  // namespace
+
+PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& luminanceWeights) {
+    PathLevel level;
+    level.vertices.resize(receivers.size());
+    std::vector<std::uint32_t> word(1);
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        const BounceReceiver& receiver = receivers[i];
+        const ShadingPoint& point = *receiver.point;
+        PathVertex& v = level.vertices[i];
+        v.origin = v.target = point.rayOrigin;
+        v.normal = point.normal;
+        v.geometricNormal = point.geometricNormal;
+        v.albedo = receiver.diffuseAlbedo;
+        v.seed = hashWords(point.seed, RenderSalt::bounceFirst, point.cameraRay);
+        v.errorScale = point.errorScale *
+                       std::max(receiver.diffuseAlbedo.dot(luminanceWeights), 1e-6f) *
+                       static_cast<float>(1 / kPi);
+        const bool sends = chanceOf(v, 0) < point.share;
+        if (receiver.diffuse) {
+            v.diffuseChance = point.share;
+            v.sendsDiffuse = sends;
+        }
+        if (receiver.lobe) {
+            v.lobe = static_cast<std::int32_t>(level.lobes.size());
+            level.lobes.push_back(*receiver.lobe);
+            v.lobeChance = point.share;
+            v.sendsLobe = sends;
+        }
+        const std::uint64_t sequence = hashWords(point.seed, RenderSalt::bounceSequence);
+        for (int k = 0; k < 2; ++k) {
+            owenSobol(point.cameraRay, k, sequence, word);
+            v.numbers[k] = toUnitFloat(word[0]);
+        }
+    }
+    return level;
+}
+
+PathLevel nextLevel(const EstimatorContext& context, const PlainLook& plain, PathLevel& level,
+                    std::uint64_t& rays) {
+    std::vector<std::vector<Steps::Met>> met((level.vertices.size() + kVerticesOfChunk - 1) /
+                                             kVerticesOfChunk);
+    std::vector<std::vector<GlossyLobe>> lobes(met.size());
+    std::vector<std::uint64_t> counts(met.size());
+    parallelFor(level.vertices.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
+        Steps steps(context, plain, level);
+        steps.run(chunk.begin, chunk.end);
+        counts[chunk.index] = steps.rayCount();
+        met[chunk.index] = std::move(steps.met);
+        lobes[chunk.index] = std::move(steps.lobes);
+    });
+    PathLevel next;
+    for (std::size_t c = 0; c < met.size(); ++c) {
+        rays += counts[c];
+        const auto firstLobe = static_cast<std::int32_t>(next.lobes.size());
+        next.lobes.insert(next.lobes.end(), lobes[c].begin(), lobes[c].end());
+        for (Steps::Met& found : met[c]) {
+            if (found.vertex.lobe >= 0) found.vertex.lobe += firstLobe;
+            PathVertex& from = level.vertices[found.from];
+            (found.byLobe ? from.lobeChild : from.diffuseChild) =
+                static_cast<std::int32_t>(next.vertices.size());
+            next.vertices.push_back(found.vertex);
+        }
+        met[c] = {};
+    }
+    return next;
+}
+
+}  // namespace shadowcache
