@@ -323,9 +323,11 @@ private:
             sharePoints(w.tools.wanted,
                         toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)),
                         w.tools.shares);
-        reuse.addCluster(regions, plan, members, shares, w.tools.heavyFrom);
+        RegionDistribution& distribution = w.tools.distribution;
+        distribution.assign(regions, plan);
+        reuse.addCluster(regions, plan, distribution, members, shares, w.tools.heavyFrom);
         return {regions, plan,
-                w.tools.sampler.draw(batch, members, shares, regions, plan, context_.sequence)};
+                w.tools.sampler.draw(batch, members, shares, distribution, context_.sequence)};
     }
 };
 

@@ -36,7 +36,7 @@ struct CacheWorkspace final : Workspace {
           preview(cache, environment, kLeastPreviewShare),
           rough(cache, environment, kLeastSpreadShare),
           regionBuilder(environment, cache.header().tiers()),
-          tools(environment, cache.header().tiers()),
+          tools(environment),
           glossy(environment, cache.header().tiers()) {}
 
     PlaceLookup lookup;

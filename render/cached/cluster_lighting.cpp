@@ -7,9 +7,9 @@ void traceCluster(const EstimatorContext& context, const PointBatch& batch, cons
                   SampleTracer::Run& run) {
     const Environment& environment = context.environment;
     for (const ClusterSample& sample : samples) {
-        const RegionGroup& region = regions.groups[sample.group];
-        const PlannedGroup& planned = plan.groups[sample.group];
-        const int i = sample.lane;
+        const RegionGroup& region = regions.groups[sample.place.group];
+        const PlannedGroup& planned = plan.groups[sample.place.group];
+        const int i = sample.place.lane;
         const EnvironmentSample s = sample.finish(environment);
         const float x = s.direction.dot(batch.points[sample.point].normal);
         const Rgb light = s.radiance * (sample.share / s.density);

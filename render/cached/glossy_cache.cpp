@@ -75,7 +75,7 @@ void GlossyCache::estimate(const PointBatch& batch, std::span<const GlossyPoint>
         const GlossyCluster prepared = prepare(task, cluster, reuse);
         const std::span<const ClusterSample> samples =
             tools.sampler.draw(reseeded, prepared.members, prepared.ofRegions,
-                               prepared.regions.regions, prepared.plan, context_.sequence);
+                               prepared.distribution, context_.sequence);
         watch.setupNanoseconds += time.sinceLast();
         SampleTracer::Run run =
             tools.tracer.begin(context_, reseeded, prepared.members, reuse, own.estimates);
@@ -137,8 +137,10 @@ GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& clust
         sharesOf(1 - ofLobes, RenderSalt::glossShare, batch.tools.shares);
     const std::span<const PointShare> lobeShares =
         sharesOf(ofLobes, RenderSalt::glossRounding, w.lobeShares);
-    reuse.addCluster(glossy.regions, plan, members, shares, {}, lobeShares);
-    return {members, shares, lobeShares, glossy, plan, w.matches};
+    RegionDistribution& distribution = batch.tools.distribution;
+    distribution.assign(glossy.regions, plan);
+    reuse.addCluster(glossy.regions, plan, distribution, members, shares, {}, lobeShares);
+    return {members, shares, lobeShares, glossy, plan, distribution, w.matches};
 }
 
 void GlossyCache::predict(const Batch& batch, const PointCluster& cluster) const {

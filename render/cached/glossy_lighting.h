@@ -5,22 +5,9 @@
 
 #include "render/cached/glossy_regions.h"
 #include "render/cached/lobe_match.h"
-#include "render/cached/region_index.h"
 #include "render/cached/sample_tracer.h"
 
 namespace shadowcache {
-
-/// Cells of Environment::kLevel that hold the texels of a map. Immutable, thread-safe.
-class TexelCells {
-public:
-    explicit TexelCells(const Environment& environment);
-
-    /// @param texel  Environment::Texel::index
-    std::uint32_t cell(std::uint32_t texel) const { return cells_[texel]; }
-
-private:
-    std::vector<std::uint16_t> cells_;
-};
 
 /// What glossy points need of a map, whatever their place.
 struct GlossyTables {
@@ -37,6 +24,7 @@ struct GlossyCluster {
     std::span<const PointShare> ofRegions, ofLobes;  ///< samples of the members
     const GlossyRegions& regions;
     const SamplingPlan& plan;
+    const RegionDistribution& distribution;   ///< of the plan
     std::span<const LobeMatch::Fit> matches;  ///< of the members
 };
 
@@ -57,7 +45,7 @@ private:
     /// A sample, drawn from wherever.
     struct Sample {
         std::uint32_t member;
-        RegionIndex::Place place;
+        RegionPlace place;
         EnvironmentSample light;
         double lightDensity;  ///< density of samples in proportion to the light [radiance]
     };
@@ -65,7 +53,6 @@ private:
     void traceLobes(const Task& task);
     void add(const Task& task, const Sample& sample) const;
 
-    RegionIndex index_;
     std::vector<std::uint32_t> memberOf_;  ///< by point
     std::vector<std::uint32_t> u_, v_;
 };

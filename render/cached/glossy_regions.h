@@ -7,7 +7,6 @@
 
 #include "common/surface/surface.h"
 #include "render/cached/quadratic_cells.h"
-#include "render/cached/region_index.h"
 #include "render/cached/sampling_plan.h"
 
 namespace shadowcache {

@@ -45,6 +45,7 @@ protected:
         RegionBuilder builder(environment_, cache_.cache().header().tiers());
         regions_ = builder.build(pooled_, centre.normal, kTilt, Calibration(), 0);
         plan_ = SamplingPlanner().plan(regions_, 64, {0, 0.4}, 0.045);
+        distribution_.assign(regions_, plan_);
     }
 
     std::span<const ClusterSample> draw(double share, std::uint64_t seed) {
@@ -54,15 +55,15 @@ protected:
         for (const ShadingPoint& point : points_)
             wanted.push_back(share * static_cast<double>(point.share));
         sharePoints(wanted, toUnit(hashWords(seed)), shares_);
-        return sampler_.draw(batch, members_, shares_, regions_, plan_, Sequence::sobol);
+        return sampler_.draw(batch, members_, shares_, distribution_, Sequence::sobol);
     }
 
     /// Control variate's value along a sample's direction, for its point.
     double stoodIn(const ClusterSample& sample, const EnvironmentSample& s) const {
-        const RegionGroup& region = regions_.groups[sample.group];
+        const RegionGroup& region = regions_.groups[sample.place.group];
         const auto x = static_cast<double>(s.direction.dot(points_[sample.point].normal));
-        const int i = sample.lane;
-        return static_cast<double>(plan_.groups[sample.group].visibility[i]) *
+        const int i = sample.place.lane;
+        return static_cast<double>(plan_.groups[sample.place.group].visibility[i]) *
                (static_cast<double>(region.constant[i]) +
                 x * (static_cast<double>(region.linear[i]) +
                      x * static_cast<double>(region.square[i])));
@@ -124,6 +125,7 @@ protected:
     std::vector<std::uint32_t> members_;
     Regions regions_;
     SamplingPlan plan_;
+    RegionDistribution distribution_{environment_};
     std::vector<PointShare> shares_;
     ClusterSampler sampler_{environment_};
 };
@@ -188,7 +190,7 @@ TEST_F(Cluster, RegionsGetTheirSharesOfEachPoint) {
         std::map<std::pair<std::uint32_t, int>, double> ofAll, ofLast;
         for (int k = 0; k < kDraws; ++k)
             for (const ClusterSample& sample : draw(share, static_cast<std::uint64_t>(k))) {
-                const std::pair region(sample.group, sample.lane);
+                const std::pair region(sample.place.group, sample.place.lane);
                 ofAll[region] += 1;
                 if (sample.point == kPoints - 1) ofLast[region] += 1;
             }
@@ -222,15 +224,15 @@ TEST_F(Cluster, SamplesAreStratifiedOverAllPoints) {
         for (std::uint64_t k = 0; k < kDraws; ++k) {
             std::map<std::uint32_t, double> count;
             if (together) {
-                for (const ClusterSample& s : draw(16, k)) ++count[s.group];
+                for (const ClusterSample& s : draw(16, k)) ++count[s.place.group];
             } else {
                 for (std::size_t i = 0; i < points_.size(); ++i) {
                     draw(16, k);  // for the seeds and shares
                     const std::span<const std::uint32_t> one(&members_[i], 1);
                     for (const ClusterSample& s : sampler_.draw({points_, 1, kPoints / 4, 4}, one,
                                                                 std::span(shares_).subspan(i, 1),
-                                                                regions_, plan_, Sequence::sobol))
-                        ++count[s.group];
+                                                                distribution_, Sequence::sobol))
+                        ++count[s.place.group];
                 }
             }
             for (const auto& [group, n] : count) sum[group] += n, sum2[group] += n * n;
@@ -327,7 +329,7 @@ TEST_F(Cluster, IntegralAcrossTheHorizonIsWhatSamplesSubtract) {
     for (std::uint64_t k = 0; k < kDraws; ++k) {
         double sum = 0;
         for (const ClusterSample& sample : draw(64, k)) {
-            if (regions_.groups[sample.group].constant[sample.lane] == 0) continue;
+            if (regions_.groups[sample.place.group].constant[sample.place.lane] == 0) continue;
             const EnvironmentSample s = sample.finish(environment_);
             sum +=
                 static_cast<double>(s.radiance.y * sample.share / s.density) * stoodIn(sample, s);
