@@ -42,7 +42,7 @@ void GlossyLighting::trace(const EstimatorContext& context, const GlossyTables& 
 void GlossyLighting::traceRegions(const Task& task, std::span<const ClusterSample> samples) {
     const Environment& environment = task.context.environment;
     for (const ClusterSample& sample : samples) {
-        const RegionGroup& group = task.cluster.regions.regions.groups[sample.place.group];
+        const RegionGroup& group = task.cluster.fitted.regions.groups[sample.place.group];
         const std::uint32_t cell = group.firstCell + static_cast<std::uint32_t>(sample.place.lane);
         const EnvironmentSample s = sample.finish(environment);
         const double lightDensity =
@@ -92,11 +92,11 @@ void GlossyLighting::add(const Task& task, const Sample& sample) const {
         const std::uint32_t g = sample.place.group;
         const int i = sample.place.lane;
         const PlannedGroup& planned = cluster.plan.groups[g];
-        const RegionGroup& group = cluster.regions.regions.groups[g];
+        const RegionGroup& group = cluster.fitted.regions.groups[g];
         const std::uint32_t cell = group.firstCell + static_cast<std::uint32_t>(i);
         if (planned.visibility[i] > 0)
             predicted =
-                task.tables.cells.value(cluster.regions.fits[g], group.level, cell, s.direction) *
+                task.tables.cells.value(cluster.fitted.fits[g], group.level, cell, s.direction) *
                 cluster.matches[sample.member].factor * planned.visibility[i];
         reuse = planned.reuse[i];
     }

@@ -3,7 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "render/cached/glossy_regions.h"
+#include "render/cached/cluster_sampler.h"
+#include "render/cached/lobe_integrand.h"
 #include "render/cached/lobe_match.h"
 #include "render/cached/sample_tracer.h"
 
@@ -22,7 +23,7 @@ struct GlossyTables {
 struct GlossyCluster {
     std::span<const std::uint32_t> members;
     std::span<const PointShare> ofRegions, ofLobes;  ///< samples of the members
-    const GlossyRegions& regions;
+    const FittedRegions<LobeIntegrand>& fitted;
     const SamplingPlan& plan;
     const RegionDistribution& distribution;   ///< of the plan
     std::span<const LobeMatch::Fit> matches;  ///< of the members

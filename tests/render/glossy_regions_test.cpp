@@ -1,7 +1,5 @@
 // Quadratics that stand in for a glossy lobe, and what is integrated and drawn of them.
 
-#include "render/cached/glossy_regions.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "common/math/direction_mesh.h"
 #include "render/cached/cluster_sampler.h"
 #include "render/cached/glossy_cache.h"
+#include "render/cached/lobe_integrand.h"
 #include "render/cached/lobe_match.h"
 #include "render/cached/place_lookup.h"
 #include "tests/support/statistics.h"
@@ -167,8 +166,12 @@ protected:
     GlossyRegionsTest() {
         PlaceLookup lookup(world_.cache.cache());
         lookup.pool(world_.scene, point_, 0);
-        GlossyRegionBuilder builder(world_.environment, world_.cache.cache().header().tiers());
-        glossy_ = builder.build(cells_, lookup.pooled(), lobe_, 0.01f, Calibration());
+        const DirectionTiers tiers = world_.cache.cache().header().tiers();
+        RegionBuilder<LobeIntegrand> builder(world_.environment, tiers);
+        const float leastNoise = CellSplitter(world_.environment, tiers).leastNoise();
+        glossy_ = builder.build(
+            LobeIntegrand(world_.environment, cells_, tiers, leastNoise, lobe_, 0.01f),
+            lookup.pooled(), Calibration());
         plan_ = SamplingPlanner(glossyRules()).plan(glossy_.regions, 64, {0, 0.2}, 0.02);
         distribution_.assign(glossy_.regions, plan_);
     }
@@ -177,7 +180,7 @@ protected:
     ShadingPoint point_ = world_.below();
     GlossyLobe lobe_ = lobeOf(0.2f, Vec3f(0.5f, 0.8f, 0.2f));
     QuadraticCells cells_{world_.environment, world_.cache.cache().header().tiers()};
-    GlossyRegions glossy_;
+    FittedRegions<LobeIntegrand> glossy_;
     SamplingPlan plan_;
     RegionDistribution distribution_{world_.environment};
 };
