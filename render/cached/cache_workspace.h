@@ -3,11 +3,10 @@
 #include "common/base/tuned.h"
 #include "common/predict/cache_preview.h"
 #include "common/predict/item_irradiance.h"
-#include "render/cached/cache_pilot.h"
 #include "render/cached/cluster_tools.h"
+#include "render/cached/cosine_integrand.h"
 #include "render/cached/glossy_cache.h"
 #include "render/cached/place_lookup.h"
-#include "render/cached/regions.h"
 #include "render/cached/sampling_plan.h"
 #include "render/estimators/estimator.h"
 
@@ -35,14 +34,15 @@ struct CacheWorkspace final : Workspace {
         : lookup(cache),
           preview(cache, environment, kLeastPreviewShare),
           rough(cache, environment, kLeastSpreadShare),
+          splitter(environment, cache.header().tiers()),
           regionBuilder(environment, cache.header().tiers()),
-          tools(environment, cache.header().tiers()),
+          tools(environment),
           glossy(environment, cache.header().tiers()) {}
 
     PlaceLookup lookup;
     IrradianceWithoutRays preview, rough;
-    PilotRays pilotRays;
-    RegionBuilder regionBuilder;
+    CellSplitter splitter;
+    RegionBuilder<CosineIntegrand> regionBuilder;
     SamplingPlanner planner;
     ClusterTools tools;
     GlossyWorkspace glossy;

@@ -2,20 +2,18 @@
 
 namespace shadowcache {
 
-void traceCluster(const EstimatorContext& context, const PointBatch& batch, const Regions& regions,
-                  const SamplingPlan& plan, std::span<const ClusterSample> samples,
-                  SampleTracer::Run& run) {
+void traceCluster(const EstimatorContext& context, const PointBatch& batch,
+                  const FittedRegions<CosineIntegrand>& fitted, const SamplingPlan& plan,
+                  std::span<const ClusterSample> samples, SampleTracer::Run& run) {
     const Environment& environment = context.environment;
     for (const ClusterSample& sample : samples) {
-        const RegionGroup& region = regions.groups[sample.group];
-        const PlannedGroup& planned = plan.groups[sample.group];
-        const int i = sample.lane;
+        const RegionGroup& region = fitted.regions.groups[sample.place.group];
+        const PlannedGroup& planned = plan.groups[sample.place.group];
+        const int i = sample.place.lane;
         const EnvironmentSample s = sample.finish(environment);
         const float x = s.direction.dot(batch.points[sample.point].normal);
         const Rgb light = s.radiance * (sample.share / s.density);
-        const float predicted =
-            planned.visibility[i] *
-            (region.constant[i] + x * (region.linear[i] + x * region.square[i]));
+        const float predicted = planned.visibility[i] * fitted.fits[sample.place.group].value(i, x);
         if (x <= 0) {  // no ray: below the point's horizon nothing is seen
             run.add(sample.point, light * -predicted);
         } else if (planned.reuse[i] != 0) {

@@ -9,12 +9,6 @@
 
 namespace shadowcache {
 
-namespace {
-
-constexpr double kBelowOne = 0x1.fffffffffffffp-1;
-
-}  // namespace
-
 std::span<const PointShare> sharePoints(std::span<const double> wanted, double offset,
                                         std::vector<PointShare>& buffer) {
     buffer.clear();
@@ -31,39 +25,21 @@ std::span<const PointShare> sharePoints(std::span<const double> wanted, double o
 std::span<const ClusterSample> ClusterSampler::draw(const PointBatch& batch,
                                                     std::span<const std::uint32_t> members,
                                                     std::span<const PointShare> shares,
-                                                    const Regions& regions,
-                                                    const SamplingPlan& plan, Sequence sequence) {
+                                                    const RegionDistribution& distribution,
+                                                    Sequence sequence) {
     samples_.clear();
-    if (!(plan.weightSum > 0)) return samples_;
+    if (distribution.empty()) return samples_;
     drawNumbers(batch, members, shares, sequence);
     if (numbers_.empty()) return samples_;
     sortNumbers();
-    std::size_t g = 0, last = plan.groups.size() - 1;
-    while (!(plan.groups[last].weightSum > 0)) --last;
-    int lane = 0;
-    double below = 0;      // sum of the weights before group g
-    double belowLane = 0;  // and before its lane
+    RegionDistribution::Walk walk(distribution);
     for (const Number& number : numbers_) {
-        const double x = static_cast<double>(number.key) * 0x1p-64 * plan.weightSum;
-        while (g < last && x >= below + plan.groups[g].weightSum) {
-            below += plan.groups[g++].weightSum;
-            belowLane = below;
-            lane = 0;
-        }
-        const PlannedGroup& group = plan.groups[g];
-        int lastLane = kBlockCells - 1;
-        while (lastLane > 0 && !(group.weight[lastLane] > 0)) --lastLane;
-        while (lane < lastLane && x >= belowLane + static_cast<double>(group.weight[lane]))
-            belowLane += static_cast<double>(group.weight[lane++]);
-        const auto weight = static_cast<double>(group.weight[lane]);
-        const double place = std::clamp((x - belowLane) / weight, 0.0, kBelowOne);
-        const RegionGroup& region = regions.groups[g];
+        const RegionDistribution::Choice choice =
+            walk.next(static_cast<double>(number.key) * 0x1p-64);
         samples_.push_back(
-            {members[number.member], static_cast<std::uint32_t>(g), lane,
-             static_cast<float>(plan.weightSum / (weight * shares[number.member].divisor)),
-             environment_.startDraw(region.level,
-                                    region.firstCell + static_cast<std::uint32_t>(lane), place),
-             number.jitter});
+            {members[number.member], choice.place,
+             static_cast<float>(choice.inverseChance / shares[number.member].divisor),
+             distribution.startDraw(choice), number.jitter});
     }
     for (ClusterSample& sample : samples_) environment_.findTexel(sample.draw);
     return samples_;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/random/sequence.h"
-#include "render/cached/sampling_plan.h"
+#include "render/cached/region_distribution.h"
 #include "render/estimators/estimator.h"
 
 namespace shadowcache {
@@ -13,9 +13,8 @@ namespace shadowcache {
 /// A sample of a cluster: for which point, and where in which region.
 struct ClusterSample {
     std::uint32_t point;  ///< number in the batch
-    std::uint32_t group;  ///< of Regions::groups
-    int lane;             ///< region of the group
-    float share;          ///< 1 / (number of samples expected of the point in the region)
+    RegionPlace place;
+    float share;  ///< 1 / (number of samples expected of the point in the region)
     Environment::Draw draw;
     std::uint64_t jitter;
 
@@ -40,9 +39,9 @@ struct PointShare {
 std::span<const PointShare> sharePoints(std::span<const double> wanted, double offset,
                                         std::vector<PointShare>& buffer);
 
-/// Draws the samples of a cluster in proportion to the plan's weights and, in a region, to the
-/// light. All points draw from one sequence, one after the other, so that the samples of a point,
-/// of a pixel and of the cluster are stratified over the regions. Decided by the plan alone.
+/// Draws the samples of a cluster from its distribution. All points draw from one sequence, one
+/// after the other, so that the samples of a point, of a pixel and of the cluster are stratified
+/// over the regions. Decided by the plan alone.
 class ClusterSampler {
 public:
     explicit ClusterSampler(const Environment& environment) : environment_(environment) {}
@@ -52,8 +51,8 @@ public:
     /// @return in the order of regions, so that neighbours are coherent; valid until the next call
     std::span<const ClusterSample> draw(const PointBatch& batch,
                                         std::span<const std::uint32_t> members,
-                                        std::span<const PointShare> shares, const Regions& regions,
-                                        const SamplingPlan& plan, Sequence sequence);
+                                        std::span<const PointShare> shares,
+                                        const RegionDistribution& distribution, Sequence sequence);
 
 private:
     struct Number {

@@ -13,13 +13,14 @@ namespace shadowcache {
 /// What lighting a batch cluster by cluster takes; its memory is reused from batch to batch. One
 /// object a thread.
 struct ClusterTools {
-    ClusterTools(const Environment& environment, const DirectionTiers& tiers)
-        : sampler(environment), reuse(environment, tiers) {}
+    explicit ClusterTools(const Environment& environment)
+        : distribution(environment), sampler(environment), reuse(environment) {}
 
     PointClusters clusters;
     std::vector<double> wanted;     ///< samples of a cluster's points
     std::vector<double> heavyFrom;  ///< irradiance from which on a sample is heavy [luminance]
     std::vector<PointShare> shares;
+    RegionDistribution distribution;  ///< of a cluster
     ClusterSampler sampler;
     NeighborReuse reuse;
     SampleTracer tracer;

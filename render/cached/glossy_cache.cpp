@@ -30,7 +30,9 @@ PlanRules glossyRules() {
 }
 
 GlossyWorkspace::GlossyWorkspace(const Environment& environment, const DirectionTiers& tiers)
-    : builder(environment, tiers), planner(glossyRules()) {}
+    : builder(environment, tiers),
+      leastNoise(CellSplitter(environment, tiers).leastNoise()),
+      planner(glossyRules()) {}
 
 /// A batch under way.
 struct GlossyCache::Batch {
@@ -75,7 +77,7 @@ void GlossyCache::estimate(const PointBatch& batch, std::span<const GlossyPoint>
         const GlossyCluster prepared = prepare(task, cluster, reuse);
         const std::span<const ClusterSample> samples =
             tools.sampler.draw(reseeded, prepared.members, prepared.ofRegions,
-                               prepared.regions.regions, prepared.plan, context_.sequence);
+                               prepared.distribution, context_.sequence);
         watch.setupNanoseconds += time.sinceLast();
         SampleTracer::Run run =
             tools.tracer.begin(context_, reseeded, prepared.members, reuse, own.estimates);
@@ -90,8 +92,9 @@ void GlossyCache::estimate(const PointBatch& batch, std::span<const GlossyPoint>
     watch.traceNanoseconds += time.sinceLast();
 }
 
-const GlossyRegions& GlossyCache::regionsOf(const Batch& batch, const PointCluster& cluster,
-                                            bool fitted) const {
+const FittedRegions<LobeIntegrand>& GlossyCache::regionsOf(const Batch& batch,
+                                                           const PointCluster& cluster,
+                                                           bool fitted) const {
     GlossyWorkspace& w = batch.w;
     const GlossyLobe& central = batch.points[cluster.centre].lobe;
     batch.lookup.pool(context_.scene, batch.batch.points[cluster.centre], cluster.radius);
@@ -104,16 +107,23 @@ const GlossyRegions& GlossyCache::regionsOf(const Batch& batch, const PointClust
         misfit += w.matches.back().misfit / static_cast<float>(members.size());
         if (!fitted) w.matches.back().factor = Rgb(0.0f);
     }
-    return w.builder.build(tables().cells, batch.lookup.pooled(),
-                           central.widened(kLeastFittedAlpha), fitted ? misfit : 1.0f,
-                           batch.frame.calibration);
+    return build(batch, central.widened(kLeastFittedAlpha), fitted ? misfit : 1.0f);
+}
+
+const FittedRegions<LobeIntegrand>& GlossyCache::build(const Batch& batch, const GlossyLobe& lobe,
+                                                       float misfit) const {
+    return batch.w.builder.build(
+        LobeIntegrand(context_.environment, tables().cells, context_.cache->header().tiers(),
+                      batch.w.leastNoise, lobe, misfit),
+        batch.lookup.pooled(), batch.frame.calibration);
 }
 
 GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& cluster,
                                    NeighborReuse::Batch& reuse) const {
     GlossyWorkspace& w = batch.w;
     const GlossyLobe& central = batch.points[cluster.centre].lobe;
-    const GlossyRegions& glossy = regionsOf(batch, cluster, central.alpha() >= kLeastFittedAlpha);
+    const FittedRegions<LobeIntegrand>& glossy =
+        regionsOf(batch, cluster, central.alpha() >= kLeastFittedAlpha);
     const auto members = batch.tools.membersOf(cluster);
     const double share = batch.batch.samples;
     const SamplingPlan& plan = w.planner.plan(
@@ -137,8 +147,10 @@ GlossyCluster GlossyCache::prepare(const Batch& batch, const PointCluster& clust
         sharesOf(1 - ofLobes, RenderSalt::glossShare, batch.tools.shares);
     const std::span<const PointShare> lobeShares =
         sharesOf(ofLobes, RenderSalt::glossRounding, w.lobeShares);
-    reuse.addCluster(glossy.regions, plan, members, shares, {}, lobeShares);
-    return {members, shares, lobeShares, glossy, plan, w.matches};
+    RegionDistribution& distribution = batch.tools.distribution;
+    distribution.assign(glossy.regions, plan);
+    reuse.addCluster(glossy.regions, plan, distribution, members, shares, {}, lobeShares);
+    return {members, shares, lobeShares, glossy, plan, distribution, w.matches};
 }
 
 void GlossyCache::predict(const Batch& batch, const PointCluster& cluster) const {
@@ -150,9 +162,7 @@ void GlossyCache::predict(const Batch& batch, const PointCluster& cluster) const
         estimate = predicted * w.matches[k].factor;
         if (w.matches[k].factor != Rgb(0.0f)) continue;
         const GlossyLobe lobe = batch.points[members[k]].lobe.widened(kLeastFittedAlpha);
-        estimate =
-            predictionOf(tables().cells, w.builder.build(tables().cells, batch.lookup.pooled(),
-                                                         lobe, 0, batch.frame.calibration));
+        estimate = predictionOf(tables().cells, build(batch, lobe, 0));
     }
 }
 

@@ -18,7 +18,8 @@ PlanRules glossyRules();
 struct GlossyWorkspace {
     GlossyWorkspace(const Environment& environment, const DirectionTiers& tiers);
 
-    GlossyRegionBuilder builder;
+    RegionBuilder<LobeIntegrand> builder;
+    float leastNoise;  ///< of a cell, where the irradiance is integrated [radiance sr]
     SamplingPlanner planner;
     std::vector<ShadingPoint> points;
     std::vector<Estimate> estimates;
@@ -51,8 +52,10 @@ private:
 
     const GlossyTables& tables() const;
     /// @param fitted  whether fits are of use
-    const GlossyRegions& regionsOf(const Batch& batch, const PointCluster& cluster,
-                                   bool fitted) const;
+    const FittedRegions<LobeIntegrand>& regionsOf(const Batch& batch, const PointCluster& cluster,
+                                                  bool fitted) const;
+    const FittedRegions<LobeIntegrand>& build(const Batch& batch, const GlossyLobe& lobe,
+                                              float misfit) const;
     GlossyCluster prepare(const Batch& batch, const PointCluster& cluster,
                           NeighborReuse::Batch& reuse) const;
     void predict(const Batch& batch, const PointCluster& cluster) const;

@@ -1,6 +1,5 @@
 #include "render/cached/glossy_lighting.h"
 
-#include "common/base/parallel.h"
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
 
@@ -8,23 +7,11 @@ namespace shadowcache {
 
 namespace {
 
-constexpr std::size_t kCellsPerChunk = 256;
-
 /// Width of a lobe that the regions resolve about as well as its own samples: half of what is then
 /// drawn from the lobe would be drawn from a much narrower one.
 SHADOWCACHE_TUNED(double, kResolvedAlpha, 0.04);
 
 }  // namespace
-
-TexelCells::TexelCells(const Environment& environment) : cells_(environment.texelCount()) {
-    parallelFor(cellCount(Environment::kLevel), kCellsPerChunk, [&](const Chunk& chunk) {
-        for (std::size_t cell = chunk.begin; cell < chunk.end; ++cell) {
-            const auto [first, end] = environment.texelsOf(static_cast<std::uint32_t>(cell));
-            for (std::size_t i = first; i < end; ++i)
-                cells_[environment.texel(i).index] = static_cast<std::uint16_t>(cell);
-        }
-    });
-}
 
 double lobeShare(const GlossyLobe& lobe) {
     const double width = static_cast<double>(lobe.alpha()) / kResolvedAlpha;
@@ -44,7 +31,6 @@ void GlossyLighting::trace(const EstimatorContext& context, const GlossyTables& 
                            const PointBatch& batch, std::span<const GlossyPoint> points,
                            const GlossyCluster& cluster, std::span<const ClusterSample> samples,
                            SampleTracer::Run& run) {
-    index_.build(cluster.regions.regions);
     memberOf_.resize(std::max(memberOf_.size(), points.size()));
     for (std::uint32_t k = 0; k < cluster.members.size(); ++k) memberOf_[cluster.members[k]] = k;
     const Task task{context, tables, batch, points, cluster, run};
@@ -56,15 +42,12 @@ void GlossyLighting::trace(const EstimatorContext& context, const GlossyTables& 
 void GlossyLighting::traceRegions(const Task& task, std::span<const ClusterSample> samples) {
     const Environment& environment = task.context.environment;
     for (const ClusterSample& sample : samples) {
-        const RegionGroup& group = task.cluster.regions.regions.groups[sample.group];
-        const std::uint32_t cell = group.firstCell + static_cast<std::uint32_t>(sample.lane);
+        const RegionGroup& group = task.cluster.fitted.regions.groups[sample.place.group];
+        const std::uint32_t cell = group.firstCell + static_cast<std::uint32_t>(sample.place.lane);
         const EnvironmentSample s = sample.finish(environment);
         const double lightDensity =
             static_cast<double>(s.density) * environment.luminanceIntegral(group.level, cell);
-        add(task, {memberOf_[sample.point],
-                   {static_cast<std::int32_t>(sample.group), sample.lane},
-                   s,
-                   lightDensity});
+        add(task, {memberOf_[sample.point], sample.place, s, lightDensity});
     }
 }
 
@@ -81,7 +64,6 @@ void GlossyLighting::traceLobes(const Task& task) {
     fillSequence(task.context.sequence, 0, seed, 0, static_cast<std::uint32_t>(total), u_);
     fillSequence(task.context.sequence, 1, seed, 0, static_cast<std::uint32_t>(total), v_);
     const Environment& environment = task.context.environment;
-    const Regions& regions = task.cluster.regions.regions;
     std::size_t number = 0;
     for (std::uint32_t k = 0; k < task.cluster.members.size(); ++k) {
         const GlossyLobe& lobe = task.points[task.cluster.members[k]].lobe;
@@ -89,7 +71,7 @@ void GlossyLighting::traceLobes(const Task& task) {
             EnvironmentSample s =
                 environment.lookUp(lobe.sample(toUnitFloat(u_[number]), toUnitFloat(v_[number])));
             s.cell = task.tables.texels.cell(s.texel);
-            add(task, {k, index_.find(regions, s.cell), s,
+            add(task, {k, task.cluster.distribution.find(s.cell), s,
                        static_cast<double>(s.density) * environment.luminanceIntegral()});
         }
     }
@@ -100,27 +82,23 @@ void GlossyLighting::add(const Task& task, const Sample& sample) const {
     const std::uint32_t point = cluster.members[sample.member];
     const GlossyLobe& lobe = task.points[point].lobe;
     const EnvironmentSample& s = sample.light;
-    double density =
-        cluster.ofLobes[sample.member].divisor * static_cast<double>(lobe.density(s.direction));
+    const double density =
+        cluster.ofLobes[sample.member].divisor * static_cast<double>(lobe.density(s.direction)) +
+        cluster.ofRegions[sample.member].divisor *
+            cluster.distribution.pdf(sample.place, sample.lightDensity);
     Rgb predicted(0.0f);
     float reuse = 0;
-    if (sample.place.group >= 0) {
-        const auto g = static_cast<std::size_t>(sample.place.group);
+    if (sample.place.found()) {
+        const std::uint32_t g = sample.place.group;
         const int i = sample.place.lane;
         const PlannedGroup& planned = cluster.plan.groups[g];
-        const RegionGroup& group = cluster.regions.regions.groups[g];
+        const RegionGroup& group = cluster.fitted.regions.groups[g];
         const std::uint32_t cell = group.firstCell + static_cast<std::uint32_t>(i);
-        const auto weight = static_cast<double>(planned.weight[i]);
-        if (weight > 0) {
-            density += cluster.ofRegions[sample.member].divisor * weight / cluster.plan.weightSum *
-                       sample.lightDensity /
-                       task.context.environment.luminanceIntegral(group.level, cell);
-            if (planned.visibility[i] > 0)
-                predicted = task.tables.cells.value(cluster.regions.fits[g], group.level, cell,
-                                                    s.direction) *
-                            cluster.matches[sample.member].factor * planned.visibility[i];
-            reuse = planned.reuse[i];
-        }
+        if (planned.visibility[i] > 0)
+            predicted =
+                task.tables.cells.value(cluster.fitted.fits[g], group.level, cell, s.direction) *
+                cluster.matches[sample.member].factor * planned.visibility[i];
+        reuse = planned.reuse[i];
     }
     if (!(density > 0)) return task.run.add(point, Rgb(0.0f));
     const Rgb light = s.radiance * static_cast<float>(1 / density);

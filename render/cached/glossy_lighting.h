@@ -3,24 +3,12 @@
 #include <span>
 #include <vector>
 
-#include "render/cached/glossy_regions.h"
+#include "render/cached/cluster_sampler.h"
+#include "render/cached/lobe_integrand.h"
 #include "render/cached/lobe_match.h"
-#include "render/cached/region_index.h"
 #include "render/cached/sample_tracer.h"
 
 namespace shadowcache {
-
-/// Cells of Environment::kLevel that hold the texels of a map. Immutable, thread-safe.
-class TexelCells {
-public:
-    explicit TexelCells(const Environment& environment);
-
-    /// @param texel  Environment::Texel::index
-    std::uint32_t cell(std::uint32_t texel) const { return cells_[texel]; }
-
-private:
-    std::vector<std::uint16_t> cells_;
-};
 
 /// What glossy points need of a map, whatever their place.
 struct GlossyTables {
@@ -35,8 +23,9 @@ struct GlossyTables {
 struct GlossyCluster {
     std::span<const std::uint32_t> members;
     std::span<const PointShare> ofRegions, ofLobes;  ///< samples of the members
-    const GlossyRegions& regions;
+    const FittedRegions<LobeIntegrand>& fitted;
     const SamplingPlan& plan;
+    const RegionDistribution& distribution;   ///< of the plan
     std::span<const LobeMatch::Fit> matches;  ///< of the members
 };
 
@@ -57,7 +46,7 @@ private:
     /// A sample, drawn from wherever.
     struct Sample {
         std::uint32_t member;
-        RegionIndex::Place place;
+        RegionPlace place;
         EnvironmentSample light;
         double lightDensity;  ///< density of samples in proportion to the light [radiance]
     };
@@ -65,7 +54,6 @@ private:
     void traceLobes(const Task& task);
     void add(const Task& task, const Sample& sample) const;
 
-    RegionIndex index_;
     std::vector<std::uint32_t> memberOf_;  ///< by point
     std::vector<std::uint32_t> u_, v_;
 };

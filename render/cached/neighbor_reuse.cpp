@@ -41,11 +41,7 @@ double pointsOfGroup(double chance) {
     return pointsOfGroup(chance, kGroupPerFind);
 }
 
-NeighborReuse::NeighborReuse(const Environment& environment, const DirectionTiers& tiers)
-    : environment_(environment), baseLevel_(tiers.baseLevel()), firstSlot_{0} {
-    for (int level = baseLevel_; level <= Environment::kLevel; level += 2)
-        firstSlot_.push_back(firstSlot_.back() +
-                             (cellCount(level) + kBlockCells - 1) / kBlockCells);
+NeighborReuse::NeighborReuse(const Environment& environment) : environment_(environment) {
     sizes_.resize(cellCount(Environment::kLevel));
     sizeBatch_.resize(cellCount(Environment::kLevel));
 }
@@ -85,17 +81,24 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
 }
 
 void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan& plan,
+                                      const RegionDistribution& distribution,
                                       std::span<const std::uint32_t> members,
                                       std::span<const PointShare> shares,
                                       std::span<const double> heavyFrom,
                                       std::span<const PointShare> ofLobes) {
     NeighborReuse& r = reuse_;
-    if (r.offers_.size() == r.count_) {
-        r.offers_.emplace_back();
-        r.offers_.back().slots.assign(r.firstSlot_.back(), -1);
-    }
+    if (r.offers_.size() == r.count_) r.offers_.emplace_back(r.environment_);
     ClusterOffers& cluster = r.offers_[r.count_++];
-    r.addOffers(regions, plan, cluster);
+    cluster.distribution = distribution;
+    cluster.offers.resize(plan.groups.size());
+    for (std::size_t g = 0; g < plan.groups.size(); ++g) {
+        const float* reuse = plan.groups[g].reuse;
+        const float* visible = regions.groups[g].calibrated;
+        for (int i = 0; i < kBlockCells; ++i) {
+            cluster.offers[g].reuse[i] = reuse[i];
+            cluster.offers[g].chance[i] = reuse[i] > 0 ? visible[i] : 1 - visible[i];
+        }
+    }
     cluster.samples = 0;
     for (std::size_t i = 0; i < members.size(); ++i) {
         r.samples_[members[i]] = shares[i].expected;
@@ -105,28 +108,6 @@ void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan
         r.tooHeavyFrom_[members[i]] = kWideReuse * heavyFrom[i];
     for (std::size_t i = 0; i < ofLobes.size(); ++i)
         r.lobeSamples_[members[i]] = ofLobes[i].expected;
-}
-
-void NeighborReuse::addOffers(const Regions& regions, const SamplingPlan& plan,
-                              ClusterOffers& cluster) const {
-    for (const std::uint16_t slot : cluster.used) cluster.slots[slot] = -1;
-    cluster.used.clear();
-    cluster.offers.clear();
-    for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-        const PlannedGroup& planned = plan.groups[g];
-        if (!planned.anyReuse) continue;
-        const RegionGroup& group = regions.groups[g];
-        const auto tier = static_cast<std::size_t>((group.level - baseLevel_) / 2);
-        const std::uint32_t slot = firstSlot_[tier] + group.firstCell / kBlockCells;
-        cluster.slots[slot] = static_cast<std::int16_t>(cluster.offers.size());
-        cluster.used.push_back(static_cast<std::uint16_t>(slot));
-        Offer& offer = cluster.offers.emplace_back();
-        const auto scale = static_cast<float>(1 / plan.weightSum);
-        for (std::size_t i = 0; i < kBlockCells; ++i) {
-            offer.expected[i] = planned.reuse[i] * planned.weight[i] * scale;
-            offer.chance[i] = planned.reuse[i] > 0 ? group.calibrated[i] : 1 - group.calibrated[i];
-        }
-    }
 }
 
 void NeighborReuse::Batch::finish(const Scene& scene, std::span<Estimate> estimates) {
@@ -141,20 +122,14 @@ void NeighborReuse::Batch::finish(const Scene& scene, std::span<Estimate> estima
 }
 
 NeighborReuse::Offered NeighborReuse::offered(const ClusterOffers& cluster,
-                                              const Misprediction& found) const {
-    for (std::size_t t = 0; t + 1 < firstSlot_.size(); ++t) {
-        const int level = baseLevel_ + 2 * static_cast<int>(t);
-        const std::uint32_t cell = ancestorCell(found.cell, Environment::kLevel, level);
-        const std::int16_t slot = cluster.slots[firstSlot_[t] + cell / kBlockCells];
-        if (slot < 0) continue;
-        const Offer& offer = cluster.offers[static_cast<std::size_t>(slot)];
-        const std::size_t i = cell % kBlockCells;
-        if (offer.expected[i] == 0) continue;
-        return {offer.expected[i], offer.chance[i],
-                std::abs(static_cast<double>(offer.expected[i])) * found.lightDensity /
-                    environment_.luminanceIntegral(level, cell)};
-    }
-    return {};
+                                              const Misprediction& found) {
+    const RegionPlace place = cluster.distribution.find(found.cell);
+    if (!place.found()) return {};
+    const Offer& offer = cluster.offers[place.group];
+    if (offer.reuse[place.lane] == 0) return {};
+    return {offer.reuse[place.lane] > 0, offer.chance[place.lane],
+            cluster.distribution.chance(place),
+            cluster.distribution.pdf(place, found.lightDensity)};
 }
 
 /// Pixels of a group, a power of two: by the chance of a misprediction in the direction's cell,
@@ -165,7 +140,7 @@ std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
     const std::size_t step = std::max<std::size_t>(1, count_ / kAskedClusters);
     for (std::size_t c = step / 2; c < count_; c += step) {
         const Offered offer = offered(offers_[c], found);
-        const double samples = std::abs(static_cast<double>(offer.expected)) * offers_[c].samples;
+        const double samples = offer.samples * offers_[c].samples;
         weight += samples;
         chance += samples * static_cast<double>(offer.chance);
     }
@@ -266,8 +241,8 @@ void NeighborReuse::addCandidate(const Misprediction& found, std::uint32_t point
         offered_[c] = offered(offers_[c], found);
     }
     const Offered& offer = offered_[c];
-    if (offer.expected == 0) return;
-    candidates_.push_back({point, densityOf(point, offer, found.direction), offer.expected > 0});
+    if (offer.samples == 0) return;
+    candidates_.push_back({point, densityOf(point, offer, found.direction), offer.visible});
 }
 
 /// Removes the candidates that the direction does not contradict; the others keep their order.

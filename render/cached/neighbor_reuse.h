@@ -34,7 +34,7 @@ double pointsOfGroup(double chance);
 /// [docs/estimator.md; Bekaert et al. 2002 for the reuse of paths]
 class NeighborReuse {
 public:
-    NeighborReuse(const Environment& environment, const DirectionTiers& tiers);
+    explicit NeighborReuse(const Environment& environment);
 
     /// A batch under way: clusters are planned and sampled, then all mispredictions are reused,
     /// once.
@@ -47,6 +47,7 @@ public:
         /// heavy; empty: none is
         /// @param ofLobes  samples of the points' lobes beside them, of a batch of glossy points
         void addCluster(const Regions& regions, const SamplingPlan& plan,
+                        const RegionDistribution& distribution,
                         std::span<const std::uint32_t> members, std::span<const PointShare> shares,
                         std::span<const double> heavyFrom,
                         std::span<const PointShare> ofLobes = {});
@@ -68,22 +69,23 @@ public:
                 std::span<const GlossyPoint> glossy = {});
 
 private:
-    /// Of sixteen regions: samples there for each of a point, negative where the sky is predicted,
-    /// 0 where nothing is reused; and the probability of a misprediction.
+    /// Of sixteen regions: PlannedGroup::reuse, and the probability of a misprediction.
     struct Offer {
-        std::array<float, kBlockCells> expected;
-        std::array<float, kBlockCells> chance;
+        float reuse[kBlockCells];
+        float chance[kBlockCells];
     };
     struct ClusterOffers {
-        std::vector<std::int16_t> slots;  ///< in `offers`, by block of the tiers; -1: none
-        std::vector<std::uint16_t> used;  ///< slots that are not -1
-        std::vector<Offer> offers;
-        double samples = 0;  ///< of all its points
+        explicit ClusterOffers(const Environment& environment) : distribution(environment) {}
+
+        RegionDistribution distribution;
+        std::vector<Offer> offers;  ///< as Regions::groups
+        double samples = 0;         ///< of all its points
     };
     /// What a cluster offers in the region that holds a direction.
     struct Offered {
-        float expected = 0;  ///< 0: nothing
+        bool visible = false;  ///< what is mispredicted there
         float chance = 0;
+        double samples = 0;  ///< there, for each of a point; 0: nothing is offered
         double density = 0;  ///< of one sample of a point, along the direction
     };
     /// A point that a misprediction may concern.
@@ -97,8 +99,7 @@ private:
     /// What a misprediction contributes to a point; `density`, of all that may find it, is negative
     /// where light that was predicted is missing.
     Rgb received(std::uint32_t point, const Misprediction& found, double density) const;
-    void addOffers(const Regions& regions, const SamplingPlan& plan, ClusterOffers& cluster) const;
-    Offered offered(const ClusterOffers& cluster, const Misprediction& found) const;
+    static Offered offered(const ClusterOffers& cluster, const Misprediction& found);
     std::uint32_t groupSize(const Misprediction& found);
     void findMispredicted(const Misprediction& found, const Scene& scene,
                           std::span<Estimate> estimates);
@@ -116,8 +117,6 @@ private:
     void contribute(const Misprediction& found, std::span<Estimate> estimates);
 
     const Environment& environment_;
-    int baseLevel_;
-    std::vector<std::uint32_t> firstSlot_;  ///< by tier
 
     PointBatch batch_;
     std::span<const GlossyPoint> glossy_;

@@ -1,7 +1,5 @@
 // Quadratics that stand in for a glossy lobe, and what is integrated and drawn of them.
 
-#include "render/cached/glossy_regions.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,9 +10,9 @@
 #include "common/math/direction_mesh.h"
 #include "render/cached/cluster_sampler.h"
 #include "render/cached/glossy_cache.h"
+#include "render/cached/lobe_integrand.h"
 #include "render/cached/lobe_match.h"
 #include "render/cached/place_lookup.h"
-#include "render/cached/region_index.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
 
@@ -168,23 +166,27 @@ protected:
     GlossyRegionsTest() {
         PlaceLookup lookup(world_.cache.cache());
         lookup.pool(world_.scene, point_, 0);
-        GlossyRegionBuilder builder(world_.environment, world_.cache.cache().header().tiers());
-        glossy_ = builder.build(cells_, lookup.pooled(), lobe_, 0.01f, Calibration());
+        const DirectionTiers tiers = world_.cache.cache().header().tiers();
+        RegionBuilder<LobeIntegrand> builder(world_.environment, tiers);
+        const float leastNoise = CellSplitter(world_.environment, tiers).leastNoise();
+        glossy_ = builder.build(
+            LobeIntegrand(world_.environment, cells_, tiers, leastNoise, lobe_, 0.01f),
+            lookup.pooled(), Calibration());
         plan_ = SamplingPlanner(glossyRules()).plan(glossy_.regions, 64, {0, 0.2}, 0.02);
+        distribution_.assign(glossy_.regions, plan_);
     }
 
     test::World world_{test::slabMesh(), test::noiseMap(64, 32, 7)};
     ShadingPoint point_ = world_.below();
     GlossyLobe lobe_ = lobeOf(0.2f, Vec3f(0.5f, 0.8f, 0.2f));
     QuadraticCells cells_{world_.environment, world_.cache.cache().header().tiers()};
-    GlossyRegions glossy_;
+    FittedRegions<LobeIntegrand> glossy_;
     SamplingPlan plan_;
+    RegionDistribution distribution_{world_.environment};
 };
 
 TEST_F(GlossyRegionsTest, AreFinestInsideTheLobe) {
     const Vec3f mirrored = lobe_.mirrored();
-    RegionIndex index;
-    index.build(glossy_.regions);
     int finest = 0, fitted = 0;
     for (std::size_t g = 0; g < glossy_.regions.groups.size(); ++g) {
         const RegionGroup& group = glossy_.regions.groups[g];
@@ -193,19 +195,19 @@ TEST_F(GlossyRegionsTest, AreFinestInsideTheLobe) {
             if (!(group.light[i] > 0)) continue;
             const std::uint32_t cell = group.firstCell + static_cast<std::uint32_t>(i);
             const std::uint32_t some = cell << 2 * (Environment::kLevel - group.level);
-            const RegionIndex::Place place = index.find(glossy_.regions, some);
-            EXPECT_EQ(place.group, static_cast<std::int32_t>(g));
+            const RegionPlace place = distribution_.find(some);
+            EXPECT_EQ(place.group, g);
             EXPECT_EQ(place.lane, i);
             fitted += group.visibility[i] > 0;
         }
     }
     const std::uint32_t peak = locateCell(Environment::kLevel, Vec3d(mirrored));
-    const RegionIndex::Place place = index.find(glossy_.regions, peak);
-    ASSERT_GE(place.group, 0);
-    EXPECT_EQ(glossy_.regions.groups[static_cast<std::size_t>(place.group)].level, finest);
+    const RegionPlace place = distribution_.find(peak);
+    ASSERT_TRUE(place.found());
+    EXPECT_EQ(glossy_.regions.groups[place.group].level, finest);
     EXPECT_GT(fitted, 50);
     const std::uint32_t below = locateCell(Environment::kLevel, Vec3d(0, -1, 0));
-    EXPECT_EQ(index.find(glossy_.regions, below).group, -1);
+    EXPECT_FALSE(distribution_.find(below).found());
 }
 
 // The integral is the mean of what samples of the regions subtract. With its control: 5 % more is
@@ -221,14 +223,15 @@ TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
         sharePoints(std::array{32.0}, 0, shares);
         double sum = 0;
         for (const ClusterSample& sample :
-             sampler.draw(batch, {&member, 1}, shares, glossy_.regions, plan_, Sequence::sobol)) {
+             sampler.draw(batch, {&member, 1}, shares, distribution_, Sequence::sobol)) {
             const EnvironmentSample s = sample.finish(world_.environment);
-            const RegionGroup& group = glossy_.regions.groups[sample.group];
+            const RegionGroup& group = glossy_.regions.groups[sample.place.group];
             const Rgb fitted = cells_.value(
-                glossy_.fits[sample.group], group.level,
-                group.firstCell + static_cast<std::uint32_t>(sample.lane), s.direction);
-            sum += static_cast<double>(s.radiance.y * sample.share / s.density * fitted.y *
-                                       plan_.groups[sample.group].visibility[sample.lane]);
+                glossy_.fits[sample.place.group], group.level,
+                group.firstCell + static_cast<std::uint32_t>(sample.place.lane), s.direction);
+            sum +=
+                static_cast<double>(s.radiance.y * sample.share / s.density * fitted.y *
+                                    plan_.groups[sample.place.group].visibility[sample.place.lane]);
         }
         values.push_back(sum);
     }
