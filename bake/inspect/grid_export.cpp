@@ -155,6 +155,9 @@ Environment readEnvironment(const GridRequest& request, const Source& source) {
         throw Error("--export-grid " + request.kind + ": expected a map, as in " + request.kind +
                     "=sky.exr");
     const RadianceImage map = readRadiance(request.argument);
+    for (const std::string& note : map.notes)
+        std::fprintf(stderr, "shadowcache-info: warning: %s: %s\n", request.argument.c_str(),
+                     note.c_str());
     return {map.image, source.environmentRotation, map.luminanceWeights};
 }
 

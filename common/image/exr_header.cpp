@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "common/image/size_limits.h"
 
 namespace shadowcache {
 
@@ -21,12 +22,6 @@ constexpr std::size_t kLongestName = 255;
 
 /// Rows of a chunk, at most: those of DWAB.
 constexpr std::uint64_t kMostRows = 256;
-
-/// Values of a texel's channels that a byte of a file stands for, at most: a constant map of 16k
-/// has 14,000 with DWAB, the densest compression.
-constexpr std::uint64_t kMostValuesPerByte = 16384;
-/// Small pictures may be as empty as they like: 64 MB.
-constexpr std::uint64_t kAlwaysAllowed = std::uint64_t{1} << 24;
 
 /// What a part of the file states of its size.
 struct Part {
@@ -148,11 +143,9 @@ private:
         const std::uint64_t chunks =
             part.tile ? over(width, (*part.tile)[0]) * over(height, (*part.tile)[1])
                       : height / kMostRows;
-        // In double, which cannot overflow.
         const double values = static_cast<double>(width) * static_cast<double>(height) *
                               static_cast<double>(std::max<std::uint64_t>(part.channels, 1));
-        const auto most = static_cast<double>(std::max(kAlwaysAllowed, kMostValuesPerByte * size_));
-        if (chunks <= size_ / 8 && values <= most) return;
+        if (chunks <= size_ / 8 && mayHoldValues(size_, values)) return;
         throwFileError(path_, "data window of " + std::to_string(width) + " x " +
                                   std::to_string(height) + " pixels in a file of " +
                                   std::to_string(size_) + " bytes, damaged or too large");

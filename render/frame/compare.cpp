@@ -69,12 +69,18 @@ std::vector<Rgb> tileMeans(const Image& image, int tile) {
 Image readReference(const std::filesystem::path& path, const RenderOptions& options) {
     const ExrFile file = readExr(path);
     const FilmRectangle region = options.region();
-    const bool whole = file.width == options.width && file.height == options.height;
-    if (!whole && (file.width != region.width || file.height != region.height))
+    // Of the whole frame the part that was rendered is compared, whatever its data window is.
+    const bool framed =
+        file.place.frameWidth == options.width && file.place.frameHeight == options.height;
+    const int left = framed ? region.x - file.place.x : 0;
+    const int top = framed ? region.y - file.place.y : 0;
+    if (framed ? left < 0 || top < 0 || left + region.width > file.width ||
+                     top + region.height > file.height
+               : file.width != region.width || file.height != region.height)
         throwFileError(path, std::to_string(file.width) + "x" + std::to_string(file.height) +
-                                 " pixels, expected " + std::to_string(region.width) + "x" +
+                                 " pixels" + (framed ? " of another part of the frame" : "") +
+                                 ", expected " + std::to_string(region.width) + "x" +
                                  std::to_string(region.height) + " as rendered");
-    const int left = whole ? region.x : 0, top = whole ? region.y : 0;
     Image image{region.width, region.height, {}};
     image.pixels.resize(static_cast<std::size_t>(region.width) *
                         static_cast<std::size_t>(region.height));

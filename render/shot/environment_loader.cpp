@@ -28,9 +28,7 @@ void EnvironmentLoader::loadMap(const std::string& environment) {
         std::fprintf(stderr,
                      "shadowcache-render: warning: %s: %dx%d texels, a lat-long map is 2:1\n",
                      environment.c_str(), map_.image.width, map_.image.height);
-    if (map_.notFinite + map_.negative > 0)
-        std::printf("map: %zu texels not finite and %zu negative, set to 0\n", map_.notFinite,
-                    map_.negative);
+    for (const std::string& note : map_.notes) std::printf("map: %s\n", note.c_str());
 }
 
 }  // namespace shadowcache

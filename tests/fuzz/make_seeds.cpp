@@ -27,6 +27,8 @@ void writeMeshes(const fs::path& folder) {
     write(folder / "obj/rich",
           "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0 1 1 1\nvn 0 0 1\nvt 0 0\n"
           "f -4//1 -3//1 \\\n-2//1\nf 1/1/1 3/1/1 4/1/1\nf 1 2 3 4\ng a\ns 1\nusemtl b\n");
+    write(folder / "obj/colors",
+          "\xef\xbb\xbfv 0 0 0 255 188 0\nv 0 0 2 nan 1 2\nv 2 0 0\nf 1 2 3\n");
     write(folder / "ply/text", squarePlyText());
     write(folder / "ply/binary", squarePly());
     write(
@@ -37,12 +39,25 @@ void writeMeshes(const fs::path& folder) {
         "property list uchar uint vertex_index\nelement other 1\nproperty list uchar short a\n"
         "end_header\n0 0 0 0 0 1 255 0 0\n1 0 0 0 0 1 0 255 0\n0 1 0 0 0 1 0 0 255\n3 0 1 2\n2 1 "
         "2\n");
+    write(folder / "ply/colors",
+          "\xef\xbb\xbfply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+          "property float y\nproperty float z\nproperty int red\nproperty int green\n"
+          "property int blue\nelement face 1\nproperty list uchar int vertex_indices\n"
+          "end_header\n0 0 0 255 188 0\n0 0\n2 256 -1 0\n2 0 0 nan 1 0\n3 0 1 2\n\n");
     write(folder / "stl/text", squareStlText());
+    write(folder / "stl/upper",
+          " SOLID x\n FACET NORMAL 0 1 0\n OUTER LOOP\n VERTEX 0 0 0\n VERTEX 0 0 2\n"
+          " VERTEX 2 0 0\n END LOOP\n ENDFACET\nend solid x\nsolid y\n");
+    write(folder / "stl/longer", squareStl() + "more");
     write(folder / "stl/binary", squareStl());
     write(folder / "off/square", squareOff());
     write(folder / "off/rich",
           "NCOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 0 255 0 255\n"
           "0 1 0 0 0 1 0 0 255 255\n3 0 1 2 255 0 0\n");
+    write(folder / "off/glued", "OFF3 1 0\n0 0 0 0 0 2 2 0 0 3 0\n1 2");
+    write(folder / "off/mixed",
+          "\xef\xbb\xbfSTCOFF\n3 1\n0 0 0 1 0 0 1 0 0\n0 0 2 1 0.5 0 1 0 1\n2 0\n0 0 0 1\n3 0 1 2 "
+          "9\n");
     write(folder / "om/one", squareOm());
     write(folder / "om/two", squareAndTriangleOm2());
 }
@@ -116,6 +131,10 @@ void writePictures(const fs::path& folder) {
     std::string row("\2\2\0\x08", 4);
     for (int channel = 0; channel < 4; ++channel) row += "\x88\x81";
     write(folder / "hdr/coded", head + "-Y 2 +X 8\n" + row + row);
+    write(folder / "hdr/runs",
+          "#?X\r\nCOLORCORR=1 2 .5\r\nFORMAT= 32-bit_rle_rgbe\r\n\r\n+X 2 +Y 9\r\n" +
+              std::string("\x80\x40\x20\x81\1\1\1\7\2\2\x80\x81", 12) +
+              std::string("\2\2\x80\x81\1\1\1\0\1\1\1\0\x80\0\0\x81\1\1\1\7", 20));
 }
 
 void writeTexts(const fs::path& folder) {
@@ -174,6 +193,14 @@ void writeCaches(const fs::path& folder) {
     }
 }
 
+/// The files of other writers, each for the fuzzer of its extension.
+void writeCases(const fs::path& folder) {
+    for (const auto& entry : fs::directory_iterator(SHADOWCACHE_CASES))
+        if (const std::string extension = entry.path().extension().string(); extension.size() > 1)
+            write(folder / extension.substr(1) / entry.path().filename(),
+                  test::readBytes(entry.path()));
+}
+
 void writeShotLookups(const fs::path& folder) {
     const test::TemporaryFolder work;
     ShotLookups lookups{0.5, {8, 9, 10}, {}};
@@ -197,6 +224,7 @@ int main(int argc, char** argv) try {
     writeTexts(argv[1]);
     writeCaches(argv[1]);
     writeShotLookups(argv[1]);
+    writeCases(argv[1]);
 } catch (const std::exception& e) {
     return shadowcache::reportFailure("fuzz_seeds", e);
 }

@@ -144,7 +144,7 @@ TEST(MapOf16kBy8k, IsSampledByItsLight) {
     RadianceImage loaded = readRadiance(writeMap(folder));
     ASSERT_EQ(loaded.image.width, kWidth);
     ASSERT_EQ(loaded.image.height, kHeight);
-    EXPECT_EQ(loaded.negative + loaded.notFinite, 0u);
+    EXPECT_EQ(loaded.negative + loaded.notANumber, 0u);
     const std::vector<double> luminance = luminanceBySquare(loaded.image);
     double total = 0;
     for (const double p : luminance) total += p;
