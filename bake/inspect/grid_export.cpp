@@ -8,6 +8,7 @@
 #include <functional>
 #include <string_view>
 
+#include "bake/inspect/bounced_light.h"
 #include "bake/inspect/sky_light.h"
 #include "common/base/error.h"
 #include "common/base/parallel.h"
@@ -24,6 +25,7 @@ struct Source {
     const CacheItems& items;
     const VoxelRuns& runs;
     double environmentRotation;
+    const std::filesystem::path& cache;
 };
 
 /// What an item sees of the sky.
@@ -183,6 +185,15 @@ VolumeGrid makeIrradiance(const GridRequest& request, const Source& source) {
                        });
 }
 
+VolumeGrid makeBouncedIrradiance(const GridRequest& request, const Source& source) {
+    const std::vector<Rgb> irradiance =
+        bouncedIrradiance(source.cache, source.items, readEnvironment(request, source));
+    return bestOfSides(request, VolumeKind::color, source,
+                       [&](ItemRegions&, const SkySight&, std::size_t i) {
+                           return Vec3f(irradiance[i].x, irradiance[i].y, irradiance[i].z);
+                       });
+}
+
 VolumeGrid makeSurface(const GridRequest& request, const Source& source) {
     return {request.name, VolumeKind::fog, std::vector<Vec3f>(source.runs.voxels.size(), Vec3f(1))};
 }
@@ -210,6 +221,9 @@ constexpr Kind kKinds[] = {
      makeEnvironment},
     {"irradiance", "irradiance", "irradiance=MAP", "light of a map that arrives (Vec3s colour)",
      makeIrradiance},
+    {"bounced-irradiance", "bounced_irradiance", "bounced-irradiance=MAP",
+     "the same with the light that bounces off surfaces of albedo 1/2 (Vec3s colour)",
+     makeBouncedIrradiance},
 };
 
 const Kind& findKind(const std::string& word) {
@@ -258,14 +272,14 @@ GridRequest parseGridRequest(const std::string& spec) {
 }
 
 VolumeGrid makeVolumeGrid(const GridRequest& request, double environmentRotation,
-                          const CacheHeader& header, const CacheItems& items,
-                          const VoxelRuns& runs) {
-    return findKind(request.kind).make(request, {header, items, runs, environmentRotation});
+                          const CacheHeader& header, const CacheItems& items, const VoxelRuns& runs,
+                          const std::filesystem::path& cache) {
+    return findKind(request.kind).make(request, {header, items, runs, environmentRotation, cache});
 }
 
 void exportGrids(const std::vector<GridRequest>& requests, double environmentRotation,
                  const CacheHeader& header, const CacheItems& items,
-                 const std::filesystem::path& path) {
+                 const std::filesystem::path& cache, const std::filesystem::path& path) {
     const VoxelRuns runs = findVoxels(items);
     std::vector<VolumeGrid> grids;
     for (const GridRequest& request : requests) {
@@ -273,7 +287,7 @@ void exportGrids(const std::vector<GridRequest>& requests, double environmentRot
             if (other.name == request.name)
                 throw Error("--export-grid: two grids named " + request.name +
                             "; give one another name, as in second:" + request.kind);
-        grids.push_back(makeVolumeGrid(request, environmentRotation, header, items, runs));
+        grids.push_back(makeVolumeGrid(request, environmentRotation, header, items, runs, cache));
     }
     writeVolumes(path, header, runs.voxels, grids);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -29,16 +30,17 @@ GridRequest parseGridRequest(const std::string& spec);
 ///
 /// @param environmentRotation  of maps about +Y, in degrees, as the renderer's --env-rotate
 /// @param runs                 findVoxels(items)
+/// @param cache                file of the items; only bounced-irradiance reads it
 /// @throws Error for an argument or a map that cannot be read
 VolumeGrid makeVolumeGrid(const GridRequest& request, double environmentRotation,
-                          const CacheHeader& header, const CacheItems& items,
-                          const VoxelRuns& runs);
+                          const CacheHeader& header, const CacheItems& items, const VoxelRuns& runs,
+                          const std::filesystem::path& cache);
 
-/// Writes the grids asked for, over the voxels of the cache, to an OpenVDB file.
+/// Writes the grids asked for, over the voxels of the cache, to an OpenVDB file `path`.
 ///
 /// @throws Error as makeVolumeGrid, for two grids of one name, or when it cannot be written
 void exportGrids(const std::vector<GridRequest>& requests, double environmentRotation,
                  const CacheHeader& header, const CacheItems& items,
-                 const std::filesystem::path& path);
+                 const std::filesystem::path& cache, const std::filesystem::path& path);
 
 }  // namespace shadowcache

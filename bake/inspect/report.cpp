@@ -68,7 +68,7 @@ void addSlices(HtmlPage& page, const CacheFacts& facts) {
     page.colorScale("occluded", "visible");
     const VoxelRuns runs = findVoxels(facts.items);
     const VolumeGrid skyVisibility =
-        makeVolumeGrid(parseGridRequest("openness"), 0, facts.header, facts.items, runs);
+        makeVolumeGrid(parseGridRequest("openness"), 0, facts.header, facts.items, runs, {});
     const char* names[] = {"from +X", "from above", "from +Z"};
     std::vector<std::pair<std::string, Image>> pictures;
     for (const int axis : {1, 2, 0})

@@ -151,16 +151,18 @@ TEST(Grids, AreTypedAndTrue) {
     const BakeResult result = baked(floorAndBlock());
     const test::TemporaryFolder folder;
     const auto path = folder.path() / "grids.vdb";
-    const auto map = folder.path() / "sky.exr";
+    const auto map = folder.path() / "sky.exr", cacheFile = folder.path() / "cache.vdb";
+    writeCache(cacheFile, result.header, result.items);
     const std::vector<float> one(8, 1.0f);
     writeExr(map, 4, 2, {{"R", one}, {"G", one}, {"B", one}}, {}, PixelType::full);
     std::vector<GridRequest> requests;
     for (const std::string& spec :
          {std::string("openness"), std::string("density:direction=2,2,0"),
           std::string("mean-direction"), std::string("confidence"), std::string("surface"),
-          "env=" + map.string(), "irradiance=" + map.string()})
+          "env=" + map.string(), "irradiance=" + map.string(),
+          "bounced-irradiance=" + map.string()})
         requests.push_back(parseGridRequest(spec));
-    exportGrids(requests, 0, result.header, result.items, path);
+    exportGrids(requests, 0, result.header, result.items, cacheFile, path);
 
     std::map<std::string, test::StockVolume> volumes;
     for (const auto& volume : test::readVolumesWithStockOpenVdb(path)) {
@@ -168,7 +170,7 @@ TEST(Grids, AreTypedAndTrue) {
         EXPECT_EQ(volume.voxelSize, kSpacing);
         EXPECT_EQ(volume.values.size(), findVoxels(result.items).voxels.size());
     }
-    ASSERT_EQ(volumes.size(), 7u);
+    ASSERT_EQ(volumes.size(), 8u);
     EXPECT_EQ((volumes["surface"].values[{0, 0, 0}][0]), 1);
     for (const char* name : {"openness", "density", "confidence", "surface", "env_visibility"}) {
         EXPECT_EQ(volumes[name].gridClass, "fog volume") << name;
@@ -191,6 +193,14 @@ TEST(Grids, AreTypedAndTrue) {
     EXPECT_GT((volumes["confidence"].values[{-6, 0, 0}][0]), 0.8);
     EXPECT_GT((volumes["openness"].values[{3, 7, 0}][0]), 0.95);
     EXPECT_NEAR((volumes["irradiance"].values[{-7, 0, 0}][0]), kPi, 0.3);
+    // Beside the block the floor has light from its wall; far from it, none.
+    double direct = 0, bounced = 0;
+    for (const auto& [voxel, value] : volumes["irradiance"].values) {
+        direct += static_cast<double>(value[0]);
+        bounced += static_cast<double>(volumes["bounced_irradiance"].values[voxel][0]);
+    }
+    EXPECT_GT(bounced, 1.005 * direct);
+    EXPECT_LT(bounced, 1.5 * direct);
     const auto& toward = volumes["open_direction"].values[{3, 7, 0}];
     EXPECT_NEAR(std::hypot(toward[0], toward[1], toward[2]), 1, 2e-3);
     EXPECT_GT(toward[1], 0.9);
@@ -220,7 +230,7 @@ TEST(Grids, RefuseWhatTheyDoNotKnow) {
         std::vector<GridRequest> requests;
         requests.reserve(specs.size());
         for (const std::string& spec : specs) requests.push_back(parseGridRequest(spec));
-        test::expectError([&] { exportGrids(requests, 0, result.header, result.items, path); },
+        test::expectError([&] { exportGrids(requests, 0, result.header, result.items, {}, path); },
                           thing, cause);
         EXPECT_FALSE(std::filesystem::exists(path));
     };
