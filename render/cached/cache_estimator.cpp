@@ -14,8 +14,6 @@
 #include "render/cached/cache_pilot.h"
 #include "render/cached/cache_plan.h"
 #include "render/cached/cache_workspace.h"
-#include "render/cached/cluster_lighting.h"
-#include "render/cached/glossy_cache.h"
 
 namespace shadowcache {
 
@@ -52,36 +50,43 @@ public:
         if (batch.predict)
             for (std::size_t i = 0; i < batch.points.size(); ++i)
                 estimates[i].predicted = countedPreview(batch.points[i], w);
-        w.tools.clusters.build(batch.points, context_.cache->header().spacing, batch.cameraRays,
-                               batch.samples);
-        NeighborReuse::Batch reuse = w.tools.reuse.begin(batch, w.tools.clusters);
-        for (const PointCluster& cluster : w.tools.clusters.clusters()) {
-            const Prepared prepared = prepare(batch, cluster, w, reuse, estimates);
-            if (w.watchedPixel)
-                for (const ClusterSample& sample : prepared.samples)
-                    w.watch(batch.points[sample.point],
-                            sample.finish(context_.environment).direction);
-            w.setupNanoseconds += watch.sinceLast();
-            SampleTracer::Run run =
-                w.tools.tracer.begin(context_, batch, w.tools.membersOf(cluster), reuse, estimates);
-            traceCluster(context_, batch, prepared.fitted, prepared.plan, prepared.samples, run);
-            w.traceNanoseconds += watch.sinceLast();
-        }
-        reuse.finish(context_.scene, estimates);
-        w.traceNanoseconds += watch.sinceLast();
+        CosineLight light(context_, plan_, batch, splitter_, w.lookup, w.cosines, w);
+        lightBatch(context_, batch, light, w.cosines, w, estimates);
     }
 
     void estimateGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
                        Workspace& workspace, std::span<GlossEstimate> estimates) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
         std::fill(estimates.begin(), estimates.end(), GlossEstimate{});
-        glossy_.estimate(batch, points, {plan_.calibration, plan_.darkest / kPi}, w.lookup, w.tools,
-                         w.glossy, w, estimates);
+        if (context_.environment.luminanceIntegral() <= 0) return;
+        LobeWorkspace& own = w.lobes;
+        own.points.clear();
+        for (const GlossyPoint& glossy : points) {
+            ShadingPoint& point = own.points.emplace_back(glossy.point);
+            point.seed = hashWords(point.seed, RenderSalt::glossCluster);
+        }
+        own.estimates.assign(points.size(), {});
+        PointBatch ofLobes = batch;
+        ofLobes.points = own.points;
+        LobeLight light(context_, plan_, ofLobes, points, lobeTables_.of(context_),
+                        splitter_.leastNoise(), w.lookup, own);
+        if (batch.samples == 0) {
+            Stopwatch watch;
+            light.predict(own.estimates);
+            w.traceNanoseconds += watch.sinceLast();
+        } else {
+            lightBatch(context_, ofLobes, light, own.tools, w, own.estimates);
+        }
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Estimate& e = own.estimates[i];
+            estimates[i] = {e.irradiance, e.variance, e.rays + e.reused};
+        }
     }
 
 private:
     const CacheOptions options_;
-    GlossyCache glossy_{context_};
+    const CellSplitter splitter_{context_.environment, context_.cache->header().tiers()};
+    const LazyLobeTables lobeTables_{};
     const OpennessMeter openness_{context_.cache->header().tiers()};
     CachePlan plan_;
 
@@ -97,9 +102,13 @@ private:
                          Workspace& workspace) const override {
         auto& w = static_cast<CacheWorkspace&>(workspace);
         CacheInsight insight;
-        insight.items = pool(point, 0, w);
+        insight.items = w.lookup.pool(context_.scene, point, 0);
         insight.openness = openness_.measure(w.lookup.pooled(), point.normal);
-        const Regions& regions = regionsOf(point.normal, 0, 0, w).regions;
+        const Regions& regions =
+            w.cosines.builder
+                .build(CosineIntegrand(context_.environment, splitter_, point.normal, 0, 0),
+                       w.lookup.pooled(), plan_.calibration)
+                .regions;
         for (const RegionGroup& group : regions.groups)
             insight.regions +=
                 static_cast<int>(std::count_if(group.deviation, group.deviation + kBlockCells,
@@ -112,46 +121,12 @@ private:
         return insight;
     }
 
-    /// Samples of each point of a cluster go to `tools.wanted`, and the irradiance from which on
-    /// one is heavy to `tools.heavyFrom`.
-    ///
-    /// @return mean of those of its camera rays that were asked for
-    double shareOut(const PointBatch& batch, std::span<const std::uint32_t> members,
-                    const Regions& regions, ClusterTools& tools) const {
-        tools.wanted.clear();
-        tools.heavyFrom.clear();
-        double samples = 0, rays = 0;
-        for (const std::uint32_t member : members) {
-            const ShadingPoint& point = batch.points[member];
-            const PredictedNoise noise = plan_.noiseOf(regions, point);
-            const auto part = static_cast<double>(point.share);
-            tools.wanted.push_back(part * plan_.samplesOf(noise, batch.samples));
-            tools.heavyFrom.push_back(plan_.heavy * noise.scale * kJudgedSamples /
-                                      (batch.samples * part));
-            samples += tools.wanted.back();
-            rays += part;
-        }
-        return samples / rays;
-    }
-
-    int pool(const ShadingPoint& point, float radius, CacheWorkspace& w) const {
-        return w.lookup.pool(context_.scene, point, radius);
-    }
-
-    /// The regions above a cluster around the place that was pooled last.
-    const FittedRegions<CosineIntegrand>& regionsOf(const Vec3f& normal, float tilt,
-                                                    float leastNoise, CacheWorkspace& w) const {
-        return w.regionBuilder.build(
-            CosineIntegrand(context_.environment, w.splitter, normal, tilt, leastNoise),
-            w.lookup.pooled(), plan_.calibration);
-    }
-
     /// The irradiance without any ray. What moves hides other things from each pixel; without it
     /// items can be summed up once for all pixels.
     Rgb preview(const ShadingPoint& point, CacheWorkspace& w, IrradianceWithoutRays& predicted,
                 bool& known) const {
         if (!context_.scene.movingBalls().empty()) {
-            known = pool(point, 0, w) > 0;
+            known = w.lookup.pool(context_.scene, point, 0) > 0;
             return predicted.preview.irradiance(w.lookup.pooled(), point.normal);
         }
         const std::span<const ItemView> found = w.lookup.find(point);
@@ -174,44 +149,6 @@ private:
 
     std::optional<double> predictedError() const override {
         return plan_.budget ? std::optional(plan_.budget->predictedError()) : std::nullopt;
-    }
-
-    /// All that is decided of a cluster before any ray; valid until the next one is prepared.
-    struct Prepared {
-        const FittedRegions<CosineIntegrand>& fitted;
-        const SamplingPlan& plan;
-        std::span<const ClusterSample> samples;
-    };
-
-    /// Prepares a cluster; what the cache predicts of its points goes to their estimates.
-    Prepared prepare(const PointBatch& batch, const PointCluster& cluster, CacheWorkspace& w,
-                     NeighborReuse::Batch& reuse, std::span<Estimate> estimates) const {
-        const ShadingPoint& centre = batch.points[cluster.centre];
-        if (pool(centre, cluster.radius, w) == 0)
-            w.pointsWithoutItems += cluster.end - cluster.begin;
-        const auto members = w.tools.membersOf(cluster);
-        double samples = 0;
-        for (const std::uint32_t member : members)
-            samples += static_cast<double>(batch.points[member].share) * batch.samples;
-        const FittedRegions<CosineIntegrand>& fitted = regionsOf(
-            centre.normal, cluster.tilt, static_cast<float>(plan_.splitNoise / samples), w);
-        const Regions& regions = fitted.regions;
-        const double mean = shareOut(batch, members, regions, w.tools);
-        const SamplingPlan& plan = w.planner.plan(regions, kJudgedSamples * mean / batch.samples,
-                                                  plan_.brightness(), plan_.heavy);
-        const CosineIntegral predicted(context_.environment, fitted, plan);
-        for (const std::uint32_t point : members)
-            estimates[point].irradiance = predicted.at(batch.points[point].normal);
-        const ShadingPoint& first = batch.points[members.front()];
-        const std::span<const PointShare> shares =
-            sharePoints(w.tools.wanted,
-                        toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)),
-                        w.tools.shares);
-        RegionDistribution& distribution = w.tools.distribution;
-        distribution.assign(regions, plan);
-        reuse.addCluster(regions, plan, distribution, members, shares, w.tools.heavyFrom);
-        return {fitted, plan,
-                w.tools.sampler.draw(batch, members, shares, distribution, context_.sequence)};
     }
 };
 

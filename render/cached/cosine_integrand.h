@@ -1,9 +1,17 @@
 #pragma once
 
+#include <span>
+
+#include "common/base/tuned.h"
 #include "render/cached/region_builder.h"
 #include "render/cached/sampling_plan.h"
+#include "render/estimators/estimator.h"
 
 namespace shadowcache {
+
+/// Pixels of a group for each that is mispredicted, on average: the gain saturates at one, but a
+/// reused ray costs a tenth of a sample.
+inline SHADOWCACHE_TUNED(double, kGroupPerFind, 8);
 
 /// The cosine of points whose normals are within an angle of a cluster's: light on a surface.
 class CosineIntegrand {
@@ -19,6 +27,23 @@ public:
     };
     struct Scratch {
         CellLight sky;
+    };
+
+    /// Above the horizon, the cosine is linear in x.
+    static constexpr bool kFitIsExact = true;
+
+    /// The cosines of a batch's points.
+    struct Points {
+        std::span<const ShadingPoint> points;
+
+        const Vec3f& normal(std::uint32_t point) const { return points[point].normal; }
+        /// Of a point along a unit vector, over a density.
+        float value(std::uint32_t point, const Vec3f& w, double density) const {
+            return static_cast<float>(static_cast<double>(w.dot(points[point].normal)) / density);
+        }
+        /// Density of samples beside those of the regions.
+        double otherDensity(std::uint32_t, const Vec3f&) const { return 0; }
+        static double groupPerFind() { return kGroupPerFind; }
     };
 
     /// @param tilt  sine of the widest angle between `normal` and a point's

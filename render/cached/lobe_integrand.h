@@ -1,11 +1,19 @@
 #pragma once
 
+#include <span>
+
+#include "common/base/tuned.h"
 #include "common/surface/surface.h"
 #include "render/cached/quadratic_cells.h"
 #include "render/cached/region_builder.h"
 #include "render/cached/sampling_plan.h"
+#include "render/estimators/estimator.h"
 
 namespace shadowcache {
+
+/// Pixels of a group for each that is mispredicted, on average: more than for the irradiance, as
+/// lobes differ, so that fewer points gain from a misprediction.
+inline SHADOWCACHE_TUNED(double, kGlossyGroupPerFind, 16);
 
 /// The lobe of the central point of a cluster of glossy points: light that they reflect to the
 /// viewer. In each region a quadratic stands in for it, whose integral against the light is exact.
@@ -22,6 +30,26 @@ public:
     struct Scratch {
         QuadraticFit fit;
         Moments moments;
+    };
+
+    /// What the lobe differs from its fit is found whatever a ray meets.
+    static constexpr bool kFitIsExact = false;
+
+    /// The lobes of a batch's points.
+    struct Points {
+        std::span<const GlossyPoint> points;
+        std::span<const double> lobeSamples;  ///< that each is expected to draw from its lobe
+
+        const Vec3f& normal(std::uint32_t point) const { return points[point].lobe.normal(); }
+        /// Of a point along a unit vector, over a density.
+        Rgb value(std::uint32_t point, const Vec3f& w, double density) const {
+            return points[point].lobe.value(w) * static_cast<float>(1 / density);
+        }
+        /// Density of samples beside those of the regions.
+        double otherDensity(std::uint32_t point, const Vec3f& w) const {
+            return lobeSamples[point] * static_cast<double>(points[point].lobe.density(w));
+        }
+        static double groupPerFind() { return kGlossyGroupPerFind; }
     };
 
     /// @param leastNoise  of an irradiance, below which a cell stays whole [radiance sr]

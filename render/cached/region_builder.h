@@ -27,7 +27,9 @@ template <class I>
 concept Integrand = requires(const I& integrand, const CellBlock& block,
                              typename I::Scratch& scratch, const CellVisibility& visibility,
                              const PooledVisibility& pooled, Splits& splits,
-                             RegionEvidence& evidence, typename I::Fit& fit) {
+                             RegionEvidence& evidence, typename I::Fit& fit,
+                             const typename I::Points& points, std::uint32_t point,
+                             const Vec3f& w) {
     /// Looks at the cells; false: all of them are below the horizon of every point.
     { integrand.look(block, scratch) } -> std::same_as<bool>;
     /// Marks the cells that are to be split.

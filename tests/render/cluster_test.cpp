@@ -60,8 +60,8 @@ protected:
         std::vector<double> wanted;
         for (const ShadingPoint& point : points_)
             wanted.push_back(share * static_cast<double>(point.share));
-        sharePoints(wanted, toUnit(hashWords(seed)), shares_);
-        return sampler_.draw(batch, members_, shares_, distribution_, Sequence::sobol);
+        roundCounts(wanted, toUnit(hashWords(seed)), counts_);
+        return sampler_.draw(batch, members_, counts_, distribution_, Sequence::sobol);
     }
 
     /// Control variate's value along a sample's direction, for its point.
@@ -133,7 +133,7 @@ protected:
     FittedRegions<CosineIntegrand> fitted_;
     SamplingPlan plan_;
     RegionDistribution distribution_{environment_};
-    std::vector<PointShare> shares_;
+    std::vector<SampleCount> counts_;
     ClusterSampler sampler_{environment_};
 };
 
@@ -147,12 +147,12 @@ TEST_F(Cluster, PointsGetTheirShares) {
         for (int k = 0; k < kDraws; ++k) {
             draw(share, static_cast<std::uint64_t>(k));
             double all = 0;
-            for (std::size_t i = 0; i < shares_.size(); ++i) {
-                EXPECT_LT(std::abs(shares_[i].count - share), 1);
-                EXPECT_EQ(shares_[i].divisor, share < 1 ? share : shares_[i].count);
-                EXPECT_EQ(shares_[i].expected, share);
-                sum[i] += shares_[i].count;
-                all += shares_[i].count;
+            for (std::size_t i = 0; i < counts_.size(); ++i) {
+                EXPECT_LT(std::abs(counts_[i].drawn - share), 1);
+                EXPECT_EQ(counts_[i].divisor, share < 1 ? share : counts_[i].drawn);
+                EXPECT_EQ(counts_[i].expected, share);
+                sum[i] += counts_[i].drawn;
+                all += counts_[i].drawn;
             }
             EXPECT_LT(std::abs(all - share * kPoints), 1);
         }
@@ -173,13 +173,13 @@ TEST_F(Cluster, PointsGetPartsOfTheirShares) {
         for (int k = 0; k < kDraws; ++k) {
             draw(share, static_cast<std::uint64_t>(k));
             double all = 0;
-            for (std::size_t i = 0; i < shares_.size(); ++i) {
+            for (std::size_t i = 0; i < counts_.size(); ++i) {
                 const double part = share * static_cast<double>(points_[i].share);
-                EXPECT_LT(std::abs(shares_[i].count - part), 1);
-                EXPECT_EQ(shares_[i].divisor, part < 1 ? part : shares_[i].count);
-                EXPECT_EQ(shares_[i].expected, part);
-                sum[i] += shares_[i].count;
-                all += shares_[i].count;
+                EXPECT_LT(std::abs(counts_[i].drawn - part), 1);
+                EXPECT_EQ(counts_[i].divisor, part < 1 ? part : counts_[i].drawn);
+                EXPECT_EQ(counts_[i].expected, part);
+                sum[i] += counts_[i].drawn;
+                all += counts_[i].drawn;
             }
             EXPECT_LT(std::abs(all - total), 1);
         }
@@ -237,7 +237,7 @@ TEST_F(Cluster, SamplesAreStratifiedOverAllPoints) {
                     draw(16, k);  // for the seeds and shares
                     const std::span<const std::uint32_t> one(&members_[i], 1);
                     for (const ClusterSample& s : sampler_.draw({points_, 1, kPoints / 4, 4}, one,
-                                                                std::span(shares_).subspan(i, 1),
+                                                                std::span(counts_).subspan(i, 1),
                                                                 distribution_, Sequence::sobol))
                         ++count[s.place.group];
                 }
@@ -299,7 +299,7 @@ TEST_F(Cluster, IntegralIsWhatSamplesSubtract) {
             for (const ClusterSample& sample : draw(16, k)) {
                 if (sample.point != point) continue;
                 const EnvironmentSample s = sample.finish(environment_);
-                sum += static_cast<double>(s.radiance.y * sample.share / s.density) *
+                sum += static_cast<double>(s.radiance.y * sample.inverseCount / s.density) *
                        stoodIn(sample, s);
             }
             values.push_back(sum);
@@ -332,8 +332,8 @@ TEST_F(Cluster, IntegralAcrossTheHorizonIsWhatSamplesSubtract) {
         for (const ClusterSample& sample : draw(64, k)) {
             if (fitted_.fits[sample.place.group].constant[sample.place.lane] == 0) continue;
             const EnvironmentSample s = sample.finish(environment_);
-            sum +=
-                static_cast<double>(s.radiance.y * sample.share / s.density) * stoodIn(sample, s);
+            sum += static_cast<double>(s.radiance.y * sample.inverseCount / s.density) *
+                   stoodIn(sample, s);
         }
         values.push_back(sum);
     }

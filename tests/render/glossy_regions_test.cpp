@@ -9,8 +9,8 @@
 
 #include "common/math/direction_mesh.h"
 #include "render/cached/cluster_sampler.h"
-#include "render/cached/glossy_cache.h"
 #include "render/cached/lobe_integrand.h"
+#include "render/cached/lobe_light.h"
 #include "render/cached/lobe_match.h"
 #include "render/cached/place_lookup.h"
 #include "tests/support/statistics.h"
@@ -172,7 +172,7 @@ protected:
         glossy_ = builder.build(
             LobeIntegrand(world_.environment, cells_, tiers, leastNoise, lobe_, 0.01f),
             lookup.pooled(), Calibration());
-        plan_ = SamplingPlanner(glossyRules()).plan(glossy_.regions, 64, {0, 0.2}, 0.02);
+        plan_ = SamplingPlanner(lobeRules()).plan(glossy_.regions, 64, {0, 0.2}, 0.02);
         distribution_.assign(glossy_.regions, plan_);
     }
 
@@ -214,13 +214,13 @@ TEST_F(GlossyRegionsTest, AreFinestInsideTheLobe) {
 // rejected.
 TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
     ClusterSampler sampler(world_.environment);
-    std::vector<PointShare> shares;
+    std::vector<SampleCount> shares;
     const std::uint32_t member = 0;
     std::vector<double> values;
     for (std::uint64_t k = 0; k < 12000; ++k) {
         point_.seed = hashWords(k, 3);
         const PointBatch batch{{&point_, 1}, 32};
-        sharePoints(std::array{32.0}, 0, shares);
+        roundCounts(std::array{32.0}, 0, shares);
         double sum = 0;
         for (const ClusterSample& sample :
              sampler.draw(batch, {&member, 1}, shares, distribution_, Sequence::sobol)) {
@@ -230,7 +230,7 @@ TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
                 glossy_.fits[sample.place.group], group.level,
                 group.firstCell + static_cast<std::uint32_t>(sample.place.lane), s.direction);
             sum +=
-                static_cast<double>(s.radiance.y * sample.share / s.density * fitted.y *
+                static_cast<double>(s.radiance.y * sample.inverseCount / s.density * fitted.y *
                                     plan_.groups[sample.place.group].visibility[sample.place.lane]);
         }
         values.push_back(sum);

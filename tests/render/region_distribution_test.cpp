@@ -12,8 +12,8 @@
 #include "common/math/direction_mesh.h"
 #include "common/random/sequence.h"
 #include "render/cached/cosine_integrand.h"
-#include "render/cached/glossy_cache.h"
 #include "render/cached/lobe_integrand.h"
+#include "render/cached/lobe_light.h"
 #include "render/cached/place_lookup.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
@@ -49,7 +49,7 @@ protected:
                                                          splitter.leastNoise(), lobe, 0.01f),
                                            lookup.pooled(), Calibration())
                                     .regions;
-        ofLobe_.assign(ofLobe, SamplingPlanner(glossyRules()).plan(ofLobe, 64, {0, 0.2}, 0.02));
+        ofLobe_.assign(ofLobe, SamplingPlanner(lobeRules()).plan(ofLobe, 64, {0, 0.2}, 0.02));
     }
 
     std::uint32_t binOf(std::uint32_t texel) const {
