@@ -100,6 +100,14 @@ std::string_view TextScanner::word() {
     }
 }
 
+std::string_view TextScanner::restOfLine() const {
+    constexpr std::string_view kBlanks = " \t\r\v\f";
+    const std::string_view line = rest().substr(0, rest().find('\n'));
+    const std::size_t first = line.find_first_not_of(kBlanks);
+    if (first == line.npos) return {};
+    return line.substr(first, line.find_last_not_of(kBlanks) + 1 - first);
+}
+
 bool TextScanner::nextLine() {
     const auto* lineBreak = static_cast<const char*>(
         at_ == end_ ? nullptr : std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));

@@ -30,6 +30,8 @@ public:
     std::string_view wordOnLine();
     /// Next word of this line or a later one; empty at the text's end.
     std::string_view word();
+    /// What follows on this line, blanks at both ends removed; comments are not seen.
+    std::string_view restOfLine() const;
     /// Goes to the start of the next line; true if a line break was there.
     bool nextLine();
 

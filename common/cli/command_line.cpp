@@ -195,7 +195,7 @@ void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std
         ->capture_default_str()
         ->group(group);
     app.add_flag("--allow-external", allowExternal,
-                 "Let glTF files name buffers and pictures outside of their folders")
+                 "Let glTF and OBJ files name files outside of their folders")
         ->group(group);
 }
 

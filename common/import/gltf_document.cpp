@@ -128,6 +128,14 @@ private:
         return Texture::Wrap::repeat;
     }
 
+    /// The picture of EXT_texture_webp, which core glTF's only stands in for.
+    static int sourceOf(const tinygltf::Texture& from) {
+        const auto webp = from.extensions.find("EXT_texture_webp");
+        if (webp == from.extensions.end() || !webp->second.Get("source").IsNumber())
+            return from.source;
+        return webp->second.Get("source").GetNumberAsInt();
+    }
+
     void addTexture(const tinygltf::Texture& from) {
         GltfTexture to;
         if (from.sampler >= 0) {
@@ -137,11 +145,11 @@ private:
             to.sampler.wrapT = wrapOf(sampler.wrapT);
             to.sampler.smooth = sampler.magFilter != TINYGLTF_TEXTURE_FILTER_NEAREST;
         }
-        // A texture without a picture here has one in an extension.
-        if (from.source >= 0) {
-            requireIndex("image", from.source, model_.images);
-            auto& image = model_.images[static_cast<std::size_t>(from.source)];
-            to.name = "image " + std::to_string(from.source) +
+        // A texture without a picture here has one in another extension.
+        if (const int source = sourceOf(from); source >= 0) {
+            requireIndex("image", source, model_.images);
+            auto& image = model_.images[static_cast<std::size_t>(source)];
+            to.name = "image " + std::to_string(source) +
                       (image.uri.empty() ? "" : " (" + image.uri + ")");
             if (image.bufferView >= 0) {
                 to.encoded = viewBytes(to.name, image.bufferView);

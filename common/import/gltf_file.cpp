@@ -13,6 +13,7 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
+#include "common/import/gltf_compression.h"
 #include "common/import/gltf_material.h"
 
 namespace shadowcache {
@@ -65,6 +66,29 @@ void requireViewsInBuffers(const std::filesystem::path& path, std::string_view j
     }
 }
 
+// Of a .glb: the first chunk's length, kind and content.
+constexpr std::size_t kChunk = 12, kContent = 20;
+
+/// The JSON of a .gltf or .glb file.
+std::string_view jsonOf(std::string_view bytes) {
+    if (!bytes.starts_with("glTF") || bytes.size() < kContent) return bytes;
+    std::uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + kChunk, sizeof length);
+    return bytes.substr(kContent, length);
+}
+
+/// The bytes of a .glb with another JSON.
+std::string withJson(std::string_view glb, std::string json) {
+    while (json.size() % 4 != 0) json += ' ';
+    const std::string_view rest = glb.substr(kContent + jsonOf(glb).size());
+    const auto length = static_cast<std::uint32_t>(json.size());
+    const auto total = static_cast<std::uint32_t>(kContent + json.size() + rest.size());
+    std::string bytes(glb.substr(0, kContent));
+    std::memcpy(bytes.data() + kChunk, &length, sizeof length);
+    std::memcpy(bytes.data() + kChunk - sizeof total, &total, sizeof total);
+    return bytes.append(json).append(rest);
+}
+
 /// The files beside a glTF file, as tinygltf may read them: only those that exist, are regular, and
 /// may be named.
 class Neighbours {
@@ -114,20 +138,16 @@ private:
 }  // namespace
 
 tinygltf::Model readGltfFile(const std::filesystem::path& path, References references) {
-    const std::string bytes = readFileBytes(path);
+    std::string bytes = readFileBytes(path);
     if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
         throwFileError(path, "larger than 4 GB, expected a smaller glTF file");
-    const auto size = static_cast<unsigned int>(bytes.size());
     const bool binary = bytes.starts_with("glTF");
-    std::string_view json = bytes;
-    if (binary && bytes.size() >= 20) {
-        std::uint32_t length = 0;
-        std::memcpy(&length, bytes.data() + 12, sizeof length);
-        json = json.substr(20, length);
-    }
-    if (!isShallowJson(json))
+    if (!isShallowJson(jsonOf(bytes)))
         throwFileError(path, "JSON nested deeper than 256 levels, expected fewer");
-    requireViewsInBuffers(path, json);
+    if (const std::string plain = withoutFallbacks(jsonOf(bytes)); !plain.empty())
+        bytes = binary ? withJson(bytes, plain) : plain;
+    requireViewsInBuffers(path, jsonOf(bytes));
+    const auto size = static_cast<unsigned int>(bytes.size());
 
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(keepEncoded, nullptr);
@@ -156,10 +176,11 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path, References refer
     if (!model.asset.version.starts_with("2."))
         throwFileError(path, "glTF version " + model.asset.version + ", expected 2.0");
     for (const std::string& name : model.extensionsRequired)
-        if (!isMaterialExtension(name) &&
+        if (!isMaterialExtension(name) && !isCompressionExtension(name) &&
             std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) ==
                 std::end(kKnownExtensions))
             throwFileError(path, "requires the extension " + name + ", which is not supported");
+    decompress(path, model);
     return model;
 }
 

@@ -290,12 +290,13 @@ private:
         if (from.encoded.empty())
             throwFileError(document_.path, from.name.empty()
                                                ? "texture " + std::to_string(index) +
-                                                     " has no image in a format of core glTF 2.0"
+                                                     " has no image in PNG, JPEG or WebP"
                                                : from.name + " was not found");
         std::string cause;
         texture = decodeTexture(from.encoded, cause);
         if (texture.rgba.empty())
-            throwFileError(document_.path, from.name + ": " + cause + ", expected PNG or JPEG");
+            throwFileError(document_.path,
+                           from.name + ": " + cause + ", expected PNG, JPEG or WebP");
         // A picture that several textures show is kept for each.
         if (!decoded_.insert(from.encoded.data()).second)
             budget_.take((texture.rgba.size() + texture.low.size()) / 4);
@@ -370,11 +371,18 @@ RawMesh readGltf(const std::filesystem::path& path, References references) {
     const GltfDocument document = readGltfDocument(path, references);
     const GltfNodes nodes(document);
     std::vector<GltfPlacement> still;
+    std::size_t moving = 0;
     for (int i = 0; i < static_cast<int>(document.nodes.size()); ++i) {
         const GltfNode& node = document.nodes[static_cast<std::size_t>(i)];
-        if (node.inScene && node.mesh >= 0 && !nodes.moves(i)) still.push_back({i, nodes.at(i, 0)});
+        if (!node.inScene || node.mesh < 0) continue;
+        if (nodes.moves(i))
+            ++moving;
+        else
+            still.push_back({i, nodes.at(i, 0)});
     }
-    return gltfMesh(document, still, false);
+    RawMesh mesh = gltfMesh(document, still, false);
+    mesh.moving = moving;
+    return mesh;
 }
 
 }  // namespace shadowcache

@@ -174,6 +174,11 @@ TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& option
                                                   : centreOf(soup);
     dropDegenerate(origin, soup);
     if (soup.triangles.empty()) {
+        if (soup.moving > 0 && soup.report.facesRead == 0)
+            throwFileError(path, "everything moves: all nodes with a mesh, " +
+                                     std::to_string(soup.moving) +
+                                     ", are animated; expected something that stands still, to "
+                                     "which --dynamic adds this file");
         TextWriter scaled;
         if (options.scale != 1) scaled << "; with --scale " << options.scale;
         throwFileError(path, "no triangle left: " + describe(soup.report) + scaled.str());

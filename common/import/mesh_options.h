@@ -17,7 +17,7 @@ struct MeshOptions {
     /// Crease angle in degrees, 0 to 180: triangles without shading normals get some, averaged over
     /// neighbours whose normals differ by at most this. 0: none.
     double smoothDegrees = 0;
-    References references = References::inside;  ///< of glTF files
+    References references = References::inside;  ///< of glTF and OBJ files
 };
 
 /// @throws Error if a --scale is not a finite number above 0

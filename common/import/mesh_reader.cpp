@@ -164,7 +164,7 @@ struct MeshFormat {
 };
 
 constexpr MeshFormat kFormats[] = {
-    {".glb", nullptr}, {".gltf", nullptr}, {".obj", readObj}, {".off", readOff},
+    {".glb", nullptr}, {".gltf", nullptr}, {".obj", nullptr}, {".off", readOff},
     {".om", readOm},   {".ply", readPly},  {".stl", readStl},
 };
 
@@ -206,6 +206,7 @@ RawMesh readOm(const std::filesystem::path& path) {
 RawMesh readMeshFile(const std::filesystem::path& path, References references) {
     if (isGltf(path)) return readGltf(path, references);
     const std::string extension = lowerExtension(path);
+    if (extension == ".obj") return readObj(path, references);
     std::string known;
     for (const MeshFormat& format : kFormats) {
         if (extension == format.extension) return format.read(path);

@@ -47,7 +47,8 @@ struct RawMesh {
     std::size_t firstLocalVertex = std::numeric_limits<std::size_t>::max();
     std::vector<Material> materials;
     std::vector<Texture> textures;
-    std::size_t blended = 0;                     ///< materials that blend with what is behind
+    std::size_t moving = 0;   ///< nodes whose meshes are not here, because an animation moves them
+    std::size_t blended = 0;  ///< materials that blend with what is behind
     std::map<std::string, std::size_t> leftOut;  ///< as MeshReport::leftOut
 };
 
@@ -63,7 +64,7 @@ inline const Rgb kUncolored{1.0f, 1.0f, 1.0f};
 using MeshReader = RawMesh (*)(const std::filesystem::path&);
 
 RawMesh readGltf(const std::filesystem::path& path, References references);
-RawMesh readObj(const std::filesystem::path& path);
+RawMesh readObj(const std::filesystem::path& path, References references);
 RawMesh readOff(const std::filesystem::path& path);
 RawMesh readOm(const std::filesystem::path& path);
 RawMesh readPly(const std::filesystem::path& path);

@@ -187,6 +187,7 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
         soup.instances.push_back({instance.group + soup.groups, compose(world, instance.toWorld)});
     }
     soup.groups += groups;
+    soup.moving += raw.moving;
     soup.report.blended += raw.blended;
     for (const auto& [name, count] : raw.leftOut) soup.report.leftOut[name] += count;
 }

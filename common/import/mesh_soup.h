@@ -35,6 +35,7 @@ struct MeshSoup {
     std::vector<Material> materials;
     std::vector<Texture> textures;
     int groups = 0;
+    std::size_t moving = 0;  ///< as RawMesh::moving
     MeshReport report;
 
     /// As the renderer will see it.

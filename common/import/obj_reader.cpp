@@ -1,8 +1,10 @@
 #include <array>
+#include <map>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/import/mesh_reader.h"
+#include "common/import/obj_looks.h"
 
 namespace shadowcache {
 
@@ -41,43 +43,79 @@ std::uint32_t indexOf(const TextScanner& text, std::string_view word, std::size_
     return index < 0 || index >= kNoVertex ? kNoVertex : static_cast<std::uint32_t>(index);
 }
 
+/// v grows upwards; a third number is of pictures with three dimensions.
+void readTexcoord(TextScanner& text, ObjLooks& looks) {
+    const double u = text.number(text.wordOnLine());
+    const std::string_view second = text.wordOnLine();
+    const double v = second.empty() ? 0 : text.number(second);
+    looks.texcoords.emplace_back(static_cast<float>(u), static_cast<float>(v));
+}
+
 /// A corner is v, v/vt, v//vn or v/vt/vn.
-void readCorner(const TextScanner& text, std::string_view word, RawMesh& mesh) {
+void readCorner(const TextScanner& text, std::string_view word, RawMesh& mesh, ObjLooks& looks) {
     const std::size_t first = word.find('/');
     mesh.faceVertices.push_back(indexOf(text, word.substr(0, first), mesh.vertices.size()));
     const std::size_t second = first == word.npos ? word.npos : word.find('/', first + 1);
+    const std::string_view texcoord =
+        first == word.npos ? "" : word.substr(first + 1, second - first - 1);
+    looks.faceTexcoords.push_back(
+        texcoord.empty() ? kNoVertex : indexOf(text, texcoord, looks.texcoords.size()));
     const std::string_view normal = second == word.npos ? "" : word.substr(second + 1);
     mesh.faceNormals.push_back(normal.empty() ? kNoVertex
                                               : indexOf(text, normal, mesh.normals.size()));
 }
 
-std::uint32_t readFace(TextScanner& text, RawMesh& mesh) {
+std::uint32_t readFace(TextScanner& text, RawMesh& mesh, ObjLooks& looks) {
     std::uint32_t size = 0;
     for (std::string_view word = text.wordOnLine(); !word.empty(); word = text.wordOnLine()) {
-        readCorner(text, word, mesh);
+        readCorner(text, word, mesh, looks);
         ++size;
     }
     mesh.faceSizes.push_back(size);
+    if (looks.runs.empty()) looks.runs.emplace_back();
+    ++looks.runs.back().faceCount;
     return size;
+}
+
+/// Faces from here on are of the material that the line names.
+void startMaterial(const TextScanner& text, std::map<std::string, int, std::less<>>& numbers,
+                   ObjLooks& looks) {
+    const std::string_view name = text.restOfLine();
+    auto place = numbers.find(name);
+    if (place == numbers.end()) {
+        place = numbers.emplace(name, static_cast<int>(looks.names.size())).first;
+        looks.names.emplace_back(name);
+    }
+    if (looks.runs.empty() || looks.runs.back().faceCount > 0) looks.runs.emplace_back();
+    looks.runs.back().material = place->second;
 }
 
 }  // namespace
 
-RawMesh readObj(const std::filesystem::path& path) {
+RawMesh readObj(const std::filesystem::path& path, References references) {
     const std::string bytes = readFileBytes(path);
     if (bytes.find('\0') != bytes.npos)
         throwFileError(path, "holds binary data, expected OBJ text");
 
     RawMesh mesh;
+    ObjLooks looks;
+    std::map<std::string, int, std::less<>> materials;
     TextScanner text(path, bytes, true);
     while (!text.atEnd()) {
         const std::string_view keyword = text.wordOnLine();
         if (keyword == "v") {
             readVertex(text, mesh);
+            looks.colored.push_back(mesh.colors.size() == mesh.vertices.size());
         } else if (keyword == "vn") {
             readNormal(text, mesh);
+        } else if (keyword == "vt") {
+            readTexcoord(text, looks);
+        } else if (keyword == "mtllib") {
+            looks.libraries.emplace_back(text.restOfLine());
+        } else if (keyword == "usemtl") {
+            startMaterial(text, materials, looks);
         } else if (keyword == "f") {
-            const std::uint32_t size = readFace(text, mesh);
+            const std::uint32_t size = readFace(text, mesh, looks);
             if (size < 3 && text.atEnd()) {
                 text.fail("file ends in a face with " + std::to_string(size) +
                           " corners, expected 3 (truncated?)");
@@ -90,6 +128,7 @@ RawMesh readObj(const std::filesystem::path& path) {
         throwFileError(path, "has no face, expected at least one (truncated?)");
     if (!mesh.colors.empty()) mesh.colors.resize(mesh.vertices.size(), kUncolored);
     if (mesh.normals.empty()) mesh.faceNormals.clear();
+    addObjLooks(path, references, looks, mesh);
     return mesh;
 }
 

@@ -1,5 +1,6 @@
 #include "common/import/ply_header.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -127,6 +128,18 @@ int PlyElement::find(std::string_view wanted, std::string_view otherName) const 
         }
     }
     return -1;
+}
+
+std::array<int, 3> PlyElement::findColor() const {
+    for (const std::string_view prefix : {"", "diffuse_"}) {
+        std::array<int, 3> places{};
+        constexpr std::array<std::string_view, 3> kNames{"red", "green", "blue"};
+        for (std::size_t k = 0; k < kNames.size(); ++k)
+            places[k] = find(std::string(prefix).append(kNames[k]),
+                             prefix.empty() ? kNames[k].substr(0, 1) : std::string_view());
+        if (std::ranges::count(places, -1) == 0) return places;
+    }
+    return {-1, -1, -1};
 }
 
 PlyHeader parsePlyHeader(const std::filesystem::path& path, std::string_view content) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -26,6 +27,9 @@ struct PlyElement {
 
     /// Place of the first property with one of the two names, or -1.
     int find(std::string_view name, std::string_view otherName = {}) const;
+    /// Places of red, green and blue under any of the names that programs give them; -1 for each
+    /// that is not there.
+    std::array<int, 3> findColor() const;
 };
 
 struct PlyHeader {

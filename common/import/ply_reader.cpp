@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -6,6 +7,7 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/image/srgb.h"
+#include "common/import/face_colors.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/ply_header.h"
 
@@ -105,10 +107,10 @@ template <class Numbers>
 void readVertices(const std::filesystem::path& path, Numbers& numbers, const PlyElement& element,
                   RawMesh& mesh) {
     constexpr std::size_t kChannels = 9;
+    const std::array<int, 3> color = element.findColor();
     const std::array<int, kChannels> places{
-        element.find("x"),        element.find("y"),          element.find("z"),
-        element.find("red", "r"), element.find("green", "g"), element.find("blue", "b"),
-        element.find("nx"),       element.find("ny"),         element.find("nz")};
+        element.find("x"), element.find("y"),  element.find("z"),  color[0],          color[1],
+        color[2],          element.find("nx"), element.find("ny"), element.find("nz")};
     if (places[0] < 0 || places[1] < 0 || places[2] < 0) {
         throwFileError(path, "vertices lack one of the properties x, y, z");
     }
@@ -140,30 +142,73 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
     }
 }
 
+std::uint32_t vertexNumber(double value) {
+    const bool valid = value >= 0.0 && value < static_cast<double>(kNoVertex);
+    return valid ? static_cast<std::uint32_t>(value) : kNoVertex;
+}
+
+/// @param faceColors  receives the faces' colours if they have any
 template <class Numbers>
 void readFaces(const std::filesystem::path& path, Numbers& numbers, const PlyElement& element,
-               RawMesh& mesh) {
+               RawMesh& mesh, std::vector<Rgb>& faceColors) {
     const int place = element.find("vertex_indices", "vertex_index");
     if (element.count > 0 &&
         (place < 0 || !element.properties[static_cast<std::size_t>(place)].isList)) {
         throwFileError(path, "faces lack the list vertex_indices");
     }
+    const std::array<int, 3> color = element.findColor();
+    const bool colored = color[0] >= 0;
+    if (colored) faceColors.resize(mesh.faceSizes.size(), kUncolored);
     mesh.faceSizes.reserve(element.count);
     mesh.faceVertices.reserve(element.count * 3);
     for (std::size_t i = 0; i < element.count; ++i) {
+        Rgb rgb = kUncolored;
         for (std::size_t k = 0; k < element.properties.size(); ++k) {
             const PlyProperty& property = element.properties[k];
             const std::size_t size = property.isList ? nextListSize(path, numbers, property) : 1;
             const bool corners = static_cast<int>(k) == place;
+            const auto channel = std::ranges::find(color, static_cast<int>(k)) - color.begin();
             for (std::size_t j = 0; j < size; ++j) {
                 const double value = numbers.next(property.type);
-                if (!corners) continue;
-                const bool valid = value >= 0.0 && value < static_cast<double>(kNoVertex);
-                mesh.faceVertices.push_back(valid ? static_cast<std::uint32_t>(value) : kNoVertex);
+                if (channel < 3) rgb[static_cast<int>(channel)] = linearColor(value, property.type);
+                if (corners) mesh.faceVertices.push_back(vertexNumber(value));
             }
             if (corners) mesh.faceSizes.push_back(static_cast<std::uint32_t>(size));
         }
+        if (colored) faceColors.push_back(rgb);
     }
+}
+
+/// Triangle strips, one list of corners each: -1 ends a strip, and the next begins.
+template <class Numbers>
+void readStrips(const std::filesystem::path& path, Numbers& numbers, const PlyElement& element,
+                RawMesh& mesh) {
+    const int place = element.find("vertex_indices", "vertex_index");
+    if (place < 0 || !element.properties[static_cast<std::size_t>(place)].isList)
+        throwFileError(path, "triangle strips lack the list vertex_indices");
+    for (std::size_t i = 0; i < element.count; ++i)
+        for (std::size_t k = 0; k < element.properties.size(); ++k) {
+            const PlyProperty& property = element.properties[k];
+            const std::size_t size = property.isList ? nextListSize(path, numbers, property) : 1;
+            std::array<std::uint32_t, 2> last{};
+            std::size_t length = 0;  // of the strip so far
+            for (std::size_t j = 0; j < size; ++j) {
+                const double value = numbers.next(property.type);
+                if (static_cast<int>(k) != place) continue;
+                if (value == -1) {
+                    length = 0;
+                    continue;
+                }
+                const std::uint32_t corner = vertexNumber(value);
+                if (length++ >= 2) {
+                    const std::size_t odd = length % 2 == 0 ? 1 : 0;
+                    mesh.faceVertices.insert(mesh.faceVertices.end(),
+                                             {last[odd], last[1 - odd], corner});
+                    mesh.faceSizes.push_back(3);
+                }
+                last = {last[1], corner};
+            }
+        }
 }
 
 template <class Numbers>
@@ -179,19 +224,24 @@ void skipRows(const std::filesystem::path& path, Numbers& numbers, const PlyElem
 template <class Numbers>
 RawMesh readBody(const std::filesystem::path& path, const PlyHeader& header, Numbers numbers) {
     RawMesh mesh;
+    std::vector<Rgb> faceColors;
     bool hasFaces = false;
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex") {
             readVertices(path, numbers, element, mesh);
         } else if (element.name == "face") {
-            readFaces(path, numbers, element, mesh);
+            readFaces(path, numbers, element, mesh, faceColors);
+            hasFaces = true;
+        } else if (element.name == "tristrips") {
+            readStrips(path, numbers, element, mesh);
             hasFaces = true;
         } else {
             skipRows(path, numbers, element);
         }
     }
     if (!hasFaces)
-        throwFileError(path, "PLY without faces (point cloud or strips), expected faces");
+        throwFileError(path, "PLY without faces (a point cloud?), expected faces or tristrips");
+    if (!faceColors.empty()) colorFaces(faceColors, mesh);
     return mesh;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/base/error.h"
+
 namespace shadowcache {
 
 namespace fs = std::filesystem;
@@ -18,6 +20,23 @@ bool isBeside(const fs::path& set, const fs::path& file) {
 
 fs::path referencedFile(const fs::path& set, const std::string& uri) {
     return set.parent_path() / uri;
+}
+
+std::optional<fs::path> namedFile(const fs::path& set, const fs::path& base,
+                                  const std::string& name, References references) {
+    std::string slashed = name;
+    std::ranges::replace(slashed, '\\', '/');
+    std::error_code ignored;
+    for (const std::string& spelling : {name, slashed}) {
+        const fs::path file = referencedFile(base, spelling);
+        if (spelling.empty() || !fs::is_regular_file(file, ignored)) continue;
+        if (references == References::inside && !isBeside(set, file))
+            throwFileError(set, "names " + file.string() +
+                                    ", which is outside of its folder: expected a file beside it, "
+                                    "or --allow-external");
+        return file;
+    }
+    return {};
 }
 
 }  // namespace shadowcache

@@ -8,6 +8,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
+#include "common/import/obj_looks.h"
 
 namespace shadowcache {
 
@@ -15,10 +16,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The JSON of a .gltf or .glb file; empty if it is neither.
-std::string gltfJson(const fs::path& file) {
+std::string lowerExtension(const fs::path& file) {
     std::string extension = file.extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+/// The JSON of a .gltf or .glb file; empty if it is neither.
+std::string gltfJson(const fs::path& file) {
+    const std::string extension = lowerExtension(file);
     if (extension != ".gltf" && extension != ".glb") return "";
     std::string bytes = readFileBytes(file);
     constexpr std::size_t kBegin = 20;  // of the first chunk's content
@@ -50,6 +56,11 @@ std::string decoded(const std::string& uri) {
 
 std::vector<fs::path> filesOf(const fs::path& file, References references) {
     std::vector<fs::path> files{file};
+    if (lowerExtension(file) == ".obj") {
+        const std::vector<fs::path> named = objFiles(file, references);
+        files.insert(files.end(), named.begin(), named.end());
+        return files;
+    }
     const std::string json = gltfJson(file);
     // What is wrong with the file is its reader's to say.
     if (!isShallowJson(json)) return files;

@@ -9,8 +9,8 @@
 
 namespace shadowcache {
 
-/// A file of a set and those that it refers to: buffers and images of a glTF file, as far as they
-/// exist and may be read. A file that is no glTF refers to none.
+/// A file of a set and those that it refers to, as far as they exist and may be read: buffers and
+/// images of a glTF file, libraries of materials of an OBJ file and their images.
 std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file,
                                            References references);
 

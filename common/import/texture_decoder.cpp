@@ -14,6 +14,8 @@
 #define STBI_NO_STDIO
 #include <stb/stb_image.h>
 
+#include "common/import/webp_decoder.h"
+
 namespace shadowcache {
 
 namespace {
@@ -82,12 +84,19 @@ using Texels = std::unique_ptr<T, decltype(&std::free)>;
 
 }  // namespace
 
+bool isPicture(std::string_view bytes) {
+    return isPng(bytes) || bytes.starts_with("\xff\xd8") || isWebp(bytes);
+}
+
 Texture decodeTexture(std::string_view bytes, std::string& cause) {
     Texture texture;
     if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
         cause = "larger than 2 GB";
         return texture;
     }
+    const double mostTexels =
+        std::max(kAlwaysAllowed, kMostTexelsPerByte * static_cast<double>(bytes.size()));
+    if (isWebp(bytes)) return decodeWebp(bytes, mostTexels, cause);
     if (!hasSoundChunks(bytes) || (!isPng(bytes) && !hasSoundHuffmanTables(bytes))) {
         cause = "cut short or damaged";
         return texture;
@@ -99,7 +108,7 @@ Texture decodeTexture(std::string_view bytes, std::string& cause) {
     if (stbi_info_from_memory(data, size, &texture.width, &texture.height, &channels) != 0) {
         const double texels =
             static_cast<double>(texture.width) * static_cast<double>(texture.height);
-        if (texels > std::max(kAlwaysAllowed, kMostTexelsPerByte * static_cast<double>(size))) {
+        if (texels > mostTexels) {
             cause = std::to_string(texture.width) + " x " + std::to_string(texture.height) +
                     " pixels in " + std::to_string(size) + " bytes";
             return {};

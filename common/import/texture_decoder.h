@@ -7,7 +7,10 @@
 
 namespace shadowcache {
 
-/// Decodes a PNG or JPEG.
+/// Whether the bytes begin as a picture of a format that decodeTexture() reads.
+bool isPicture(std::string_view bytes);
+
+/// Decodes a PNG, JPEG or WebP.
 ///
 /// @return a texture without texels if the bytes are none, and the reason in `cause`
 Texture decodeTexture(std::string_view bytes, std::string& cause);

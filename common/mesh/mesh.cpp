@@ -1,6 +1,22 @@
 #include "common/mesh/mesh.h"
 
+#include <cctype>
+
 namespace shadowcache {
+
+namespace {
+
+/// Of what is left out; the others are counted.
+constexpr std::size_t kMostNames = 20;
+
+/// A name from a file in one line of a terminal.
+std::string printable(std::string name) {
+    for (char& c : name)
+        if (std::iscntrl(static_cast<unsigned char>(c))) c = '?';
+    return name;
+}
+
+}  // namespace
 
 std::string describe(const MeshReport& report) {
     std::string text = std::to_string(report.triangles) + " triangles";
@@ -17,9 +33,12 @@ std::string describe(const MeshReport& report) {
     add(report.unreferenced, "vertices without a face");
     add(report.badNormals, "shading normals that are zero, not finite or out of range");
     add(report.blended, "blending materials, which let rays pass by chance");
+    std::size_t named = 0;
     for (const auto& [name, count] : report.leftOut)
-        add(count, (count == 1 ? "material without its " : "materials without their ") + name +
-                       ", which is left out");
+        if (named++ < kMostNames)
+            add(count, (count == 1 ? "material without its " : "materials without their ") +
+                           printable(name) + ", which is left out");
+    if (named > kMostNames) add(named - kMostNames, "other things left out");
     add(report.instances,
         "instances, with which " + std::to_string(report.placed) + " triangles are in the world");
     return text;

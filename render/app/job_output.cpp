@@ -1,6 +1,7 @@
 #include "render/app/job_output.h"
 
 #include <set>
+#include <vector>
 
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
@@ -13,6 +14,7 @@
 #include "common/base/version.h"
 #include "common/image/exr.h"
 #include "common/image/png.h"
+#include "common/mesh/placed_mesh.h"
 #include "common/shot/frames.h"
 #include "render/app/memory_report.h"
 #include "render/app/resume.h"
@@ -142,6 +144,10 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
     out.set("estimator", std::string(entry.name));
     out.set("bias", biasOf(job, entry));
     out.set("triangles", std::uint64_t{mesh.triangles.size()});
+    const Box3d bounds = placedBounds(mesh);
+    const Vec3d least = bounds.min + mesh.origin, most = bounds.max + mesh.origin;
+    out.set("bounds.min", std::vector<double>{least.x, least.y, least.z});
+    out.set("bounds.max", std::vector<double>{most.x, most.y, most.z});
     out.set("seconds.load", timing.load);
     out.set("seconds.build", timing.build);
     // Set-up and tracing are kept per thread; the rest is the camera's rays and the film.

@@ -338,8 +338,8 @@ TEST(Gltf, RefusesWhatItCannotDo) {
         const auto path = folder.write("a.glb", file.glb());
         expectError([&] { loadMesh({&path, 1}, {}); }, "a.glb", cause);
     };
-    refuses([](Json& j) { j["extensionsRequired"] = {"KHR_draco_mesh_compression"}; },
-            "requires the extension KHR_draco_mesh_compression");
+    refuses([](Json& j) { j["extensionsRequired"] = {"KHR_texture_basisu"}; },
+            "requires the extension KHR_texture_basisu");
     refuses([](Json& j) { j["asset"]["version"] = "1.0"; }, "version 1.0, expected 2.0");
     refuses([](Json& j) { j["nodes"][0]["mesh"] = 7; }, "mesh 7, expected 0 to 0");
     refuses([](Json& j) { j["accessors"][0]["count"] = 5; }, "do not fit");
@@ -390,6 +390,15 @@ TEST(Gltf, AnimationOfNodesAndTheirParents) {
     EXPECT_NEAR((nodes.at(child, 1).position - Vec3d(r, r, 0)).length(), 0, 1e-6);
     const auto path = folder.path() / "a.glb";
     EXPECT_NEAR(area(loadMesh({&path, 1}, {})), 4, 1e-6);
+}
+
+/// There is no set without anything that stands still: the reason is told.
+TEST(Gltf, WhereEverythingMovesTheReasonIsTold) {
+    GltfBuilder file = squareGltf();
+    file.animate(file.root({{"mesh", 0}}), "translation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0});
+    expectError([&] { load(file); }, "a.glb", "everything moves: all nodes with a mesh, 1,");
+    file.root({{"mesh", 0}});
+    EXPECT_EQ(load(file).triangles.size(), 2u);
 }
 
 }  // namespace

@@ -1,0 +1,225 @@
+#include "common/import/mtl_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "common/base/error.h"
+#include "common/base/file_bytes.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Colours beyond that have no meaning, and their square no room.
+constexpr double kMostColor = 1e15;
+
+std::string lowerCase(std::string_view word) {
+    std::string lower(word);
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return lower;
+}
+
+float bounded(double x, double most) {
+    return static_cast<float>(std::isfinite(x) ? std::clamp(x, 0.0, most) : 0.0);
+}
+
+/// A name for the report: it may be long and hold anything.
+std::string printable(std::string_view word) {
+    constexpr std::size_t kMostBytes = 60;
+    std::string text;
+    for (const char c : word.substr(0, kMostBytes))
+        text += std::iscntrl(static_cast<unsigned char>(c)) ? '?' : c;
+    return text;
+}
+
+/// Lines that have no part in a picture of direct light, or that others make complete: colours and
+/// maps of ambient light, and the index of refraction, which goes with Tf and illum.
+constexpr std::array<std::string_view, 6> kMeaningless{"ka",      "map_ka", "ni",
+                                                       "map_aat", "pcr",    "anisor"};
+/// Amounts of which 0 is none.
+constexpr std::array<std::string_view, 3> kAmounts{"ps", "pc", "aniso"};
+
+template <std::size_t N>
+bool isOneOf(const std::array<std::string_view, N>& words, std::string_view word) {
+    return std::ranges::find(words, word) != words.end();
+}
+
+class Parser {
+public:
+    Parser(const std::filesystem::path& path, std::string_view bytes) : text_(path, bytes, true) {}
+
+    std::vector<MtlMaterial> run() {
+        constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+        for (; !text_.atEnd(); text_.nextLine()) {
+            std::string_view word = text_.wordOnLine();
+            if (materials_.empty() && word.starts_with(kByteOrderMark))
+                word.remove_prefix(kByteOrderMark.size());
+            if (word.empty()) continue;
+            const std::string key = lowerCase(word);
+            if (key == "newmtl") {
+                materials_.emplace_back().name = text_.restOfLine();
+                continue;
+            }
+            if (materials_.empty()) text_.fail("'" + printable(word) + "', expected newmtl first");
+            readLine(key, word);
+        }
+        return std::move(materials_);
+    }
+
+private:
+    MtlMaterial& material() { return materials_.back(); }
+
+    void leaveOut(std::string_view what) {
+        const std::string name = printable(what);
+        auto& list = material().leftOut;
+        if (std::ranges::find(list, name) == list.end()) list.push_back(name);
+    }
+
+    void readLine(const std::string& key, std::string_view word) {
+        MtlMaterial& m = material();
+        if (key == "kd") {
+            readColor(word, m.diffuse);
+        } else if (key == "ks") {
+            readColor(word, m.specular);
+        } else if (key == "ke") {
+            readColor(word, m.emission);
+        } else if (key == "d") {
+            readOpacity();
+        } else if (key == "tr") {
+            // Programs that write both write Tr the other way round at times.
+            const float transparency = readShare();
+            if (!m.opacity) m.opacity = 1 - transparency;
+        } else if (key == "ns") {
+            m.exponent = bounded(text_.number(text_.wordOnLine()), 1e6);
+        } else if (key == "pr") {
+            m.roughness = readShare();
+        } else if (key == "pm") {
+            m.metallic = readShare();
+        } else if (key == "illum") {
+            readIllumination();
+        } else if (key == "tf") {
+            readFilter(word);
+        } else if (isOneOf(kMtlMaps, key)) {
+            readMap(key, word);
+        } else if (isOneOf(kAmounts, key)) {
+            if (text_.number(text_.wordOnLine()) != 0) leaveOut(word);
+        } else if (!isOneOf(kMeaningless, key)) {
+            leaveOut(word);
+        }
+    }
+
+    float readShare() { return bounded(text_.number(text_.wordOnLine()), 1); }
+
+    /// "r g b", or "r" for a grey; colours given as spectra or in XYZ are left out.
+    void readColor(std::string_view keyword, std::optional<Rgb>& to) {
+        const std::string_view first = text_.wordOnLine();
+        if (first == "spectral" || first == "xyz")
+            return leaveOut(std::string(keyword) + " " + std::string(first));
+        const double r = text_.number(first);
+        const std::string_view second = text_.wordOnLine();
+        const double g = second.empty() ? r : text_.number(second);
+        const double b = second.empty() ? r : text_.number(text_.wordOnLine());
+        to = Rgb(bounded(r, kMostColor), bounded(g, kMostColor), bounded(b, kMostColor));
+    }
+
+    void readOpacity() {
+        const std::string_view first = text_.wordOnLine();
+        if (first == "-halo") return leaveOut("d -halo");
+        material().opacity = bounded(text_.number(first), 1);
+    }
+
+    /// The kinds of glass: 4, 6, 7 and 9.
+    void readIllumination() {
+        const long long kind = text_.integer(text_.wordOnLine());
+        material().illumination = static_cast<int>(std::clamp(kind, 0LL, 100LL));
+        if (kind == 4 || kind == 6 || kind == 7 || kind == 9)
+            leaveOut("refraction (illum " + std::to_string(kind) + ")");
+    }
+
+    /// Tf of 1 filters nothing.
+    void readFilter(std::string_view keyword) {
+        for (std::string_view word = text_.wordOnLine(); !word.empty(); word = text_.wordOnLine())
+            if (word == "spectral" || word == "xyz" || text_.number(word) != 1)
+                return leaveOut(keyword);
+    }
+
+    /// Options, each with its numbers, then the file's name, which is the rest of the line.
+    void readMap(const std::string& key, std::string_view keyword) {
+        MtlMap map;
+        for (;;) {
+            const TextScanner before = text_;
+            const std::string option = lowerCase(text_.wordOnLine());
+            if (option == "-s") {
+                readPair(map.scale, 1);
+            } else if (option == "-o") {
+                readPair(map.offset, 0);
+            } else if (option == "-clamp") {
+                map.clamp = lowerCase(text_.wordOnLine()) == "on";
+            } else if (option.starts_with('-') && skipOption(option)) {
+                leaveOut(std::string(keyword) + " " + option);
+            } else {
+                text_ = before;
+                break;
+            }
+        }
+        map.file = text_.restOfLine();
+        if (map.file.empty()) text_.fail("no file's name, expected one behind " + key);
+        material().maps[key] = std::move(map);
+    }
+
+    /// One to three numbers; those that are not there are `fallback`, and the third is not used.
+    void readPair(std::array<float, 2>& to, float fallback) {
+        to = {fallback, fallback};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const TextScanner before = text_;
+            const std::string_view word = text_.wordOnLine();
+            if (!isNumber(word)) {
+                text_ = before;
+                return;
+            }
+            const double value = text_.number(word);
+            if (k < 2) to[k] = std::abs(value) < 1e6 ? static_cast<float>(value) : fallback;
+        }
+    }
+
+    static bool isNumber(std::string_view word) {
+        return word.find_first_of("0123456789") != word.npos &&
+               word.find_first_not_of("+-.0123456789eE") == word.npos;
+    }
+
+    /// Of the options that are not read; false if it is none.
+    bool skipOption(const std::string& option) {
+        if (option == "-mm" || option == "-t") {
+            std::array<float, 2> ignored{};
+            readPair(ignored, 0);
+            return true;
+        }
+        constexpr std::array<std::string_view, 8> kWithOneWord{
+            "-blendu", "-blendv", "-bm", "-boost", "-cc", "-imfchan", "-texres", "-type"};
+        if (!isOneOf(kWithOneWord, option)) return false;
+        text_.wordOnLine();
+        return true;
+    }
+
+    TextScanner text_;
+    std::vector<MtlMaterial> materials_;
+};
+
+}  // namespace
+
+const MtlMap* MtlMaterial::map(std::string_view keyword) const {
+    const auto found = maps.find(keyword);
+    return found == maps.end() ? nullptr : &found->second;
+}
+
+std::vector<MtlMaterial> readMtl(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (std::filesystem::file_size(path, ignored) == 0) return {};
+    const std::string bytes = readFileBytes(path);
+    if (bytes.find('\0') != bytes.npos)
+        throwFileError(path, "holds binary data, expected a library of materials");
+    return Parser(path, bytes).run();
+}
+
+}  // namespace shadowcache

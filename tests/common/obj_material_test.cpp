@@ -1,0 +1,253 @@
+// What the libraries of materials of OBJ files become.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/image/png.h"
+#include "common/import/load_mesh.h"
+#include "common/import/set_files.h"
+#include "common/mesh/looks.h"
+#include "tests/support/temporary_folder.h"
+
+namespace shadowcache::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSquareOfTexcoords =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+
+class ObjMaterial : public testing::Test {
+protected:
+    /// The square with one material, `lines` of the library.
+    TriangleMesh square(const std::string& lines) {
+        folder_.write("a.mtl", "newmtl one\n" + lines);
+        return load(kSquareOfTexcoords +
+                    std::string("mtllib a.mtl\nusemtl one\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"));
+    }
+
+    TriangleMesh load(const std::string& obj, References references = References::inside) {
+        const fs::path path = folder_.write("a.obj", obj);
+        MeshOptions options;
+        options.gloss = true;
+        options.references = references;
+        return loadMesh({&path, 1}, options);
+    }
+
+    /// A picture of 2 x 2 texels, rows from the top.
+    void picture(const std::string& name, const std::array<Rgb, 4>& texels) {
+        writePng(folder_.path() / name, {2, 2, {texels.begin(), texels.end()}}, 0);
+    }
+
+    std::size_t leftOut(const TriangleMesh& mesh, const std::string& name) const {
+        const auto found = mesh.report.leftOut.find(name);
+        return found == mesh.report.leftOut.end() ? 0 : found->second;
+    }
+
+    TemporaryFolder folder_;
+};
+
+const Rgb kBlack(0.0f), kWhite(1.0f), kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1);
+
+/// At (x, y) of the square, of triangles (0,0) (1,0) (1,1) and (0,0) (1,1) (0,1).
+Surface at(const TriangleMesh& mesh, float x, float y) {
+    return y <= x ? surfaceAt(mesh, 0, x - y, y, {}) : surfaceAt(mesh, 1, x, y - x, {});
+}
+
+void expectColor(const Rgb& found, const Rgb& wanted) {
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], wanted[k], 1e-3f) << found << wanted;
+}
+
+TEST_F(ObjMaterial, ColorsStandAsTheyAre) {
+    const TriangleMesh mesh = square("Kd .5 .25 1 # a comment\nKa 1 1 1\nillum 1\n");
+    EXPECT_EQ(mesh.materials.at(0).albedo, Rgb(0.5f, 0.25f, 1.0f));
+    EXPECT_FALSE(mesh.materials[0].finish.gloss);
+    EXPECT_FALSE(mesh.materials[0].blends);
+    EXPECT_TRUE(mesh.report.leftOut.empty()) << describe(mesh.report);
+    expectColor(square("kd .3\n").materials.at(0).albedo, Rgb(0.3f));
+}
+
+TEST_F(ObjMaterial, PicturesHaveTheirFirstRowOnTop) {
+    picture("four.png", {kRed, kGreen, kBlue, kWhite});
+    const TriangleMesh mesh = square("Kd .5 .5 .5\nmap_Kd four.png\n");
+    expectColor(at(mesh, 0.25f, 0.75f).baseColor, kRed * 0.5f);
+    expectColor(at(mesh, 0.75f, 0.75f).baseColor, kGreen * 0.5f);
+    expectColor(at(mesh, 0.25f, 0.25f).baseColor, kBlue * 0.5f);
+    // Black beside a picture is none.
+    expectColor(at(square("Kd 0 0 0\nmap_Kd four.png\n"), 0.25f, 0.75f).baseColor, kRed);
+}
+
+TEST_F(ObjMaterial, OptionsOfPictures) {
+    picture("four image.png", {kRed, kGreen, kBlue, kWhite});
+    const auto corner = [&](const std::string& options) {
+        return at(square("map_Kd " + options + " four image.png\n"), 0.25f, 0.25f).baseColor;
+    };
+    expectColor(corner(""), kBlue);
+    expectColor(corner("-o .5 0 0"), kWhite);
+    expectColor(corner("-o 0 .5"), kRed);
+    expectColor(corner("-s 3 3 1"), kGreen);
+}
+
+TEST_F(ObjMaterial, ClampedPicturesDoNotRepeat) {
+    picture("four.png", {kRed, kGreen, kBlue, kWhite});
+    EXPECT_EQ(square("map_Kd -clamp on four.png\n").textures.at(0).wrapS, Texture::Wrap::clamp);
+    const TriangleMesh mesh = square("map_Kd -mm 0 1 -bm 2 -clamp off four.png\n");
+    EXPECT_EQ(mesh.textures.at(0).wrapS, Texture::Wrap::repeat);
+    EXPECT_EQ(leftOut(mesh, "map_Kd -mm"), 1u);
+    EXPECT_EQ(leftOut(mesh, "map_Kd -bm"), 1u);
+}
+
+TEST_F(ObjMaterial, OpacityByNumberAndPicture) {
+    EXPECT_FLOAT_EQ(square("d .25\n").materials.at(0).opacity, 0.25f);
+    EXPECT_FLOAT_EQ(square("Tr .25\n").materials.at(0).opacity, 0.75f);
+    // d is what both say where they differ.
+    EXPECT_FLOAT_EQ(square("d .25\nTr .25\n").materials.at(0).opacity, 0.25f);
+    EXPECT_FLOAT_EQ(square("Tr .25\nd .25\n").materials.at(0).opacity, 0.25f);
+    picture("leaf.png", {kWhite, kBlack, kWhite, kWhite});
+    picture("color.png", {kRed, kRed, kRed, kRed});
+    const TriangleMesh mesh = square("map_Kd color.png\nmap_d leaf.png\n");
+    const Material& material = mesh.materials.at(0);
+    EXPECT_TRUE(material.blends);
+    EXPECT_EQ(mesh.report.blended, 1u);
+    EXPECT_TRUE(isHole(mesh, material, 0, 0, 0.75f, 0.5f));      // (.75, .75): black
+    EXPECT_FALSE(isHole(mesh, material, 0, 0.5f, 0.25f, 0.5f));  // (.75, .25): white
+    expectColor(at(mesh, 0.75f, 0.25f).baseColor, kRed);
+}
+
+TEST_F(ObjMaterial, GlossOfBothKinds) {
+    const Gloss old = *square("Ks .5 .5 .5\nNs 250\n").materials.at(0).finish.gloss;
+    EXPECT_NEAR(old.roughness, 0.5f, 1e-6f);  // as Blender writes and reads it
+    EXPECT_NEAR(old.specularColor.x, 1.0f, 1e-6f);
+    EXPECT_EQ(old.metallic, 0.0f);
+    EXPECT_FALSE(square("Ks 0 0 0\nNs 250\n").materials.at(0).finish.gloss);
+    EXPECT_FALSE(square("Ks 1 1 1\nNs 250\nillum 1\n").materials.at(0).finish.gloss);
+    const Gloss physical = *square("Pr .3\nPm 1\nNs 250\n").materials.at(0).finish.gloss;
+    EXPECT_EQ(physical.roughness, 0.3f);
+    EXPECT_EQ(physical.metallic, 1.0f);
+    picture("rough.png", {kWhite, kWhite, kBlack, kBlack});
+    picture("metal.png", {kBlack, kWhite, kBlack, kWhite});
+    const TriangleMesh mesh = square("map_Pr rough.png\nmap_Pm metal.png\n");
+    const TextureSlot slot = mesh.materials.at(0).finish.metallicRoughness;
+    const auto lowerRight = textureAt(mesh, 0, 0.5f, 0.25f, slot);
+    EXPECT_NEAR(lowerRight[1], 0.0f, 1e-3f);
+    EXPECT_NEAR(lowerRight[2], 1.0f, 1e-3f);
+}
+
+TEST_F(ObjMaterial, EmissionIsRead) {
+    picture("four.png", {kRed, kGreen, kBlue, kWhite});
+    expectColor(at(square("Ke 2 3 4\n"), 0.5f, 0.5f).emission, Rgb(2, 3, 4));
+    expectColor(at(square("Ke 2 2 2\nmap_Ke four.png\n"), 0.25f, 0.75f).emission, kRed * 2.0f);
+}
+
+TEST_F(ObjMaterial, FacesHaveTheMaterialInForce) {
+    folder_.write("a.mtl", "newmtl red\nKd 1 0 0\nnewmtl a blue one\nKd 0 0 1\n");
+    const TriangleMesh mesh = load(std::string(kSquareOfTexcoords) +
+                                   "mtllib a.mtl\nf 1 2 3\nusemtl a blue one\nf 1 3 4\n"
+                                   "usemtl red\nf 2 3 4\nf 1 2 4\nusemtl a blue one\nf 1 2 3 4\n");
+    std::map<int, std::uint32_t> count;
+    for (const MeshPart& part : mesh.parts) count[part.material] += part.triangleCount;
+    ASSERT_EQ(mesh.materials.size(), 2u);
+    EXPECT_EQ(mesh.materials[0].albedo, kBlue);
+    EXPECT_EQ(mesh.materials[1].albedo, kRed);
+    const std::map<int, std::uint32_t> wanted{{-1, 1}, {0, 3}, {1, 2}};
+    EXPECT_EQ(count, wanted);
+}
+
+/// Two faces that meet in an edge and lie at other places of the picture there.
+TEST_F(ObjMaterial, SeamsSplitVertices) {
+    picture("four.png", {kRed, kGreen, kBlue, kWhite});
+    folder_.write("a.mtl", "newmtl one\nmap_Kd four.png\n");
+    const TriangleMesh mesh =
+        load(std::string(kSquareOfTexcoords) +
+             "vt .75 .75\nmtllib a.mtl\nusemtl one\nf 1/1 2/2 3/3\nf 1/5 3/5 4/5\n");
+    EXPECT_EQ(mesh.positions.size(), 6u);
+    expectColor(at(mesh, 0.25f, 0.75f).baseColor, kGreen);
+    expectColor(at(mesh, 0.75f, 0.25f).baseColor, kWhite);
+    EXPECT_EQ(mesh.report.nonManifoldEdges, 0u);
+}
+
+TEST_F(ObjMaterial, ColoursOfVerticesStandForKd) {
+    folder_.write("a.mtl", "newmtl one\nKd .5 .5 .5\n");
+    const auto albedo = [&](const char* color) {
+        std::string obj = "mtllib a.mtl\nusemtl one\n";
+        for (const char* corner : {"0 0 0", "1 0 0", "1 1 0"})
+            obj += "v " + std::string(corner) + color + "\n";
+        return load(obj + "f 1 2 3\n").materials.at(0).albedo;
+    };
+    EXPECT_EQ(albedo(""), Rgb(0.5f));
+    EXPECT_EQ(albedo(" 1 0 0"), kWhite);
+}
+
+TEST_F(ObjMaterial, WhatIsMissingIsNamed) {
+    const TriangleMesh mesh =
+        load(std::string(kSquareOfTexcoords) + "mtllib none.mtl\nusemtl one\nf 1 2 3\nf 1 3 4\n");
+    EXPECT_EQ(mesh.triangles.size(), 2u);
+    EXPECT_EQ(leftOut(mesh, "none.mtl (no such file)"), 1u);
+    EXPECT_EQ(leftOut(mesh, "definition of one (in no library)"), 1u);
+    folder_.write("old.tga", "no picture that is read");
+    const TriangleMesh pictures = square("map_Kd none.png\nmap_Ke old.tga\nKe 1 1 1\n");
+    EXPECT_EQ(leftOut(pictures, "none.png (no such file)"), 1u);
+    EXPECT_EQ(leftOut(pictures, "old.tga (no PNG, JPEG or WebP)"), 1u);
+    EXPECT_EQ(pictures.materials.at(0).texture, -1);
+}
+
+TEST_F(ObjMaterial, WhatIsLeftOutIsNamedOnce) {
+    const TriangleMesh mesh = square(
+        "map_Bump bump.png\nmap_Bump bump.png\nnorm n.png\nillum 7\nTf .5 .5 .5\nPc 1\nPs 0\n"
+        "Ni 1.5\nfoo 1 2 3\nKd spectral file.rfl\nd -halo .5\n");
+    for (const char* name :
+         {"map_Bump", "norm", "refraction (illum 7)", "Tf", "Pc", "foo", "Kd spectral", "d -halo"})
+        EXPECT_EQ(leftOut(mesh, name), 1u) << name;
+    EXPECT_EQ(mesh.report.leftOut.size(), 8u) << describe(mesh.report);
+    EXPECT_NE(describe(mesh.report).find("material without its map_Bump"), std::string::npos);
+}
+
+TEST_F(ObjMaterial, DamagedFilesAreRefused) {
+    picture("whole.png", {kRed, kGreen, kBlue, kWhite});
+    folder_.write("cut.png", readBytes(folder_.path() / "whole.png").substr(0, 40));
+    for (const auto& [lines, file, cause] : std::vector<std::array<std::string, 3>>{
+             {"Kd 1 x 1\n", "a.mtl", "line 2: 'x', expected a number"},
+             {"Kd\n", "a.mtl", "line 2"},
+             {"map_Kd\n", "a.mtl", "line 2: no file's name"},
+             {"map_Kd cut.png\n", "cut.png", ""}}) {
+        SCOPED_TRACE(lines);
+        expectError([&] { square(lines); }, file, cause);
+    }
+    folder_.write("b.mtl", "Kd 1 1 1\n");
+    expectError([&] { load(std::string(kSquareOfTexcoords) + "mtllib b.mtl\nf 1 2 3\n"); }, "b.mtl",
+                "expected newmtl first");
+    // Numbers out of range are brought into it.
+    const Material material = square("Kd 5 -1 nan\nPr 7\nd -2\nKe inf 1e300 -1\n").materials.at(0);
+    EXPECT_EQ(material.albedo, Rgb(1, 0, 0));
+    EXPECT_EQ(material.opacity, 0.0f);
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isfinite(material.finish.emission[k]));
+}
+
+TEST_F(ObjMaterial, FilesOutsideOnlyIfAllowed) {
+    fs::create_directories(folder_.path() / "set");
+    folder_.write("outside.mtl", "newmtl one\nKd 1 0 0\n");
+    const fs::path set =
+        folder_.write("set/a.obj", kSquareOfTexcoords +
+                                       std::string("mtllib ../outside.mtl\nusemtl one\nf 1 2 3\n"));
+    MeshOptions options;
+    expectError([&] { loadMesh({&set, 1}, options); }, set.string(), "--allow-external");
+    EXPECT_EQ(filesOf(set, References::inside).size(), 1u);
+    options.references = References::anywhere;
+    EXPECT_EQ(loadMesh({&set, 1}, options).materials.at(0).albedo, kRed);
+    EXPECT_EQ(filesOf(set, References::anywhere).size(), 2u);
+}
+
+/// Windows' programs write backslashes, and pictures lie beside the library.
+TEST_F(ObjMaterial, FilesOfFoldersAreFound) {
+    fs::create_directories(folder_.path() / "sub/maps");
+    picture("sub/maps/four.png", {kRed, kRed, kRed, kRed});
+    folder_.write("sub/a.mtl", "newmtl one\nmap_Kd maps\\four.png\n");
+    const TriangleMesh mesh = load(std::string(kSquareOfTexcoords) +
+                                   "mtllib sub\\a.mtl\nusemtl one\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+    expectColor(at(mesh, 0.5f, 0.5f).baseColor, kRed);
+    EXPECT_EQ(filesOf(folder_.path() / "a.obj", References::inside).size(), 3u);
+}
+
+}  // namespace
+}  // namespace shadowcache::test
