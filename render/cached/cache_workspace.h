@@ -3,13 +3,9 @@
 #include "common/base/tuned.h"
 #include "common/predict/cache_preview.h"
 #include "common/predict/item_irradiance.h"
-#include "render/cached/cache_pilot.h"
-#include "render/cached/cluster_tools.h"
-#include "render/cached/glossy_cache.h"
+#include "render/cached/cosine_light.h"
+#include "render/cached/lobe_light.h"
 #include "render/cached/place_lookup.h"
-#include "render/cached/regions.h"
-#include "render/cached/sampling_plan.h"
-#include "render/estimators/estimator.h"
 
 namespace shadowcache {
 
@@ -35,17 +31,13 @@ struct CacheWorkspace final : Workspace {
         : lookup(cache),
           preview(cache, environment, kLeastPreviewShare),
           rough(cache, environment, kLeastSpreadShare),
-          regionBuilder(environment, cache.header().tiers()),
-          tools(environment),
-          glossy(environment, cache.header().tiers()) {}
+          cosines(environment, cache.header().tiers()),
+          lobes(environment, cache.header().tiers()) {}
 
     PlaceLookup lookup;
     IrradianceWithoutRays preview, rough;
-    PilotRays pilotRays;
-    RegionBuilder regionBuilder;
-    SamplingPlanner planner;
-    ClusterTools tools;
-    GlossyWorkspace glossy;
+    LightTools<CosineIntegrand> cosines;
+    LobeWorkspace lobes;
 };
 
 }  // namespace shadowcache

@@ -9,27 +9,27 @@
 
 namespace shadowcache {
 
-std::span<const PointShare> sharePoints(std::span<const double> wanted, double offset,
-                                        std::vector<PointShare>& buffer) {
+std::span<const SampleCount> roundCounts(std::span<const double> wanted, double offset,
+                                         std::vector<SampleCount>& buffer) {
     buffer.clear();
     double before = std::floor(offset), sum = offset;
-    for (const double share : wanted) {
-        sum += share;
+    for (const double expected : wanted) {
+        sum += expected;
         const double after = std::floor(sum);
-        const auto count = static_cast<int>(after - std::exchange(before, after));
-        buffer.push_back({count, share < 1 ? share : count, share});
+        const auto drawn = static_cast<int>(after - std::exchange(before, after));
+        buffer.push_back({drawn, expected < 1 ? expected : drawn, expected});
     }
     return buffer;
 }
 
 std::span<const ClusterSample> ClusterSampler::draw(const PointBatch& batch,
                                                     std::span<const std::uint32_t> members,
-                                                    std::span<const PointShare> shares,
+                                                    std::span<const SampleCount> counts,
                                                     const RegionDistribution& distribution,
                                                     Sequence sequence) {
     samples_.clear();
     if (distribution.empty()) return samples_;
-    drawNumbers(batch, members, shares, sequence);
+    drawNumbers(batch, members, counts, sequence);
     if (numbers_.empty()) return samples_;
     sortNumbers();
     RegionDistribution::Walk walk(distribution);
@@ -38,7 +38,7 @@ std::span<const ClusterSample> ClusterSampler::draw(const PointBatch& batch,
             walk.next(static_cast<double>(number.key) * 0x1p-64);
         samples_.push_back(
             {members[number.member], choice.place,
-             static_cast<float>(choice.inverseChance / shares[number.member].divisor),
+             static_cast<float>(choice.inverseChance / counts[number.member].divisor),
              distribution.startDraw(choice), number.jitter});
     }
     for (ClusterSample& sample : samples_) environment_.findTexel(sample.draw);
@@ -46,11 +46,11 @@ std::span<const ClusterSample> ClusterSampler::draw(const PointBatch& batch,
 }
 
 void ClusterSampler::drawNumbers(const PointBatch& batch, std::span<const std::uint32_t> members,
-                                 std::span<const PointShare> shares, Sequence sequence) {
+                                 std::span<const SampleCount> counts, Sequence sequence) {
     numbers_.clear();
     for (std::size_t i = 0; i < members.size(); ++i) {
         const ShadingPoint& point = batch.points[members[i]];
-        const int count = shares[i].count;
+        const int count = counts[i].drawn;
         const std::uint64_t base =
             hashWords(point.seed, RenderSalt::clusterJitter, point.cameraRay);
         for (int j = 0; j < count; ++j)

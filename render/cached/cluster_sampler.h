@@ -14,7 +14,7 @@ namespace shadowcache {
 struct ClusterSample {
     std::uint32_t point;  ///< number in the batch
     RegionPlace place;
-    float share;  ///< 1 / (number of samples expected of the point in the region)
+    float inverseCount;  ///< 1 / (number of samples expected of the point in the region)
     Environment::Draw draw;
     std::uint64_t jitter;
 
@@ -24,9 +24,9 @@ struct ClusterSample {
     }
 };
 
-/// Samples of a point.
-struct PointShare {
-    int count;        ///< drawn
+/// How many samples a point has.
+struct SampleCount {
+    int drawn;
     double divisor;   ///< what they are divided by: their number, or the chance of the only one
     double expected;  ///< their number on average. Numbers of different points depend on each other
 };
@@ -36,8 +36,8 @@ struct PointShare {
 /// @param wanted  samples of each point, above 0, perhaps below 1
 /// @param offset  in [0, 1), by chance: which points get one more
 /// @return reused memory of `buffer`
-std::span<const PointShare> sharePoints(std::span<const double> wanted, double offset,
-                                        std::vector<PointShare>& buffer);
+std::span<const SampleCount> roundCounts(std::span<const double> wanted, double offset,
+                                         std::vector<SampleCount>& buffer);
 
 /// Draws the samples of a cluster from its distribution. All points draw from one sequence, one
 /// after the other, so that the samples of a point, of a pixel and of the cluster are stratified
@@ -47,11 +47,11 @@ public:
     explicit ClusterSampler(const Environment& environment) : environment_(environment) {}
 
     /// @param members  numbers of the cluster's points, in the order of their pixels
-    /// @param shares   of the members
+    /// @param counts   of the members
     /// @return in the order of regions, so that neighbours are coherent; valid until the next call
     std::span<const ClusterSample> draw(const PointBatch& batch,
                                         std::span<const std::uint32_t> members,
-                                        std::span<const PointShare> shares,
+                                        std::span<const SampleCount> counts,
                                         const RegionDistribution& distribution, Sequence sequence);
 
 private:
@@ -61,7 +61,7 @@ private:
         std::uint64_t jitter;
     };
     void drawNumbers(const PointBatch& batch, std::span<const std::uint32_t> members,
-                     std::span<const PointShare> shares, Sequence sequence);
+                     std::span<const SampleCount> counts, Sequence sequence);
     void sortNumbers();
 
     const Environment& environment_;

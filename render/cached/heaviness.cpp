@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/tuned.h"
+#include "render/cached/cosine_integrand.h"
 #include "render/cached/neighbor_reuse.h"
 
 namespace shadowcache {
@@ -69,9 +70,10 @@ VarianceByHeaviness varianceByHeaviness(const Regions& regions, const PlanRules&
             const auto visible = static_cast<double>(group.calibrated[i]);
             const bool darkIsPredicted = group.visibility[i] < rules.mostlyVisible;
             const double chance = darkIsPredicted ? visible : 1 - visible;
-            const double gain = darkIsPredicted || group.above[i] > 0
-                                    ? 1 + kSharedMispredictions * (pointsOfGroup(chance) - 1)
-                                    : 1;
+            const double gain =
+                darkIsPredicted || group.exact[i] > 0
+                    ? 1 + kSharedMispredictions * (pixelsOfGroup(chance, kGroupPerFind) - 1)
+                    : 1;
             found.add(perLight * static_cast<double>(group.light[i]) / weight, variance,
                       variance / gain);
         }

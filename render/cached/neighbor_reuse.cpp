@@ -8,16 +8,13 @@
 #include <utility>
 
 #include "common/base/tuned.h"
+#include "render/cached/cosine_integrand.h"
+#include "render/cached/lobe_integrand.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Pixels of a group for each that is mispredicted, on average: the gain saturates at one, but a
-/// reused ray costs a tenth of a sample.
-SHADOWCACHE_TUNED(double, kGroupPerFind, 8);
-/// The same of glossy points, whose lobes differ: fewer of them gain from a misprediction.
-SHADOWCACHE_TUNED(double, kGlossyGroupPerFind, 16);
 /// Most pixels of a group.
 SHADOWCACHE_TUNED(double, kMostGroupPixels, 256);
 
@@ -31,35 +28,33 @@ SHADOWCACHE_TUNED(std::uint32_t, kWideRows, 16);
 /// Clusters that are asked how likely a misprediction is.
 SHADOWCACHE_TUNED(std::size_t, kAskedClusters, 32);
 
-double pointsOfGroup(double chance, double perFind) {
+}  // namespace
+
+double pixelsOfGroup(double chance, double perFind) {
     return std::clamp(perFind / std::max(chance, 1e-12), 1.0, kMostGroupPixels);
 }
 
-}  // namespace
-
-double pointsOfGroup(double chance) {
-    return pointsOfGroup(chance, kGroupPerFind);
-}
-
-NeighborReuse::NeighborReuse(const Environment& environment) : environment_(environment) {
+template <Integrand I>
+NeighborReuse<I>::NeighborReuse(const Environment& environment) : environment_(environment) {
     sizes_.resize(cellCount(Environment::kLevel));
     sizeBatch_.resize(cellCount(Environment::kLevel));
 }
 
-NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointClusters& clusters,
-                                          std::span<const GlossyPoint> glossy) {
+template <Integrand I>
+typename NeighborReuse<I>::Batch NeighborReuse<I>::begin(const PointBatch& batch,
+                                                         const PointClusters& clusters,
+                                                         const typename I::Points& points) {
     batch_ = batch;
-    glossy_ = glossy;
-    lobeSamples_.assign(glossy.size(), 0);
+    points_ = points;
     clusters_ = &clusters;
     count_ = 0;
     found_.clear();
     ++batchNumber_;
-    const std::size_t points = batch.points.size();
-    samples_.assign(points, 0);
-    tooHeavyFrom_.assign(points, std::numeric_limits<double>::infinity());
+    const std::size_t count = batch.points.size();
+    samples_.assign(count, 0);
+    tooHeavyFrom_.assign(count, std::numeric_limits<double>::infinity());
     pixelReceived_.resize(batch.pixels);
-    clusterOf_.resize(points);
+    clusterOf_.resize(count);
     for (std::uint32_t c = 0; c < clusters.clusters().size(); ++c) {
         const PointCluster& cluster = clusters.clusters()[c];
         for (std::uint32_t i = cluster.begin; i < cluster.end; ++i)
@@ -68,7 +63,7 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
     rows_ = 0;
     for (const ShadingPoint& point : batch.points) rows_ = std::max(rows_, point.row + 1);
     pointAt_.assign(std::size_t{rows_} * batch.pixels, -1);
-    for (std::size_t i = 0; i < points; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         const ShadingPoint& point = batch.points[i];
         std::int32_t& first = pointAt_[std::size_t{point.row} * batch.pixels + point.pixel];
         if (first < 0)
@@ -80,13 +75,13 @@ NeighborReuse::Batch NeighborReuse::begin(const PointBatch& batch, const PointCl
     return Batch(*this);
 }
 
-void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan& plan,
-                                      const RegionDistribution& distribution,
-                                      std::span<const std::uint32_t> members,
-                                      std::span<const PointShare> shares,
-                                      std::span<const double> heavyFrom,
-                                      std::span<const PointShare> ofLobes) {
-    NeighborReuse& r = reuse_;
+template <Integrand I>
+void NeighborReuse<I>::Batch::addCluster(const Regions& regions, const SamplingPlan& plan,
+                                         const RegionDistribution& distribution,
+                                         std::span<const std::uint32_t> members,
+                                         std::span<const SampleCount> counts,
+                                         std::span<const double> heavyFrom) {
+    NeighborReuse<I>& r = reuse_;
     if (r.offers_.size() == r.count_) r.offers_.emplace_back(r.environment_);
     ClusterOffers& cluster = r.offers_[r.count_++];
     cluster.distribution = distribution;
@@ -101,17 +96,16 @@ void NeighborReuse::Batch::addCluster(const Regions& regions, const SamplingPlan
     }
     cluster.samples = 0;
     for (std::size_t i = 0; i < members.size(); ++i) {
-        r.samples_[members[i]] = shares[i].expected;
-        cluster.samples += shares[i].expected;
+        r.samples_[members[i]] = counts[i].expected;
+        cluster.samples += counts[i].expected;
     }
     for (std::size_t i = 0; i < heavyFrom.size(); ++i)
         r.tooHeavyFrom_[members[i]] = kWideReuse * heavyFrom[i];
-    for (std::size_t i = 0; i < ofLobes.size(); ++i)
-        r.lobeSamples_[members[i]] = ofLobes[i].expected;
 }
 
-void NeighborReuse::Batch::finish(const Scene& scene, std::span<Estimate> estimates) {
-    NeighborReuse& r = reuse_;
+template <Integrand I>
+void NeighborReuse<I>::Batch::finish(const Scene& scene, std::span<Estimate> estimates) {
+    NeighborReuse<I>& r = reuse_;
     r.offered_.resize(r.count_);
     r.offeredNumber_.resize(std::max(r.offeredNumber_.size(), r.count_), 0);
     for (const Misprediction& found : r.found_) {
@@ -121,8 +115,9 @@ void NeighborReuse::Batch::finish(const Scene& scene, std::span<Estimate> estima
     }
 }
 
-NeighborReuse::Offered NeighborReuse::offered(const ClusterOffers& cluster,
-                                              const Misprediction& found) {
+template <Integrand I>
+typename NeighborReuse<I>::Offered NeighborReuse<I>::offered(const ClusterOffers& cluster,
+                                                             const Misprediction& found) {
     const RegionPlace place = cluster.distribution.find(found.cell);
     if (!place.found()) return {};
     const Offer& offer = cluster.offers[place.group];
@@ -134,7 +129,8 @@ NeighborReuse::Offered NeighborReuse::offered(const ClusterOffers& cluster,
 
 /// Pixels of a group, a power of two: by the chance of a misprediction in the direction's cell,
 /// over the batch, so that all points that may find one there agree about their groups.
-std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
+template <Integrand I>
+std::uint32_t NeighborReuse<I>::groupSize(const Misprediction& found) {
     if (sizeBatch_[found.cell] == batchNumber_) return sizes_[found.cell];
     double weight = 0, chance = 0;  // where no cluster that is asked offers it: as if certain
     const std::size_t step = std::max<std::size_t>(1, count_ / kAskedClusters);
@@ -144,25 +140,18 @@ std::uint32_t NeighborReuse::groupSize(const Misprediction& found) {
         weight += samples;
         chance += samples * static_cast<double>(offer.chance);
     }
-    const double perFind = glossy_.empty() ? kGroupPerFind : kGlossyGroupPerFind;
-    const double most = pointsOfGroup(weight > 0 ? chance / weight : 1.0, perFind);
+    const double most =
+        pixelsOfGroup(weight > 0 ? chance / weight : 1.0, I::Points::groupPerFind());
     sizeBatch_[found.cell] = batchNumber_;
     return sizes_[found.cell] = std::max(1u, std::bit_floor(static_cast<std::uint32_t>(most)));
-}
-
-double NeighborReuse::densityOf(std::uint32_t point, const Offered& offer,
-                                const Vec3f& direction) const {
-    const double ofRegions = offer.density * samples_[point];
-    if (glossy_.empty()) return ofRegions;
-    return ofRegions +
-           lobeSamples_[point] * static_cast<double>(glossy_[point].lobe.density(direction));
 }
 
 /// The points that reuse a direction: the mispredicted ones of the finder's group, or, where what
 /// they receive is too heavy, those of all such groups of its rows. Whether it is depends on the
 /// direction and on the group, not on who found it, so both divide the points into disjoint sets.
-void NeighborReuse::findMispredicted(const Misprediction& found, const Scene& scene,
-                                     std::span<Estimate> estimates) {
+template <Integrand I>
+void NeighborReuse<I>::findMispredicted(const Misprediction& found, const Scene& scene,
+                                        std::span<Estimate> estimates) {
     const ShadingPoint& finder = batch_.points[found.finder];
     const std::uint32_t size = groupSize(found);
     const std::uint32_t first = finder.pixel / size * size;
@@ -180,13 +169,16 @@ void NeighborReuse::findMispredicted(const Misprediction& found, const Scene& sc
     keepTooHeavyGroups(found, size);
 }
 
-double NeighborReuse::sumOfDensities(std::span<const Candidate> candidates) {
+template <Integrand I>
+double NeighborReuse<I>::sumOfDensities(std::span<const Candidate> candidates) {
     double density = 0;
     for (const Candidate& c : candidates) density += c.density;
     return density;
 }
 
-bool NeighborReuse::isTooHeavy(const Misprediction& found, std::span<const Candidate> group) const {
+template <Integrand I>
+bool NeighborReuse<I>::isTooHeavy(const Misprediction& found,
+                                  std::span<const Candidate> group) const {
     const double density = sumOfDensities(group);
     double ofPixel = 0;  // what its points receive, over what is too much
     for (std::size_t i = 0; i < group.size(); ++i) {
@@ -200,7 +192,8 @@ bool NeighborReuse::isTooHeavy(const Misprediction& found, std::span<const Candi
     return false;
 }
 
-void NeighborReuse::keepTooHeavyGroups(const Misprediction& found, std::uint32_t size) {
+template <Integrand I>
+void NeighborReuse<I>::keepTooHeavyGroups(const Misprediction& found, std::uint32_t size) {
     const auto groupOf = [&](const Candidate& c) {
         const ShadingPoint& point = batch_.points[c.point];
         return std::pair(point.row, point.pixel / size);
@@ -217,8 +210,9 @@ void NeighborReuse::keepTooHeavyGroups(const Misprediction& found, std::uint32_t
     candidates_.erase(kept, candidates_.end());
 }
 
-void NeighborReuse::addCandidates(const Misprediction& found, std::uint32_t row,
-                                  std::uint32_t first, std::uint32_t last) {
+template <Integrand I>
+void NeighborReuse<I>::addCandidates(const Misprediction& found, std::uint32_t row,
+                                     std::uint32_t first, std::uint32_t last) {
     const std::int32_t* firstPoints = pointAt_.data() + std::size_t{row} * batch_.pixels;
     for (std::uint32_t pixel = first; pixel < last; ++pixel) {
         if (firstPoints[pixel] < 0) continue;
@@ -230,11 +224,10 @@ void NeighborReuse::addCandidates(const Misprediction& found, std::uint32_t row,
     }
 }
 
-void NeighborReuse::addCandidate(const Misprediction& found, std::uint32_t point) {
+template <Integrand I>
+void NeighborReuse<I>::addCandidate(const Misprediction& found, std::uint32_t point) {
     if (!(samples_[point] > 0)) return;
-    const Vec3f& normal =
-        glossy_.empty() ? batch_.points[point].normal : glossy_[point].lobe.normal();
-    if (found.direction.dot(normal) <= 0) return;
+    if (found.direction.dot(points_.normal(point)) <= 0) return;
     const std::uint32_t c = clusterOf_[point];
     if (offeredNumber_[c] != foundNumber_) {
         offeredNumber_[c] = foundNumber_;
@@ -242,12 +235,15 @@ void NeighborReuse::addCandidate(const Misprediction& found, std::uint32_t point
     }
     const Offered& offer = offered_[c];
     if (offer.samples == 0) return;
-    candidates_.push_back({point, densityOf(point, offer, found.direction), offer.visible});
+    const double density =
+        offer.density * samples_[point] + points_.otherDensity(point, found.direction);
+    candidates_.push_back({point, density, offer.visible});
 }
 
 /// Removes the candidates that the direction does not contradict; the others keep their order.
-void NeighborReuse::keepMispredicted(const Misprediction& found, const Scene& scene,
-                                     std::span<Estimate> estimates) {
+template <Integrand I>
+void NeighborReuse<I>::keepMispredicted(const Misprediction& found, const Scene& scene,
+                                        std::span<Estimate> estimates) {
     std::size_t kept = 0;
     RayPacket packet{};
     std::array<Candidate, RayPacket::kSize> queue;
@@ -276,16 +272,9 @@ void NeighborReuse::keepMispredicted(const Misprediction& found, const Scene& sc
     candidates_.resize(kept);
 }
 
-Rgb NeighborReuse::received(std::uint32_t point, const Misprediction& found, double density) const {
-    if (!glossy_.empty())
-        return found.radiance * glossy_[point].lobe.value(found.direction) *
-               static_cast<float>(1 / density);
-    const float cosine = found.direction.dot(batch_.points[point].normal);
-    return found.radiance * static_cast<float>(static_cast<double>(cosine) / density);
-}
-
 /// Estimates of a pixel that receive the same misprediction err alike.
-void NeighborReuse::contribute(const Misprediction& found, std::span<Estimate> estimates) {
+template <Integrand I>
+void NeighborReuse<I>::contribute(const Misprediction& found, std::span<Estimate> estimates) {
     const double density = sumOfDensities(candidates_);
     for (const Candidate& c : candidates_) pixelReceived_[batch_.points[c.point].pixel] = 0;
     for (const Candidate& c : candidates_) {
@@ -301,5 +290,8 @@ void NeighborReuse::contribute(const Misprediction& found, std::span<Estimate> e
         estimate.covariance += own * (pixelReceived_[batch_.points[c.point].pixel] - own);
     }
 }
+
+template class NeighborReuse<CosineIntegrand>;
+template class NeighborReuse<LobeIntegrand>;
 
 }  // namespace shadowcache

@@ -5,25 +5,18 @@
 #include <span>
 #include <vector>
 
-#include "common/trace/scene.h"
 #include "render/cached/cluster_sampler.h"
 #include "render/cached/point_clusters.h"
+#include "render/cached/region_builder.h"
+#include "render/cached/sample_tracer.h"
 
 namespace shadowcache {
 
-/// A direction in which a sample found the sky where the cache predicts an occluder, or an occluder
-/// where it predicts the sky.
-struct Misprediction {
-    Vec3f direction;
-    Rgb radiance;
-    std::uint32_t cell;    ///< of level Environment::kLevel, that holds the light
-    double lightDensity;   ///< density of samples in proportion to the light [radiance]
-    std::uint32_t finder;  ///< number of the point
-};
-
 /// Pixels of a group whose points are mispredicted with a probability of `chance`, before it is
 /// rounded to a power of two.
-double pointsOfGroup(double chance);
+///
+/// @param perFind  pixels for each that is mispredicted, on average
+double pixelsOfGroup(double chance, double perFind);
 
 /// Points of neighbouring pixels reuse each other's mispredictions, each of which is rare and
 /// heavy: multi-sample MIS. A point takes part in what another found with the balance heuristic
@@ -32,6 +25,7 @@ double pointsOfGroup(double chance);
 /// mispredicted points that each would receive too much reuse the direction together. Unbiased,
 /// because groups, densities, and whether a point is mispredicted, do not depend on the samples.
 /// [docs/estimator.md; Bekaert et al. 2002 for the reuse of paths]
+template <Integrand I>
 class NeighborReuse {
 public:
     explicit NeighborReuse(const Environment& environment);
@@ -45,13 +39,12 @@ public:
         ///
         /// @param heavyFrom  for each point, irradiance [luminance] from which on a sample is
         /// heavy; empty: none is
-        /// @param ofLobes  samples of the points' lobes beside them, of a batch of glossy points
         void addCluster(const Regions& regions, const SamplingPlan& plan,
                         const RegionDistribution& distribution,
-                        std::span<const std::uint32_t> members, std::span<const PointShare> shares,
-                        std::span<const double> heavyFrom,
-                        std::span<const PointShare> ofLobes = {});
-        void add(const Misprediction& found) { reuse_.found_.push_back(found); }
+                        std::span<const std::uint32_t> members, std::span<const SampleCount> counts,
+                        std::span<const double> heavyFrom);
+        /// Mispredictions of the samples are to be added.
+        std::vector<Misprediction>& found() { return reuse_.found_; }
         /// Adds to the points' estimates what all mispredictions contribute, the finders' share
         /// too.
         void finish(const Scene& scene, std::span<Estimate> estimates);
@@ -62,11 +55,9 @@ public:
         NeighborReuse& reuse_;
     };
 
-    /// @param batch, clusters, glossy  are read until the batch is finished
-    /// @param glossy  the batch's points with their lobes, which are then lit in place of the
-    /// cosine
+    /// @param batch, clusters, points  are read until the batch is finished
     Batch begin(const PointBatch& batch, const PointClusters& clusters,
-                std::span<const GlossyPoint> glossy = {});
+                const typename I::Points& points);
 
 private:
     /// Of sixteen regions: PlannedGroup::reuse, and the probability of a misprediction.
@@ -95,10 +86,11 @@ private:
         bool visible;    ///< what would contradict its prediction
     };
 
-    double densityOf(std::uint32_t point, const Offered& offer, const Vec3f& direction) const;
     /// What a misprediction contributes to a point; `density`, of all that may find it, is negative
     /// where light that was predicted is missing.
-    Rgb received(std::uint32_t point, const Misprediction& found, double density) const;
+    Rgb received(std::uint32_t point, const Misprediction& found, double density) const {
+        return found.radiance * points_.value(point, found.direction, density);
+    }
     static Offered offered(const ClusterOffers& cluster, const Misprediction& found);
     std::uint32_t groupSize(const Misprediction& found);
     void findMispredicted(const Misprediction& found, const Scene& scene,
@@ -119,13 +111,12 @@ private:
     const Environment& environment_;
 
     PointBatch batch_;
-    std::span<const GlossyPoint> glossy_;
+    typename I::Points points_;
     const PointClusters* clusters_ = nullptr;
     std::vector<ClusterOffers> offers_;  ///< by cluster; only the first count_ are of this batch
     std::size_t count_ = 0;
     std::vector<std::uint32_t> clusterOf_;  ///< by point
     std::vector<double> samples_;           ///< by point
-    std::vector<double> lobeSamples_;       ///< by glossy point
     std::vector<double> tooHeavyFrom_;      ///< by point [luminance]
     std::uint32_t rows_ = 0;                ///< of the batch's points
     std::vector<std::int32_t> pointAt_;     ///< first of a row and pixel; -1: none

@@ -29,6 +29,10 @@ public:
                int samples);
 
     std::span<const PointCluster> clusters() const { return clusters_; }
+    /// Numbers of a cluster's points, which ascend.
+    std::span<const std::uint32_t> membersOf(const PointCluster& cluster) const {
+        return std::span(order_).subspan(cluster.begin, cluster.end - cluster.begin);
+    }
     /// Numbers of the points, cluster by cluster; in a cluster they ascend.
     std::span<const std::uint32_t> order() const { return order_; }
 

@@ -68,9 +68,7 @@ double RegionDistribution::pdf(const Vec3f& direction, const TexelCells& texels)
 
 double RegionDistribution::pdf(const RegionPlace& place, double lightDensity) const {
     if (!place.found()) return 0;
-    const Group& group = groupAt(place);
-    const std::uint32_t cell = group.firstCell + static_cast<std::uint32_t>(place.lane);
-    return chance(place) * lightDensity / environment_->luminanceIntegral(group.level, cell);
+    return chance(place) * lightDensity / light(place);
 }
 
 RegionPlace RegionDistribution::find(std::uint32_t cell) const {

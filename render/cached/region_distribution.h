@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/light/environment.h"
 #include "render/cached/sampling_plan.h"
 
 namespace shadowcache {
@@ -54,6 +55,12 @@ public:
     /// Chance of a region.
     double chance(const RegionPlace& place) const {
         return static_cast<double>(groupAt(place).weight[place.lane]) / weightSum_;
+    }
+    /// Integral of the luminance over a region [radiance sr].
+    double light(const RegionPlace& place) const {
+        const Group& group = groupAt(place);
+        return environment_->luminanceIntegral(
+            group.level, group.firstCell + static_cast<std::uint32_t>(place.lane));
     }
     /// The region that holds the light of a cell of Environment::kLevel.
     RegionPlace find(std::uint32_t cell) const;

@@ -20,7 +20,7 @@ double need(const PredictedNoise& noise) {
 
 }  // namespace
 
-double SampleBudget::share(double need) const {
+double SampleBudget::samplesFor(double need) const {
     return std::clamp(need * perNeed_, least_, most_);
 }
 
@@ -29,27 +29,27 @@ SampleBudget::SampleBudget(std::span<const PredictedNoise> places, int samples) 
     least_ = wanted * kLeastBudget;
     most_ = wanted * kMostBudget;
     const auto count = static_cast<double>(std::max<std::size_t>(places.size(), 1));
-    // The mean share grows with perNeed_: halve the interval.
+    // The mean grows with perNeed_: halve the interval.
     double low = 0, high = 1;
-    const auto meanShare = [&](double perNeed) {
+    const auto meanSamples = [&](double perNeed) {
         perNeed_ = perNeed;
         double sum = 0;
-        for (const PredictedNoise& p : places) sum += share(need(p)) / count;
+        for (const PredictedNoise& p : places) sum += samplesFor(need(p)) / count;
         return sum;
     };
-    while (meanShare(high) < wanted && high < 1e18) high *= 4;
+    while (meanSamples(high) < wanted && high < 1e18) high *= 4;
     for (int i = 0; i < 60; ++i) {
         const double middle = (low + high) / 2;
-        (meanShare(middle) < wanted ? low : high) = middle;
+        (meanSamples(middle) < wanted ? low : high) = middle;
     }
     perNeed_ = high;
     predictedError_ = 0;
     for (const PredictedNoise& p : places)
-        predictedError_ += need(p) * need(p) / share(need(p)) / count;
+        predictedError_ += need(p) * need(p) / samplesFor(need(p)) / count;
 }
 
-double SampleBudget::shareOf(const PredictedNoise& noise) const {
-    return share(need(noise));
+double SampleBudget::samplesOf(const PredictedNoise& noise) const {
+    return samplesFor(need(noise));
 }
 
 }  // namespace shadowcache

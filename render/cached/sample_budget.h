@@ -19,13 +19,13 @@ public:
     SampleBudget(std::span<const PredictedNoise> places, int samples);
 
     /// Samples of a place; below 1, the chance of one.
-    double shareOf(const PredictedNoise& noise) const;
+    double samplesOf(const PredictedNoise& noise) const;
 
     /// relMSE that the plan leads to on the places it was made for.
     double predictedError() const { return predictedError_; }
 
 private:
-    double share(double need) const;
+    double samplesFor(double need) const;
 
     double least_ = 1, most_ = 1;
     double perNeed_ = 0;

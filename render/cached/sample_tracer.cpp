@@ -6,11 +6,12 @@ namespace shadowcache {
 
 SampleTracer::Run SampleTracer::begin(const EstimatorContext& context, const PointBatch& batch,
                                       std::span<const std::uint32_t> members,
-                                      NeighborReuse::Batch& reuse, std::span<Estimate> estimates) {
+                                      std::vector<Misprediction>& found,
+                                      std::span<Estimate> estimates) {
     members_ = members;
     partners_.resize(std::max(partners_.size(), batch.points.size()));
     for (const std::uint32_t point : members) partners_[point] = {};
-    return {*this, context, batch, reuse, estimates};
+    return {*this, context, batch, found, estimates};
 }
 
 /// The squared difference of two neighbours in the order of regions estimates the variance of their
@@ -57,7 +58,7 @@ void SampleTracer::Run::flush() {
         const Pending& p = tracer_.pending_[k];
         const bool isVisible = (visible >> k & 1u) != 0;
         ++estimates_[p.point].rays;
-        if (p.reuse != 0 && isVisible == (p.reuse > 0)) reuse_.add(p.found);
+        if (p.reuse != 0 && isVisible == (p.reuse > 0)) found_.push_back(p.found);
         add(p.point, isVisible ? p.ifVisible : p.ifOccluded);
     }
     tracer_.queued_ = 0;

@@ -1,11 +1,23 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "render/cached/neighbor_reuse.h"
+#include "common/trace/scene.h"
+#include "render/estimators/estimator.h"
 
 namespace shadowcache {
+
+/// A direction in which a sample found the sky where the cache predicts an occluder, or an occluder
+/// where it predicts the sky.
+struct Misprediction {
+    Vec3f direction;
+    Rgb radiance;
+    std::uint32_t cell;    ///< of level Environment::kLevel, that holds the light
+    double lightDensity;   ///< density of samples in proportion to the light [radiance]
+    std::uint32_t finder;  ///< number of the point
+};
 
 /// Traces samples of a cluster's points in packets and adds what they bring to the points'
 /// estimates.
@@ -27,11 +39,11 @@ public:
     private:
         friend class SampleTracer;
         Run(SampleTracer& tracer, const EstimatorContext& context, const PointBatch& batch,
-            NeighborReuse::Batch& reuse, std::span<Estimate> estimates)
+            std::vector<Misprediction>& found, std::span<Estimate> estimates)
             : tracer_(tracer),
               context_(context),
               batch_(batch),
-              reuse_(reuse),
+              found_(found),
               estimates_(estimates) {}
         void queue(std::uint32_t point, const Vec3f& direction);
         void flush();
@@ -39,14 +51,15 @@ public:
         SampleTracer& tracer_;
         const EstimatorContext& context_;
         const PointBatch& batch_;
-        NeighborReuse::Batch& reuse_;
+        std::vector<Misprediction>& found_;
         std::span<Estimate> estimates_;
     };
 
     /// @param members    numbers of the points in the batch that samples will be of
-    /// @param batch, reuse, estimates  are used until the run is finished
+    /// @param batch, estimates  are used until the run is finished
+    /// @param found  mispredictions that are to be reused are added to it
     Run begin(const EstimatorContext& context, const PointBatch& batch,
-              std::span<const std::uint32_t> members, NeighborReuse::Batch& reuse,
+              std::span<const std::uint32_t> members, std::vector<Misprediction>& found,
               std::span<Estimate> estimates);
 
 private:

@@ -53,7 +53,7 @@ const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples
         for (int i = 0; i < kBlockCells; ++i) {
             const float weight = weights.of(from, i);
             const float isHeavy = from.light[i] > least * weight ? 1.0f : 0.0f;
-            const float sign = from.visibility[i] < rules_.mostlyVisible ? 1.0f : -from.above[i];
+            const float sign = from.visibility[i] < rules_.mostlyVisible ? 1.0f : -from.exact[i];
             to.reuse[i] = isHeavy * sign;
             marked[i] = std::abs(to.reuse[i]);
             to.weight[i] = weight * (1 - marked[i] * (1 - kReuseWeight));

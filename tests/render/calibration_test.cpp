@@ -85,11 +85,11 @@ TEST(SampleBudget, KeepsTheMeanAndFollowsTheNoise) {
     for (int i = 0; i < 400; ++i) places.push_back({0.001 * i, 1});
     const SampleBudget budget(places, 64);
     double sum = 0;
-    for (const PredictedNoise& place : places) sum += budget.shareOf(place);
+    for (const PredictedNoise& place : places) sum += budget.samplesOf(place);
     EXPECT_NEAR(sum / 400, 64, 0.5);
-    EXPECT_NEAR(budget.shareOf(places[0]), 16, 1e-9);
-    EXPECT_GT(budget.shareOf(places[399]), 2 * budget.shareOf(places[150]));
-    EXPECT_NEAR(budget.shareOf({1e9, 1}), 1024, 1e-9);
+    EXPECT_NEAR(budget.samplesOf(places[0]), 16, 1e-9);
+    EXPECT_GT(budget.samplesOf(places[399]), 2 * budget.samplesOf(places[150]));
+    EXPECT_NEAR(budget.samplesOf({1e9, 1}), 1024, 1e-9);
 }
 
 // One sample each, and still some places get more than others.
@@ -97,8 +97,8 @@ TEST(SampleBudget, SharesOutFractionsOfASample) {
     std::vector<PredictedNoise> places;
     for (int i = 0; i < 400; ++i) places.push_back({0.001 * i, 1});
     const SampleBudget budget(places, 1);
-    EXPECT_NEAR(budget.shareOf(places[0]), 0.25, 1e-9);
-    EXPECT_GT(budget.shareOf(places[399]), 1);
+    EXPECT_NEAR(budget.samplesOf(places[0]), 0.25, 1e-9);
+    EXPECT_GT(budget.samplesOf(places[399]), 1);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "render/cached/cluster_sampler.h"
-#include "render/cached/control_variate.h"
+#include "render/cached/cosine_integrand.h"
 #include "render/cached/point_clusters.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
@@ -42,10 +42,16 @@ protected:
         }
         members_.resize(kPoints);
         std::iota(members_.begin(), members_.end(), 0u);
-        RegionBuilder builder(environment_, cache_.cache().header().tiers());
-        regions_ = builder.build(pooled_, centre.normal, kTilt, Calibration(), 0);
-        plan_ = SamplingPlanner().plan(regions_, 64, {0, 0.4}, 0.045);
-        distribution_.assign(regions_, plan_);
+        fitted_ = build(kTilt, 0);
+        plan_ = SamplingPlanner().plan(fitted_.regions, 64, {0, 0.4}, 0.045);
+        distribution_.assign(fitted_.regions, plan_);
+    }
+
+    /// Regions around the first point.
+    const FittedRegions<CosineIntegrand>& build(float tilt, float leastNoise) {
+        return builder_.build(
+            CosineIntegrand(environment_, splitter_, points_[0].normal, tilt, leastNoise), pooled_,
+            Calibration());
     }
 
     std::span<const ClusterSample> draw(double share, std::uint64_t seed) {
@@ -54,19 +60,18 @@ protected:
         std::vector<double> wanted;
         for (const ShadingPoint& point : points_)
             wanted.push_back(share * static_cast<double>(point.share));
-        sharePoints(wanted, toUnit(hashWords(seed)), shares_);
-        return sampler_.draw(batch, members_, shares_, distribution_, Sequence::sobol);
+        roundCounts(wanted, toUnit(hashWords(seed)), counts_);
+        return sampler_.draw(batch, members_, counts_, distribution_, Sequence::sobol);
     }
 
     /// Control variate's value along a sample's direction, for its point.
     double stoodIn(const ClusterSample& sample, const EnvironmentSample& s) const {
-        const RegionGroup& region = regions_.groups[sample.place.group];
+        const CosineIntegrand::Fit& fit = fitted_.fits[sample.place.group];
         const auto x = static_cast<double>(s.direction.dot(points_[sample.point].normal));
         const int i = sample.place.lane;
         return static_cast<double>(plan_.groups[sample.place.group].visibility[i]) *
-               (static_cast<double>(region.constant[i]) +
-                x * (static_cast<double>(region.linear[i]) +
-                     x * static_cast<double>(region.square[i])));
+               (static_cast<double>(fit.constant[i]) +
+                x * (static_cast<double>(fit.linear[i]) + x * static_cast<double>(fit.square[i])));
     }
 
     static constexpr float kTilt = 0.6f;
@@ -123,10 +128,12 @@ protected:
     PooledVisibility pooled_{cache_.cache().header().tiers()};
     std::vector<ShadingPoint> points_;
     std::vector<std::uint32_t> members_;
-    Regions regions_;
+    CellSplitter splitter_{environment_, pooled_.tiers()};
+    RegionBuilder<CosineIntegrand> builder_{environment_, pooled_.tiers()};
+    FittedRegions<CosineIntegrand> fitted_;
     SamplingPlan plan_;
     RegionDistribution distribution_{environment_};
-    std::vector<PointShare> shares_;
+    std::vector<SampleCount> counts_;
     ClusterSampler sampler_{environment_};
 };
 
@@ -140,12 +147,12 @@ TEST_F(Cluster, PointsGetTheirShares) {
         for (int k = 0; k < kDraws; ++k) {
             draw(share, static_cast<std::uint64_t>(k));
             double all = 0;
-            for (std::size_t i = 0; i < shares_.size(); ++i) {
-                EXPECT_LT(std::abs(shares_[i].count - share), 1);
-                EXPECT_EQ(shares_[i].divisor, share < 1 ? share : shares_[i].count);
-                EXPECT_EQ(shares_[i].expected, share);
-                sum[i] += shares_[i].count;
-                all += shares_[i].count;
+            for (std::size_t i = 0; i < counts_.size(); ++i) {
+                EXPECT_LT(std::abs(counts_[i].drawn - share), 1);
+                EXPECT_EQ(counts_[i].divisor, share < 1 ? share : counts_[i].drawn);
+                EXPECT_EQ(counts_[i].expected, share);
+                sum[i] += counts_[i].drawn;
+                all += counts_[i].drawn;
             }
             EXPECT_LT(std::abs(all - share * kPoints), 1);
         }
@@ -166,13 +173,13 @@ TEST_F(Cluster, PointsGetPartsOfTheirShares) {
         for (int k = 0; k < kDraws; ++k) {
             draw(share, static_cast<std::uint64_t>(k));
             double all = 0;
-            for (std::size_t i = 0; i < shares_.size(); ++i) {
+            for (std::size_t i = 0; i < counts_.size(); ++i) {
                 const double part = share * static_cast<double>(points_[i].share);
-                EXPECT_LT(std::abs(shares_[i].count - part), 1);
-                EXPECT_EQ(shares_[i].divisor, part < 1 ? part : shares_[i].count);
-                EXPECT_EQ(shares_[i].expected, part);
-                sum[i] += shares_[i].count;
-                all += shares_[i].count;
+                EXPECT_LT(std::abs(counts_[i].drawn - part), 1);
+                EXPECT_EQ(counts_[i].divisor, part < 1 ? part : counts_[i].drawn);
+                EXPECT_EQ(counts_[i].expected, part);
+                sum[i] += counts_[i].drawn;
+                all += counts_[i].drawn;
             }
             EXPECT_LT(std::abs(all - total), 1);
         }
@@ -230,7 +237,7 @@ TEST_F(Cluster, SamplesAreStratifiedOverAllPoints) {
                     draw(16, k);  // for the seeds and shares
                     const std::span<const std::uint32_t> one(&members_[i], 1);
                     for (const ClusterSample& s : sampler_.draw({points_, 1, kPoints / 4, 4}, one,
-                                                                std::span(shares_).subspan(i, 1),
+                                                                std::span(counts_).subspan(i, 1),
                                                                 distribution_, Sequence::sobol))
                         ++count[s.place.group];
                 }
@@ -248,22 +255,18 @@ TEST_F(Cluster, SamplesAreStratifiedOverAllPoints) {
 // Every direction above the horizon of any point lies in a region, whatever is split. Control:
 // regions of the centre's normal alone miss some.
 TEST_F(Cluster, CoversTheHorizonsOfAllPoints) {
-    EXPECT_EQ(missed(regions_), 0);
-    RegionBuilder builder(environment_, pooled_.tiers());
-    EXPECT_EQ(missed(builder.build(pooled_, points_[0].normal, kTilt, Calibration(), kNoSplits)),
-              0);
-    EXPECT_GT(missed(builder.build(pooled_, points_[0].normal, 0, Calibration(), 0)), 20);
+    EXPECT_EQ(missed(fitted_.regions), 0);
+    EXPECT_EQ(missed(build(kTilt, kNoSplits).regions), 0);
+    EXPECT_GT(missed(build(0, 0).regions), 20);
 }
 
 // The more noise keeps a cell whole, the fewer regions there are and the more a sample deviates.
 TEST_F(Cluster, FewerSplitsMakeFewerAndNoisierRegions) {
-    RegionBuilder builder(environment_, pooled_.tiers());
     const auto sky = static_cast<float>(environment_.luminanceIntegral());
     std::vector<std::size_t> groups;
     std::vector<double> deviations;
     for (const float share : {0.0f, 2e-3f, 2e-2f, 1.0f}) {
-        const Regions& regions =
-            builder.build(pooled_, points_[0].normal, 0, Calibration(), share * sky);
+        const Regions& regions = build(0, share * sky).regions;
         groups.push_back(regions.groups.size());
         deviations.push_back(regions.deviationSum);
     }
@@ -272,9 +275,7 @@ TEST_F(Cluster, FewerSplitsMakeFewerAndNoisierRegions) {
     EXPECT_GT(groups.front(), 3 * groups.back());
     EXPECT_GT(deviations.back(), 1.01 * deviations.front());
     // Control: the splitter's own noise counts where it is more.
-    EXPECT_EQ(
-        builder.build(pooled_, points_[0].normal, 0, Calibration(), 1e-6f * sky).groups.size(),
-        groups.front());
+    EXPECT_EQ(build(0, 1e-6f * sky).regions.groups.size(), groups.front());
 }
 
 // Splits that lower the deviation by half pay for less noise than those that lower it by a tenth.
@@ -289,7 +290,7 @@ TEST(SplitNoise, IsLessWhereSplitsGain) {
 // The polynomial's integral for a point's own normal is the mean of what samples subtract. With its
 // control: 3 % more is rejected.
 TEST_F(Cluster, IntegralIsWhatSamplesSubtract) {
-    const ControlVariate predicted(environment_, regions_, plan_);
+    const CosineIntegral predicted(environment_, fitted_, plan_);
     for (const std::uint32_t point : {0u, 5u, 17u}) {
         constexpr int kDraws = 6000;
         std::vector<double> values;
@@ -298,12 +299,12 @@ TEST_F(Cluster, IntegralIsWhatSamplesSubtract) {
             for (const ClusterSample& sample : draw(16, k)) {
                 if (sample.point != point) continue;
                 const EnvironmentSample s = sample.finish(environment_);
-                sum += static_cast<double>(s.radiance.y * sample.share / s.density) *
+                sum += static_cast<double>(s.radiance.y * sample.inverseCount / s.density) *
                        stoodIn(sample, s);
             }
             values.push_back(sum);
         }
-        const auto integral = static_cast<double>(predicted.integral(points_[point].normal).y);
+        const auto integral = static_cast<double>(predicted.at(points_[point].normal).y);
         EXPECT_GT(test::meanPValue(values, integral), test::significance(3));
         EXPECT_LT(test::meanPValue(values, integral * 1.03), test::significance(3));
     }
@@ -315,24 +316,24 @@ TEST_F(Cluster, IntegralAcrossTheHorizonIsWhatSamplesSubtract) {
     std::size_t cut = 0;
     for (std::size_t g = 0; g < plan_.groups.size(); ++g)
         for (int i = 0; i < kBlockCells; ++i) {
-            const bool across = regions_.groups[g].constant[i] != 0;
+            const bool across = fitted_.fits[g].constant[i] != 0;
             if (!across) plan_.groups[g].visibility[i] = 0;
             cut += across && plan_.groups[g].visibility[i] > 0;
         }
     EXPECT_GT(cut, 20u);
-    const ControlVariate predicted(environment_, regions_, plan_);
+    const CosineIntegral predicted(environment_, fitted_, plan_);
     double integral = 0;
     for (const ShadingPoint& point : points_)
-        integral += static_cast<double>(predicted.integral(point.normal).y);
+        integral += static_cast<double>(predicted.at(point.normal).y);
     constexpr int kDraws = 4000;
     std::vector<double> values;
     for (std::uint64_t k = 0; k < kDraws; ++k) {
         double sum = 0;
         for (const ClusterSample& sample : draw(64, k)) {
-            if (regions_.groups[sample.place.group].constant[sample.place.lane] == 0) continue;
+            if (fitted_.fits[sample.place.group].constant[sample.place.lane] == 0) continue;
             const EnvironmentSample s = sample.finish(environment_);
-            sum +=
-                static_cast<double>(s.radiance.y * sample.share / s.density) * stoodIn(sample, s);
+            sum += static_cast<double>(s.radiance.y * sample.inverseCount / s.density) *
+                   stoodIn(sample, s);
         }
         values.push_back(sum);
     }

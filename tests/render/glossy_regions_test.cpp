@@ -1,7 +1,5 @@
 // Quadratics that stand in for a glossy lobe, and what is integrated and drawn of them.
 
-#include "render/cached/glossy_regions.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +9,8 @@
 
 #include "common/math/direction_mesh.h"
 #include "render/cached/cluster_sampler.h"
-#include "render/cached/glossy_cache.h"
+#include "render/cached/lobe_integrand.h"
+#include "render/cached/lobe_light.h"
 #include "render/cached/lobe_match.h"
 #include "render/cached/place_lookup.h"
 #include "tests/support/statistics.h"
@@ -167,9 +166,13 @@ protected:
     GlossyRegionsTest() {
         PlaceLookup lookup(world_.cache.cache());
         lookup.pool(world_.scene, point_, 0);
-        GlossyRegionBuilder builder(world_.environment, world_.cache.cache().header().tiers());
-        glossy_ = builder.build(cells_, lookup.pooled(), lobe_, 0.01f, Calibration());
-        plan_ = SamplingPlanner(glossyRules()).plan(glossy_.regions, 64, {0, 0.2}, 0.02);
+        const DirectionTiers tiers = world_.cache.cache().header().tiers();
+        RegionBuilder<LobeIntegrand> builder(world_.environment, tiers);
+        const float leastNoise = CellSplitter(world_.environment, tiers).leastNoise();
+        glossy_ = builder.build(
+            LobeIntegrand(world_.environment, cells_, tiers, leastNoise, lobe_, 0.01f),
+            lookup.pooled(), Calibration());
+        plan_ = SamplingPlanner(lobeRules()).plan(glossy_.regions, 64, {0, 0.2}, 0.02);
         distribution_.assign(glossy_.regions, plan_);
     }
 
@@ -177,7 +180,7 @@ protected:
     ShadingPoint point_ = world_.below();
     GlossyLobe lobe_ = lobeOf(0.2f, Vec3f(0.5f, 0.8f, 0.2f));
     QuadraticCells cells_{world_.environment, world_.cache.cache().header().tiers()};
-    GlossyRegions glossy_;
+    FittedRegions<LobeIntegrand> glossy_;
     SamplingPlan plan_;
     RegionDistribution distribution_{world_.environment};
 };
@@ -211,13 +214,13 @@ TEST_F(GlossyRegionsTest, AreFinestInsideTheLobe) {
 // rejected.
 TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
     ClusterSampler sampler(world_.environment);
-    std::vector<PointShare> shares;
+    std::vector<SampleCount> shares;
     const std::uint32_t member = 0;
     std::vector<double> values;
     for (std::uint64_t k = 0; k < 12000; ++k) {
         point_.seed = hashWords(k, 3);
         const PointBatch batch{{&point_, 1}, 32};
-        sharePoints(std::array{32.0}, 0, shares);
+        roundCounts(std::array{32.0}, 0, shares);
         double sum = 0;
         for (const ClusterSample& sample :
              sampler.draw(batch, {&member, 1}, shares, distribution_, Sequence::sobol)) {
@@ -227,7 +230,7 @@ TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
                 glossy_.fits[sample.place.group], group.level,
                 group.firstCell + static_cast<std::uint32_t>(sample.place.lane), s.direction);
             sum +=
-                static_cast<double>(s.radiance.y * sample.share / s.density * fitted.y *
+                static_cast<double>(s.radiance.y * sample.inverseCount / s.density * fitted.y *
                                     plan_.groups[sample.place.group].visibility[sample.place.lane]);
         }
         values.push_back(sum);

@@ -11,7 +11,9 @@
 
 #include "common/math/direction_mesh.h"
 #include "common/random/sequence.h"
-#include "render/cached/glossy_cache.h"
+#include "render/cached/cosine_integrand.h"
+#include "render/cached/lobe_integrand.h"
+#include "render/cached/lobe_light.h"
 #include "render/cached/place_lookup.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
@@ -30,16 +32,24 @@ protected:
         const ShadingPoint point = world_.below();
         PlaceLookup lookup(world_.cache.cache());
         lookup.pool(world_.scene, point, 0);
-        RegionBuilder builder(world_.environment, tiers);
-        const Regions& regions = builder.build(lookup.pooled(), point.normal, 0, Calibration(), 0);
+        const CellSplitter splitter(world_.environment, tiers);
+        RegionBuilder<CosineIntegrand> ofCosine(world_.environment, tiers);
+        const Regions& regions =
+            ofCosine
+                .build(CosineIntegrand(world_.environment, splitter, point.normal, 0, 0),
+                       lookup.pooled(), Calibration())
+                .regions;
         ofIrradiance_.assign(regions, SamplingPlanner().plan(regions, 64, {0, 0.4}, 0.045));
         const GlossyLobe lobe(glossy(Rgb(0.9f, 0.6f, 0.3f), {.metallic = 1, .roughness = 0.3f}),
                               point.normal, Vec3f(0.5f, 0.8f, 0.2f).normalized());
-        GlossyRegionBuilder glossyBuilder(world_.environment, tiers);
         const QuadraticCells cells(world_.environment, tiers);
-        const Regions& ofLobe =
-            glossyBuilder.build(cells, lookup.pooled(), lobe, 0.01f, Calibration()).regions;
-        ofLobe_.assign(ofLobe, SamplingPlanner(glossyRules()).plan(ofLobe, 64, {0, 0.2}, 0.02));
+        RegionBuilder<LobeIntegrand> ofLobes(world_.environment, tiers);
+        const Regions& ofLobe = ofLobes
+                                    .build(LobeIntegrand(world_.environment, cells, tiers,
+                                                         splitter.leastNoise(), lobe, 0.01f),
+                                           lookup.pooled(), Calibration())
+                                    .regions;
+        ofLobe_.assign(ofLobe, SamplingPlanner(lobeRules()).plan(ofLobe, 64, {0, 0.2}, 0.02));
     }
 
     std::uint32_t binOf(std::uint32_t texel) const {
