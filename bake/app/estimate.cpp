@@ -8,6 +8,7 @@
 
 #include "bake/core/region_bytes.h"
 #include "common/base/json_file.h"
+#include "common/base/percent_text.h"
 #include "common/base/process.h"
 
 namespace shadowcache {
@@ -63,9 +64,9 @@ BakeEstimate estimateBake(const Scene& scene, const BakeOptions& options,
 
 void report(const BakeEstimate& estimate, const std::filesystem::path& stats) {
     std::printf(
-        "estimate from %.3g %% of the voxels: spacing %g, level %d: %llu items, %.1f M rays, "
+        "estimate from %s of the voxels: spacing %g, level %d: %llu items, %.1f M rays, "
         "%.0f s, %.1f MB, %.2f GB of memory\n",
-        100 * estimate.sampled, estimate.spacing, estimate.level,
+        percentText(estimate.sampled, 3).c_str(), estimate.spacing, estimate.level,
         static_cast<unsigned long long>(estimate.items), static_cast<double>(estimate.rays) * 1e-6,
         estimate.seconds, static_cast<double>(estimate.bytes) * 1e-6,
         static_cast<double>(estimate.memoryBytes) * 1e-9);

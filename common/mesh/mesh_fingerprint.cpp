@@ -1,6 +1,6 @@
 #include "common/mesh/mesh_fingerprint.h"
 
-#include <algorithm>
+#include <array>
 #include <bit>
 
 #include "common/base/hash.h"
@@ -47,37 +47,50 @@ std::uint64_t hashCutOut(const TriangleMesh& mesh, const Material& material) {
     return hash;
 }
 
-/// Of a triangle's holes; 0 if it can have none.
-std::uint64_t hashHoles(const TriangleMesh& mesh, const std::vector<std::uint64_t>& cutOuts,
-                        std::uint32_t triangle) {
-    const Material* material = materialOf(mesh, triangle);
-    if (!material || !(material->cutOut || material->blends)) return 0;
-    std::uint64_t hash = cutOuts[static_cast<std::size_t>(material - mesh.materials.data())];
-    if (mesh.texcoords.empty()) return hash;
-    for (int k = 0; k < 3; ++k) {
-        const Vec3f& at = mesh.texcoords[static_cast<std::size_t>(mesh.triangles[triangle][k])];
-        hash += hashWords(hash, hashFloat(at.x), hashWords(hashFloat(at.y), hashFloat(at.z)));
-    }
-    return hash;
+/// Of what decides which sides of a material are baked, and where it has holes; 0 for both sides
+/// without holes.
+std::uint64_t hashLooks(const TriangleMesh& mesh, const Material& material) {
+    const std::uint64_t cutOut = hashCutOut(mesh, material);
+    return material.doubleSided ? cutOut : mixBits(~cutOut);
+}
+
+std::uint64_t hashTexcoord(const Vec3f& at) {
+    return hashWords(hashFloat(at.x), hashFloat(at.y), hashFloat(at.z));
+}
+
+/// Of a triangle in the world, by the number that placed_mesh.h gives it.
+std::uint64_t hashPlaced(const TriangleMesh& mesh, const std::vector<std::uint64_t>& looks,
+                         std::uint32_t number) {
+    const auto corners = placedCorners(mesh, number);
+    std::array<std::uint64_t, 3> hash;
+    for (std::size_t k = 0; k < 3; ++k) hash[k] = hashPosition(Vec3f(corners[k]));
+    const PlacedTriangle placed = placedTriangle(mesh, number);
+    const Material* material = materialOf(mesh, placed.triangle);
+    const std::uint64_t look =
+        material ? looks[static_cast<std::size_t>(material - mesh.materials.data())] : 0;
+    if (look == 0) return hashTriangle(hash[0], hash[1], hash[2]);
+    if ((material->cutOut || material->blends) && !mesh.texcoords.empty())
+        for (int k = 0; k < 3; ++k)
+            hash[static_cast<std::size_t>(k)] = hashWords(
+                hash[static_cast<std::size_t>(k)],
+                hashTexcoord(
+                    mesh.texcoords[static_cast<std::size_t>(mesh.triangles[placed.triangle][k])]));
+    // A mirrored triangle has its corners the other way round, as seen from its front.
+    const bool mirrored = placed.instance && placed.instance->toWorld.mirrors();
+    return hashWords(hashTriangle(hash[0], hash[1], hash[2]), look, mirrored ? 1 : 0);
 }
 
 }  // namespace
 
 std::uint64_t fingerprint(const TriangleMesh& mesh) {
-    std::vector<std::uint64_t> cutOuts;
-    for (const Material& material : mesh.materials) cutOuts.push_back(hashCutOut(mesh, material));
-    const bool holes = std::any_of(cutOuts.begin(), cutOuts.end(), [](auto h) { return h != 0; });
+    std::vector<std::uint64_t> looks;
+    for (const Material& material : mesh.materials) looks.push_back(hashLooks(mesh, material));
     const std::size_t count = placedCount(mesh);
     std::vector<std::uint64_t> sums(count / kTrianglesPerChunk + 1, 0);
     parallelFor(count, kTrianglesPerChunk, [&](const Chunk& chunk) {
         std::uint64_t sum = 0;
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const auto number = static_cast<std::uint32_t>(i);
-            const auto corners = placedCorners(mesh, number);
-            const auto corner = [&](std::size_t k) { return hashPosition(Vec3f(corners[k])); };
-            sum += hashTriangle(corner(0), corner(1), corner(2));
-            if (holes) sum += hashHoles(mesh, cutOuts, placedTriangle(mesh, number).triangle);
-        }
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+            sum += hashPlaced(mesh, looks, static_cast<std::uint32_t>(i));
         sums[chunk.index] = sum;
     });
     std::uint64_t total = 0;

@@ -6,8 +6,9 @@
 
 namespace shadowcache {
 
-/// Hash of the triangles' world positions, independent of vertex order; two sets with the same
-/// fingerprint have the same visibility, holes of cut-out materials included.
+/// Hash of what a bake depends on: the triangles' world positions, independent of the order of
+/// triangles and vertices; which of their sides are seen; and their holes, as materials cut them
+/// out.
 std::uint64_t fingerprint(const TriangleMesh& mesh);
 
 }  // namespace shadowcache

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "common/base/parallel.h"
+#include "common/base/percent_text.h"
 
 namespace shadowcache {
 
@@ -60,9 +61,9 @@ std::string cacheLines(const ShadowCache& cache, const Means& means, bool used) 
              used ? "" : "; this estimator does not say how it reads them");
     if (used)
         text += line(
-            "here        %.1f items and %.0f regions a place; %.2g %% of the set in view "
+            "here        %.1f items and %.0f regions a place; %s of the set in view "
             "has no items\n",
-            means.items, means.regions, 100 * means.misses);
+            means.items, means.regions, percentText(means.misses, 2).c_str());
     return text;
 }
 
@@ -72,11 +73,11 @@ std::string noiseLine(const Means& means, bool predicted, const RenderOptions& o
         return "noise       none, but biased: with no rays it shows what the cache "
                "believes\n";
     const double light = std::max(means.irradiance, 1e-30);
-    std::string text = line("noise       %.2g %% of the mean light, by the samples of a thumbnail",
-                            100 * std::sqrt(means.variance) / light);
+    std::string text = line("noise       %s of the mean light, by the samples of a thumbnail",
+                            percentText(std::sqrt(means.variance) / light, 2).c_str());
     if (predicted)
-        text += line("; %.2g %% by the counts alone, without what good strata gain",
-                     100 * std::sqrt(means.expectedVariance) / light);
+        text += line("; %s by the counts alone, without what good strata gain",
+                     percentText(std::sqrt(means.expectedVariance) / light, 2).c_str());
     if (options.preview)
         text +=
             "\nfilter      what rays add to the prediction is filtered, which leaves less noise: "

@@ -8,6 +8,7 @@
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
+#include "common/base/percent_text.h"
 #include "common/base/process.h"
 #include "common/base/progress.h"
 #include "common/image/exr.h"
@@ -303,7 +304,7 @@ private:
         const double without = static_cast<double>(stats_.raysWithoutItems) /
                                static_cast<double>(std::max<std::uint64_t>(stats_.cameraRays, 1));
         if (without > kFewWithoutItems)
-            std::printf(", %.2g %% of the camera rays found no item", 100 * without);
+            std::printf(", %s of the camera rays found no item", percentText(without, 2).c_str());
         std::printf(" in %.2f s", stats_.seconds);
         if (job_.render.preview) std::printf(" (biased: filtered)");
         if (error_) std::printf(", relMSE %.3g", error_->mean);
