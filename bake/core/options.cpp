@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "bake/core/repeated_triangles.h"
 #include "bake/core/surface_count.h"
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
@@ -51,8 +52,11 @@ void validate(const BakeOptions& options) {
 double chooseSpacing(const TriangleMesh& mesh, SurfaceCount* count) {
     double surface = 0;
     const std::size_t triangles = placedCount(mesh);
-    for (std::size_t i = 0; i < triangles; ++i)
+    const std::vector<bool> repeated = repeatedTriangles(mesh);
+    for (std::size_t i = 0; i < triangles; ++i) {
+        if (i < repeated.size() && repeated[i]) continue;
         surface += areaVector(placedCorners(mesh, static_cast<std::uint32_t>(i))).length();
+    }
     const double bySurface = std::sqrt(surface / kPatches);
     const double byExtent = placedBounds(mesh).size().length() / 400;
     double spacing = twoDigits(std::min(bySurface, byExtent));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/core/repeated_triangles.h"
 #include "common/base/parallel.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -135,11 +136,13 @@ std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame&
     constexpr std::size_t kChunkSize = 4096;
     const FragmentCutter cutter(mesh, frame, only);
     const std::size_t count = placedCount(mesh);
+    const std::vector<bool> repeated = repeatedTriangles(mesh);
     std::vector<std::vector<Fragment>> parts((count + kChunkSize - 1) / kChunkSize);
     parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
         std::vector<Fragment>& out = parts[chunk.index];
         for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-            cutter.cut(static_cast<std::uint32_t>(i), out);
+            if (i >= repeated.size() || !repeated[i])
+                cutter.cut(static_cast<std::uint32_t>(i), out);
         std::sort(out.begin(), out.end(), isBefore);
     });
     std::size_t total = 0;

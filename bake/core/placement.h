@@ -33,7 +33,8 @@ double area(const Polygon& polygon);
 void cutTriangle(const TriangleMesh& mesh, const VoxelFrame& frame, std::uint32_t triangle,
                  std::vector<Fragment>& out);
 
-/// Every (voxel, triangle) pair that meets, sorted by voxel, then triangle.
+/// Every (voxel, triangle) pair that meets, sorted by voxel, then triangle; without triangles that
+/// repeat others (repeated_triangles.h).
 ///
 /// @param only  voxels to place fragments in, which have the same bits as without; null: all
 std::vector<Fragment> placeFragments(const TriangleMesh& mesh, const VoxelFrame& frame,

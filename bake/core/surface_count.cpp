@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "bake/core/repeated_triangles.h"
 #include "common/base/parallel.h"
 #include "common/cache/cache_items.h"
 #include "common/mesh/placed_mesh.h"
@@ -47,10 +48,12 @@ SurfaceCount countSurface(const TriangleMesh& mesh, const VoxelFrame& frame) {
     constexpr std::size_t kChunkSize = 4096;
     const std::size_t count = placedCount(mesh);
     std::vector<std::vector<VoxelMask>> parts((count + kChunkSize - 1) / kChunkSize);
+    const std::vector<bool> repeated = repeatedTriangles(mesh);
     parallelFor(count, kChunkSize, [&](const Chunk& chunk) {
         std::vector<VoxelMask>& masks = parts[chunk.index];
         std::vector<Fragment> fragments;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            if (i < repeated.size() && repeated[i]) continue;
             const auto triangle = static_cast<std::uint32_t>(i);
             fragments.clear();
             cutTriangle(mesh, frame, triangle, fragments);
