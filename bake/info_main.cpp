@@ -147,8 +147,7 @@ void run(const Arguments& a) {
     if (!a.report.empty()) writeReport(a, facts);
     if (requests.empty()) return;
     reportLeftovers(a.output);
-    exportGrids(requests, a.environmentRotation, facts.header, facts.items, a.cache,
-                a.output);
+    exportGrids(requests, a.environmentRotation, facts.header, facts.items, a.cache, a.output);
     std::string names;
     for (const GridRequest& request : requests) names += " " + request.name;
     print("grids" + names + " -> " + a.output.string() + "\n");

@@ -21,7 +21,7 @@ float mean(const std::array<float, 4>& value) {
 
 /// A white picture in the size of the larger of two, of which one may be null.
 Texture canvas(const Texture* a, const Texture* b) {
-    const Texture& larger = !b || (a && texelCount(*a) >= texelCount(*b)) ? *a : *b;
+    const Texture& larger = a && (!b || texelCount(*a) >= texelCount(*b)) ? *a : *b;
     Texture result;
     result.width = larger.width;
     result.height = larger.height;

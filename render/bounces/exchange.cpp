@@ -111,8 +111,8 @@ private:
     const PathLevel& next_;
     std::vector<Rgb>& out_;
     std::vector<float> density_;
-    RayStream stream_;
-    float* asked_[RayStream::kSize];
+    RayStream stream_{};
+    float* asked_[RayStream::kSize] = {};
     std::size_t queued_ = 0;
     std::uint64_t rays_ = 0;
 };

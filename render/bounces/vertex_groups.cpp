@@ -18,7 +18,7 @@ namespace {
 SHADOWCACHE_TUNED(std::size_t, kGroupsOfCluster, 4);
 
 /// Normals that differ by 1 are as far apart as places at this share of the set's extent.
-SHADOWCACHE_TUNED(float, kNormalExtent, 1.0f / 16);
+SHADOWCACHE_TUNED(float, kNormalExtent, 0.0625f);
 
 /// Clusters are split up to here by one thread, since all of a level are at hand.
 constexpr std::size_t kFewParts = 64;
