@@ -1,0 +1,86 @@
+"""A glTF document of a render depsgraph."""
+
+import numpy
+
+from . import cameras, matrices
+from .gltf_file import GltfFile
+from .materials import Materials
+from .meshes import MeshWriter
+from .motion import Motion
+from .pictures import Pictures
+from .shown import materials_of, walk
+
+
+class GltfExport:
+    """Meshes, cameras and their places; animations of those that move, sampled in each frame of the scene."""
+
+    def __init__(self, depsgraph, report):
+        self.depsgraph = depsgraph
+        self.report = report
+        self.file = GltfFile()
+        self.meshes = MeshWriter(self.file, Materials(self.file, Pictures(self.file, report), report), report)
+        self.by_data = {}
+        self.channels, self.samplers = [], []
+
+    def write(self, path, set_frame):
+        entries = self._entries()
+        motion = Motion(self.depsgraph, set_frame, self.report)
+        tracks = motion.tracks()
+        times = None
+        if tracks:
+            render = self.depsgraph.scene.render
+            seconds = numpy.array(motion.frames, float) * render.fps_base / render.fps
+            times = self.file.add_accessor(seconds.astype(numpy.float32), bounds=True)
+        for row, node in entries:
+            of = matrices.of_camera if "camera" in node else matrices.of_mesh
+            if row in tracks:
+                self._add_moving(node, of(tracks[row]), times)
+            else:
+                self.file.add("nodes", {**node, "matrix": of(motion.base[row]).T.reshape(-1).tolist()})
+        if self.channels:
+            self.file.add("animations", {"name": "scene", "channels": self.channels, "samplers": self.samplers})
+        self.file.write(path)
+
+    def _entries(self):
+        """Row and node of all that is shown."""
+        known, entries, scene, seen = {}, [], self.depsgraph.scene, set()
+        for shown in walk(self.depsgraph, self.report):
+            if shown.kind == "CAMERA":
+                seen.add(shown.name)
+                camera = cameras.entry(shown.thing.data, scene, self.report)
+                if camera:
+                    entries.append((shown.row, {"name": shown.name, "camera": self.file.add("cameras", camera)}))
+                continue
+            if shown.key not in known:
+                known[shown.key] = self._mesh_of(shown.thing)
+            if known[shown.key] is not None:
+                entries.append((shown.row, {"name": shown.name, "mesh": known[shown.key]}))
+        if scene.camera and scene.camera.name not in seen | {cameras.STAND_IN}:
+            self.report.add("camera %s: renders hide it" % scene.camera.name)
+        return entries
+
+    def _mesh_of(self, thing):
+        """Objects share evaluated meshes where they have no modifiers, and may have materials of their own."""
+        materials = materials_of(thing, self.depsgraph)
+        key = (thing.data.as_pointer(), *(m.name_full if m else None for m in materials))
+        if key not in self.by_data:
+            self.by_data[key] = self.meshes.write(thing.data.name, thing.data, materials)
+        return self.by_data[key]
+
+    def _add_moving(self, node, track, times):
+        if any(matrices.has_shear(m) for m in track):
+            pairs = [matrices.sheared_parts(m) for m in track]
+            inner = self.file.add("nodes", {**node, "rotation": pairs[0][1]})
+            self._add_channel(inner, "rotation", [rotation for _, rotation in pairs], times)
+            node, parts = {"name": node["name"], "children": [inner]}, [outer for outer, _ in pairs]
+        else:
+            parts = [matrices.parts(m) for m in track]
+        keys = dict(zip(("translation", "rotation", "scale"), zip(*parts)))
+        number = self.file.add("nodes", {**node, **{path: values[0] for path, values in keys.items()}})
+        for path, values in keys.items():
+            self._add_channel(number, path, values, times)
+
+    def _add_channel(self, node, path, values, times):
+        output = self.file.add_accessor(numpy.array(values, numpy.float32))
+        self.channels.append({"sampler": len(self.samplers), "target": {"node": node, "path": path}})
+        self.samplers.append({"input": times, "output": output, "interpolation": "LINEAR"})

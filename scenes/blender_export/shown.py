@@ -1,0 +1,85 @@
+"""What a render shows: the instances of the depsgraph, and what of them cannot be expressed."""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy
+
+IGNORED = {"EMPTY", "LATTICE", "ARMATURE", "SPEAKER", "LIGHT_PROBE", "CAMERA"}
+RAYS = (("visible_camera", "hidden from the camera"), ("visible_shadow", "casts no shadow"))
+
+
+@dataclass
+class Shown:
+    """A mesh or a camera at its place. The mesh and its materials live until the depsgraph changes."""
+    row: int         # among the depsgraph's instances
+    name: str
+    kind: str        # MESH or CAMERA
+    key: tuple       # the same for all that show the same mesh with the same materials
+    thing: object    # the evaluated object: only until the walk goes on
+
+
+def walk(depsgraph, report):
+    """Yields what is shown, one after the other. A render depsgraph has no more than a render shows: objects that are
+    hidden there, or in hidden or excluded collections, are not in it."""
+    looked_at = set()
+    for row, instance in enumerate(depsgraph.object_instances):
+        thing = instance.object
+        if not instance.show_self:
+            continue
+        data = thing.data
+        owner = instance.instance_object or thing
+        if isinstance(data, bpy.types.Mesh):
+            key = (owner.as_pointer(), data.as_pointer())
+            kind = "MESH"
+        elif thing.type == "CAMERA":
+            key, kind = (), "CAMERA"
+        else:
+            key, kind = (owner.as_pointer(), 0), ""
+        if key not in looked_at:
+            looked_at.add(key)
+            look_at(thing, kind, depsgraph, report)
+        if kind:
+            yield Shown(row, thing.name, kind, key, thing)
+
+
+def look_at(thing, kind, depsgraph, report):
+    """Adds to the report what an object has that is not exported."""
+    if not kind and thing.type not in IGNORED and not has_mesh(thing):
+        report.add("%s %s" % (thing.type.lower(), thing.name))
+    if kind != "MESH":
+        return
+    for flag, words in RAYS:
+        if not getattr(thing, flag):
+            report.add("object %s: %s" % (thing.name, words))
+    if thing.is_shadow_catcher:
+        report.add("object %s: shadow catcher" % thing.name)
+    if thing.is_holdout or thing.original.holdout_get(view_layer=depsgraph.view_layer):
+        report.add("object %s: holdout" % thing.name)
+    for system in thing.particle_systems:
+        if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
+            report.add("object %s: hair %s" % (thing.name, system.name))
+
+
+def has_mesh(thing):
+    """Curves and texts come once with their mesh, and once more as what they are."""
+    return thing.type in ("CURVE", "SURFACE", "FONT", "META")
+
+
+def materials_of(thing, depsgraph):
+    """Material, or None, for each slot."""
+    override = depsgraph.view_layer.material_override
+    slots = [slot.material for slot in thing.material_slots]
+    return [override] * max(len(slots), 1) if override else slots
+
+
+def world_matrices(depsgraph):
+    """Of all instances, (n, 4, 4); Blender has them by columns."""
+    values = numpy.empty(16 * len(depsgraph.object_instances), numpy.float32)
+    depsgraph.object_instances.foreach_get("matrix_world", values)
+    return values.reshape(-1, 4, 4).transpose(0, 2, 1).astype(float)
+
+
+def other_layers(depsgraph):
+    """View layers that a render makes and that are not exported."""
+    return [v.name for v in depsgraph.scene.view_layers if v.use and v.name != depsgraph.view_layer.name]
