@@ -37,6 +37,17 @@ void writeMeshes(const fs::path& folder) {
         "property list uchar uint vertex_index\nelement other 1\nproperty list uchar short a\n"
         "end_header\n0 0 0 0 0 1 255 0 0\n1 0 0 0 0 1 0 255 0\n0 1 0 0 0 1 0 0 255\n3 0 1 2\n2 1 "
         "2\n");
+    write(folder / "ply/strips",
+          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+          "property float z\nproperty uchar diffuse_red\nproperty uchar diffuse_green\n"
+          "property uchar diffuse_blue\nelement tristrips 1\n"
+          "property list int int vertex_indices\nend_header\n"
+          "0 0 0 1 2 3\n1 0 0 1 2 3\n1 1 0 1 2 3\n0 1 0 1 2 3\n7 0 1 3 2 -1 0 1\n");
+    write(folder / "ply/face_colors",
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+          "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+          "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+          "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 255 0 0\n3 0 2 1 0 0 255\n");
     write(folder / "stl/text", squareStlText());
     write(folder / "stl/binary", squareStl());
     write(folder / "off/square", squareOff());
