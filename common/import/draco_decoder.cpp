@@ -2,7 +2,6 @@
 
 #include <draco/compression/decode.h>
 
-#include <algorithm>
 #include <exception>
 #include <memory>
 #include <new>
@@ -16,49 +15,38 @@ namespace {
 constexpr double kMostPerByte = 256;
 constexpr double kAlwaysAllowed = 0x1p20;
 
-/// The first numbers of a stream, as far as they are there: what comes behind them is libdraco's.
-class Header {
-public:
-    explicit Header(std::string_view bytes) : bytes_(bytes) {}
-
-    /// Largest of the counts of the mesh: its triangles and its points.
-    double largestCount() {
-        constexpr std::size_t kMethod = 8, kFlags = 9, kBegin = 11;
-        constexpr unsigned kHasMetadata = 0x80;
-        if (bytes_.size() < kBegin) return 0;
-        const unsigned major = byte(5), minor = byte(6);
-        // Metadata would have to be parsed to find what follows it.
-        if (byte(kFlags + 1) & kHasMetadata) return 0;
-        const bool wide = major < 2 || (major == 2 && minor < 2);
-        at_ = kBegin;
-        if (byte(kMethod) == 1) ++at_;  // Edgebreaker's kind of traversal
-        const double first = number(wide);
-        return std::max(first, number(wide));
-    }
-
-private:
-    unsigned byte(std::size_t at) const {
-        return at < bytes_.size() ? static_cast<unsigned char>(bytes_[at]) : 0;
-    }
-
-    /// Of four bytes, or seven bits a byte.
-    double number(bool wide) {
-        double value = 0, scale = 1;
-        for (int k = 0; k < 5; ++k, ++at_) {
-            if (wide && k == 4) break;
-            value += scale * (wide ? byte(at_) : byte(at_) & 127);
-            scale *= wide ? 256 : 128;
-            if (!wide && byte(at_) < 128) {
-                ++at_;
-                break;
-            }
+/// Why a stream is none that glTF may hold, or its counts cannot be: libdraco allocates what its
+/// header states. Nothing if all is well.
+///
+/// Source: Draco bitstream specification, version 2.2: the header, and the first numbers of both
+/// kinds of connectivity.
+std::string badHeader(std::string_view bytes) {
+    constexpr std::size_t kVersion = 5, kMethod = 8, kFlags = 9, kBegin = 11;
+    constexpr unsigned kHasMetadata = 0x80, kEdgebreaker = 1;
+    const auto byte = [&](std::size_t at) {
+        return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0u;
+    };
+    if (!bytes.starts_with("DRACO")) return "the bytes do not begin with DRACO";
+    if (byte(kVersion) != 2 || byte(kVersion + 1) != 2)
+        return "version " + std::to_string(byte(kVersion)) + "." +
+               std::to_string(byte(kVersion + 1)) + ", expected 2.2";
+    // What follows it could not be found.
+    if ((byte(kFlags + 1) & kHasMetadata) != 0) return "metadata in the stream, expected none";
+    std::size_t at = kBegin + (byte(kMethod) == kEdgebreaker ? 1 : 0);  // the kind of traversal
+    for (int i = 0; i < 2; ++i) {  // triangles and points, in either order
+        std::uint64_t count = 0;
+        bool ends = false;
+        for (int k = 0; k < 5 && !ends; ++k, ++at) {
+            count |= std::uint64_t{byte(at) & 127} << (7 * k);
+            ends = byte(at) < 128;
         }
-        return value;
+        if (static_cast<double>(count) >
+            kAlwaysAllowed + kMostPerByte * static_cast<double>(bytes.size()))
+            return std::to_string(count) + " triangles or points in " +
+                   std::to_string(bytes.size()) + " bytes";
     }
-
-    std::string_view bytes_;
-    std::size_t at_ = 0;
-};
+    return {};
+}
 
 /// Whole numbers stay as they are stored, normalized or not.
 template <class T>
@@ -103,16 +91,8 @@ std::string readMesh(const draco::Mesh& from, DracoMesh& to) {
 
 DracoMesh decodeDraco(std::string_view bytes, std::string& cause) {
     DracoMesh mesh;
-    if (!bytes.starts_with("DRACO")) {
-        cause = "the bytes do not begin with DRACO";
-        return mesh;
-    }
-    const double count = Header(bytes).largestCount();
-    if (count > kAlwaysAllowed + kMostPerByte * static_cast<double>(bytes.size())) {
-        cause = std::to_string(static_cast<long long>(count)) + " triangles or points in " +
-                std::to_string(bytes.size()) + " bytes";
-        return mesh;
-    }
+    cause = badHeader(bytes);
+    if (!cause.empty()) return mesh;
     draco::DecoderBuffer buffer;
     buffer.Init(bytes.data(), bytes.size());
     try {

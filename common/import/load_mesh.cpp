@@ -179,6 +179,9 @@ TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& option
                                      std::to_string(soup.moving) +
                                      ", are animated; expected something that stands still, to "
                                      "which --dynamic adds this file");
+        if (soup.report.facesRead == 0)
+            throwFileError(path,
+                           "has no face (points, lines or an empty scene), expected triangles");
         TextWriter scaled;
         if (options.scale != 1) scaled << "; with --scale " << options.scale;
         throwFileError(path, "no triangle left: " + describe(soup.report) + scaled.str());

@@ -153,9 +153,9 @@ private:
         const double start = secondsNow();
         if (light_.load(i)) {
             solveBounces();
-            estimator_ = entry_.make({*scene_, light_.environment(), cache_.get(), job_.sequence,
-                                      solve_ ? &*solve_ : nullptr},
-                                     job_.estimatorOptions);
+            estimator_ = entry_.make(
+                {*scene_, light_.environment(), cache_.get(), job_.sequence, solve_.get()},
+                job_.estimatorOptions);
         }
         if (job_.debugPixel && estimator_->inOrder())
             throw Error(std::string("--debug: a pixel of --estimator ") + entry_.name +
@@ -208,8 +208,8 @@ private:
     void solveBounces() {
         solve_.reset();
         if (!transport_) return;
-        solve_.emplace(*cache_, *items_, *transport_, light_.environment(), looks_,
-                       job_.render.bounces);
+        solve_ = std::make_unique<BounceSolve>(*cache_, *items_, *transport_, light_.environment(),
+                                               looks_, job_.render.bounces);
     }
 
     /// What the cache knows of the set's transport, if light bounces.
@@ -323,7 +323,7 @@ private:
     std::optional<ItemTable> items_;
     std::optional<Transport> transport_;
     std::vector<ItemLook> looks_;  ///< by item
-    std::optional<BounceSolve> solve_;
+    std::unique_ptr<BounceSolve> solve_;
     std::unique_ptr<Estimator> estimator_;
     std::optional<Image> reference_;
     std::optional<RelativeError> error_;

@@ -118,9 +118,16 @@ TEST(GltfCompression, DamagedDracoIsRefused) {
 TEST(GltfCompression, DracoOfHugeCountsIsRefused) {
     std::string stream = dracoSquare(draco::MESH_SEQUENTIAL_ENCODING);
     constexpr std::size_t kCounts = 11;
-    stream.replace(kCounts, 2, std::string("\xff\xff\xff\xff\x0f\xff\xff\xff\xff\x0f"));
-    expectError([&] { loadBytes("a.glb", dracoFile(stream).glb()); }, "a.glb",
-                "4294967295 triangles or points");
+    stream.replace(kCounts, 2, std::string("\xff\xff\xff\xff\x7f\xff\xff\xff\xff\x7f"));
+    const auto refuse = [&](const std::string& cause) {
+        expectError([&] { loadBytes("a.glb", dracoFile(stream).glb()); }, "a.glb", cause);
+    };
+    refuse("34359738367 triangles or points");
+    constexpr std::size_t kMinorVersion = 6, kFlags = 10;
+    stream[kFlags] = '\x80';
+    refuse("metadata in the stream");
+    stream[kMinorVersion] = 1;
+    refuse("version 2.1, expected 2.2");
 }
 
 std::string meshoptPositions() {

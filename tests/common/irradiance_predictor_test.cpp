@@ -22,7 +22,11 @@ class Prediction : public testing::Test {
 protected:
     test::TestCache cache_{bakeSet()};
 
-    static RadianceImage constantMap(float radiance) { return {{1, 1, {Rgb(radiance)}}}; }
+    static RadianceImage constantMap(float radiance) {
+        RadianceImage map;
+        map.image = {1, 1, {Rgb(radiance)}};
+        return map;
+    }
     static std::vector<Vec3d> places() {
         std::vector<Vec3d> all;
         for (int x = -9; x <= 9; ++x)

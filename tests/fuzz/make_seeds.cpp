@@ -44,6 +44,17 @@ void writeMeshes(const fs::path& folder) {
           "property float y\nproperty float z\nproperty int red\nproperty int green\n"
           "property int blue\nelement face 1\nproperty list uchar int vertex_indices\n"
           "end_header\n0 0 0 255 188 0\n0 0\n2 256 -1 0\n2 0 0 nan 1 0\n3 0 1 2\n\n");
+    write(folder / "ply/strips",
+          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+          "property float z\nproperty uchar diffuse_red\nproperty uchar diffuse_green\n"
+          "property uchar diffuse_blue\nelement tristrips 1\n"
+          "property list int int vertex_indices\nend_header\n"
+          "0 0 0 1 2 3\n1 0 0 1 2 3\n1 1 0 1 2 3\n0 1 0 1 2 3\n7 0 1 3 2 -1 0 1\n");
+    write(folder / "ply/face_colors",
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+          "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+          "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+          "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 255 0 0\n3 0 2 1 0 0 255\n");
     write(folder / "stl/text", squareStlText());
     write(folder / "stl/upper",
           " SOLID x\n FACET NORMAL 0 1 0\n OUTER LOOP\n VERTEX 0 0 0\n VERTEX 0 0 2\n"
