@@ -137,9 +137,10 @@ TEST(StoredCaches, KnowTheirItemsByNumber) {
             const ShadowCache cache(stored(wanted.name), budget);
             const ItemTable items(cache);
             EXPECT_EQ(items.size(), wanted.items);
-            for (std::uint32_t i = 0; i < items.size(); ++i)
-                if (PatchCode::of(items.item(i).patch).layer == 0)
-                    EXPECT_EQ(items.itemAt(items.position(i), items.normal(i)), i);
+            for (std::uint32_t i = 0; i < items.size(); ++i) {
+                if (PatchCode::of(items.item(i).patch).layer != 0) continue;
+                EXPECT_EQ(items.itemAt(items.position(i), items.normal(i)), i);
+            }
             const auto transport = readTransport(cache, items);
             EXPECT_EQ(transport ? transport->raysPerItem : 0, wanted.hits);
         }
