@@ -1,6 +1,9 @@
-# Included by the presets: the compiler runs through ccache where that is installed.
+# Included by the presets: the compiler runs through ccache where that is installed. Precompiled headers
+# need the sloppiness: what they were made of is in their bytes.
 find_program(SHADOWCACHE_CCACHE ccache)
 mark_as_advanced(SHADOWCACHE_CCACHE)
 if(SHADOWCACHE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-    set(CMAKE_CXX_COMPILER_LAUNCHER "${SHADOWCACHE_CCACHE}")
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env
+        CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+        "${SHADOWCACHE_CCACHE}")
 endif()

@@ -3,7 +3,6 @@ BUILD/compile_commands.json names.
 
 Usage: clang_warnings.py BUILD
 """
-import json
 import os
 import shlex
 import subprocess
@@ -11,7 +10,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parents[2]
+from plain_commands import plain_commands
+
 # What has a value of its own in the next word, or names what only a build needs.
 WITH_VALUE, ALONE = {"-o", "-MF", "-MT"}, {"-c", "-MD", "/usr/bin/ccache", "-Wno-restrict"}
 
@@ -28,9 +28,7 @@ def warnings(entry):
 
 
 def main():
-    build = Path(sys.argv[1])
-    entries = [entry for entry in json.loads((build / "compile_commands.json").read_text())
-               if entry["file"].startswith(str(SOURCE)) and "/build/" not in entry["file"]]
+    entries = plain_commands(Path(sys.argv[1]))
     said = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for text in pool.map(warnings, entries):
