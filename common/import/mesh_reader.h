@@ -47,6 +47,9 @@ struct RawMesh {
     std::size_t firstLocalVertex = std::numeric_limits<std::size_t>::max();
     std::vector<Material> materials;
     std::vector<Texture> textures;
+    std::size_t badColors = 0;  ///< as MeshReport::badColors
+    /// As MeshReport::remarks.
+    std::map<std::string, std::size_t> remarks;
     std::size_t blended = 0;                     ///< materials that blend with what is behind
     std::map<std::string, std::size_t> leftOut;  ///< as MeshReport::leftOut
 };

@@ -187,6 +187,8 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
         soup.instances.push_back({instance.group + soup.groups, compose(world, instance.toWorld)});
     }
     soup.groups += groups;
+    soup.report.badColors += raw.badColors;
+    for (const auto& [remark, count] : raw.remarks) soup.report.remarks[remark] += count;
     soup.report.blended += raw.blended;
     for (const auto& [name, count] : raw.leftOut) soup.report.leftOut[name] += count;
 }

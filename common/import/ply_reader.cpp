@@ -5,31 +5,59 @@
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
-#include "common/image/srgb.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/ply_header.h"
+#include "common/import/vertex_colors.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Numbers of a text body, one after the other whatever the line breaks.
+/// Numbers of a text body. A row begins a line; one that goes on in the next is read, too.
 class TextNumbers {
 public:
     TextNumbers(const std::filesystem::path& path, std::string_view body, std::size_t firstLine)
         : path_(path), text_(path, body, false, firstLine) {}
 
     double next(PlyType) {
-        const std::string_view word = text_.word();
-        if (word.empty()) throwFileError(path_, "truncated: text ends within the data");
+        std::string_view word = text_.wordOnLine();
+        if (word.empty()) {
+            if (inRow_ && shortLine_ == 0) shortLine_ = text_.line();
+            word = text_.word();
+        }
+        if (word.empty())
+            throwFileError(path_, "truncated: text ends within the data" + shortRow());
+        inRow_ = true;
         return text_.number(word);
+    }
+    void endRow(const PlyElement& element) {
+        inRow_ = false;
+        if (!text_.atLineEnd())
+            text_.fail("row of '" + element.name + "' with more numbers than its " +
+                       std::to_string(element.properties.size()) + " properties in the header" +
+                       shortRow());
+    }
+    void finish() {
+        const std::string_view word = text_.word();
+        if (!word.empty())
+            text_.fail("text after the last row that the header counts, expected none" +
+                       shortRow());
     }
     /// Most numbers that can follow.
     std::size_t room(PlyType) const { return text_.bytesLeft() / 2 + 1; }
 
 private:
+    /// The cause of what is found later, if a row was too short.
+    std::string shortRow() const {
+        return shortLine_ == 0 ? ""
+                               : " (line " + std::to_string(shortLine_) +
+                                     " has fewer numbers than the header says)";
+    }
+
     std::filesystem::path path_;
     TextScanner text_;
+    bool inRow_ = false;
+    std::size_t shortLine_ = 0;  ///< the first that ends within its row; 0: none
 };
 
 template <class T>
@@ -73,6 +101,15 @@ public:
         }
         return 0.0;
     }
+    void endRow(const PlyElement&) {}
+    /// Some writers fill up with zeros or blanks.
+    void finish() const {
+        const std::string_view rest = body_.substr(at_);
+        if (rest.find_first_not_of(std::string_view("\0\r\n\t ", 5)) != rest.npos)
+            throwFileError(path_, std::to_string(rest.size()) +
+                                      " bytes after the last row that the header counts, expected "
+                                      "none");
+    }
     std::size_t room(PlyType type) const { return (body_.size() - at_) / byteCount(type); }
 
 private:
@@ -94,11 +131,9 @@ std::size_t nextListSize(const std::filesystem::path& path, Numbers& numbers,
     return static_cast<std::size_t>(size);
 }
 
-/// Whole numbers hold 8- or 16-bit sRGB, floats are linear as they stand.
-float linearColor(double value, PlyType type) {
-    const auto number = static_cast<float>(value);
-    if (type == PlyType::float32 || type == PlyType::float64) return number;
-    return srgbToLinear(number / (byteCount(type) == 1 ? 255.0f : 65535.0f));
+ColorNumbers colorNumbers(PlyType type) {
+    if (type == PlyType::float32 || type == PlyType::float64) return ColorNumbers::any;
+    return byteCount(type) == 1 ? ColorNumbers::bytes : ColorNumbers::whole;
 }
 
 template <class Numbers>
@@ -119,6 +154,9 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
         if (places[i] >= 0) channelOf[static_cast<std::size_t>(places[i])] = i;
     }
 
+    ColorScale scale(
+        colored ? colorNumbers(element.properties[static_cast<std::size_t>(places[3])].type)
+                : ColorNumbers::any);
     mesh.vertices.reserve(element.count);
     if (colored) mesh.colors.reserve(element.count);
     if (smooth) mesh.normals.reserve(element.count);
@@ -129,15 +167,15 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
             const std::size_t size = property.isList ? nextListSize(path, numbers, property) : 1;
             for (std::size_t j = 0; j < size; ++j) row[channelOf[k]] = numbers.next(property.type);
         }
+        numbers.endRow(element);
         mesh.vertices.emplace_back(row[0], row[1], row[2]);
         if (smooth) mesh.normals.emplace_back(row[6], row[7], row[8]);
         if (!colored) continue;
-        const auto channel = [&](std::size_t c) {
-            const auto place = static_cast<std::size_t>(places[c]);
-            return linearColor(row[c], element.properties[place].type);
-        };
-        mesh.colors.emplace_back(channel(3), channel(4), channel(5));
+        for (std::size_t c = 3; c < 6; ++c) scale.see(row[c]);
+        mesh.colors.emplace_back(static_cast<float>(row[3]), static_cast<float>(row[4]),
+                                 static_cast<float>(row[5]));
     }
+    mesh.badColors = decodeColors(scale, mesh.colors);
 }
 
 template <class Numbers>
@@ -163,6 +201,7 @@ void readFaces(const std::filesystem::path& path, Numbers& numbers, const PlyEle
             }
             if (corners) mesh.faceSizes.push_back(static_cast<std::uint32_t>(size));
         }
+        numbers.endRow(element);
     }
 }
 
@@ -173,6 +212,7 @@ void skipRows(const std::filesystem::path& path, Numbers& numbers, const PlyElem
             const std::size_t size = property.isList ? nextListSize(path, numbers, property) : 1;
             for (std::size_t j = 0; j < size; ++j) numbers.next(property.type);
         }
+        numbers.endRow(element);
     }
 }
 
@@ -190,6 +230,7 @@ RawMesh readBody(const std::filesystem::path& path, const PlyHeader& header, Num
             skipRows(path, numbers, element);
         }
     }
+    numbers.finish();
     if (!hasFaces)
         throwFileError(path, "PLY without faces (point cloud or strips), expected faces");
     return mesh;
@@ -199,8 +240,9 @@ RawMesh readBody(const std::filesystem::path& path, const PlyHeader& header, Num
 
 RawMesh readPly(const std::filesystem::path& path) {
     const std::string bytes = readFileBytes(path);
-    const PlyHeader header = parsePlyHeader(path, bytes);
-    const std::string_view body = std::string_view(bytes).substr(header.bytes);
+    const std::string_view content = withoutByteOrderMark(path, bytes);
+    const PlyHeader header = parsePlyHeader(path, content);
+    const std::string_view body = content.substr(header.bytes);
     if (header.encoding == PlyHeader::Encoding::text) {
         return readBody(path, header, TextNumbers(path, body, header.lines + 1));
     }
