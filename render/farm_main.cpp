@@ -138,7 +138,7 @@ FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
     job.pictures = a.pictures;
     if (!a.pictures.empty()) {
         requireExtension(a.pictures, ".exr");
-        framePath(a.pictures, 1, job.frames.size() > 1);
+        framePath(a.pictures, 1, job.frames.size() > 1 ? FrameNames::several : FrameNames::one);
     }
     return job;
 }

@@ -53,6 +53,13 @@ std::string readFileBytes(const std::filesystem::path& path) {
     return bytes;
 }
 
+std::string_view withoutByteOrderMark(const std::filesystem::path& path, std::string_view text) {
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+        throwFileError(path, "is text in UTF-16, expected ASCII or UTF-8");
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    return text;
+}
+
 TextScanner::TextScanner(const std::filesystem::path& path, std::string_view text, bool comments,
                          std::size_t firstLine)
     : path_(path),
@@ -124,7 +131,8 @@ double TextScanner::number(std::string_view word) const {
         if (error == std::errc{}) return value;
         if (error == std::errc::result_out_of_range) {
             const bool tiny = digits.find("e-") != digits.npos || digits.find("E-") != digits.npos;
-            return tiny ? 0.0 : std::numeric_limits<double>::infinity();
+            const double infinity = std::numeric_limits<double>::infinity();
+            return tiny ? 0.0 : digits.starts_with('-') ? -infinity : infinity;
         }
     }
     fail(word.empty() ? "line ends, expected a number" : quoted(word) + ", expected a number");

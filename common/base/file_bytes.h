@@ -14,6 +14,11 @@ std::string readFileBytes(const std::filesystem::path& path);
 /// Refuses what readFileBytes would refuse, without reading the file.
 void requireReadableFile(const std::filesystem::path& path);
 
+/// A text without the UTF-8 byte order mark that it may begin with.
+///
+/// @throws Error naming the file for text in UTF-16
+std::string_view withoutByteOrderMark(const std::filesystem::path& path, std::string_view text);
+
 /// Walks through a text by lines and blank-separated words; keeps the line's number for messages.
 class TextScanner {
 public:
@@ -22,6 +27,11 @@ public:
                 std::size_t firstLine = 1);
 
     bool atEnd() const { return at_ == end_; }
+    /// Whether nothing but blanks and comments follows on this line; passes over them.
+    bool atLineEnd() {
+        skipBlanks();
+        return at_ == end_ || *at_ == '\n';
+    }
     std::size_t line() const { return line_; }
     std::size_t bytesLeft() const { return static_cast<std::size_t>(end_ - at_); }
     std::string_view rest() const { return {at_, bytesLeft()}; }
@@ -35,7 +45,7 @@ public:
     /// Goes to the start of the next line; true if a line break was there.
     bool nextLine();
 
-    /// Value of a word: NaN and Inf as written, Inf if too large for a double.
+    /// Value of a word: NaN and Inf as written, Inf of its sign if too large for a double.
     ///
     /// @throws Error if it is not a number
     double number(std::string_view word) const;

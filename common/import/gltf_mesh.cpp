@@ -1,7 +1,6 @@
 #include "common/import/gltf_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "common/import/gltf_nodes.h"
 #include "common/import/tangents.h"
 #include "common/import/texture_decoder.h"
+#include "common/import/vertex_colors.h"
 
 namespace shadowcache {
 
@@ -133,12 +133,12 @@ private:
         if (components < 3 || values.size() != components * (vertices - first))
             fail(mesh, "COLOR_0 does not match the positions, expected one colour for each");
         out_.colors.resize(first, kUncolored);
-        const auto share = [](double x) {
-            return static_cast<float>(std::isfinite(x) ? std::clamp(x, 0.0, 1.0) : 0.0);
-        };
         for (std::size_t i = 0; i < values.size(); i += components) {
-            out_.colors.emplace_back(share(values[i]), share(values[i + 1]), share(values[i + 2]));
-            if (components == 4) opacities.push_back(share(values[i + 3]));
+            bool bad = false;
+            const auto share = [&](std::size_t k) { return clampedShare(values[i + k], bad); };
+            out_.colors.emplace_back(share(0), share(1), share(2));
+            if (components == 4) opacities.push_back(share(3));
+            out_.badColors += bad ? 1 : 0;
         }
     }
 

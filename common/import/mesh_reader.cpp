@@ -12,8 +12,8 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/text_streams.h"
-#include "common/image/srgb.h"
 #include "common/import/om_check.h"
+#include "common/import/vertex_colors.h"
 
 namespace shadowcache {
 
@@ -84,20 +84,25 @@ public:
         if (halfedge.idx() >= 0 && i < next_.size()) next_[i] = next.idx();
     }
 
+    /// Turns the colours that were set into linear ones.
+    void finishColors() {
+        ColorScale scale(colorNumbers_);
+        for (const Rgb& color : mesh.colors)
+            for (int k = 0; k < 3; ++k) scale.see(static_cast<double>(color[k]));
+        mesh.badColors = decodeColors(scale, mesh.colors);
+    }
+
     void set_color(VertexHandle v, const OpenMesh::Vec3uc& c) override {
-        const auto decode = [](unsigned char value) {
-            return srgbToLinear(static_cast<float>(value) / 255.0f);
-        };
-        setColor(v, {decode(c[0]), decode(c[1]), decode(c[2])});
+        setColor(v, OpenMesh::Vec3f(c), ColorNumbers::bytes);
     }
     void set_color(VertexHandle v, const OpenMesh::Vec4uc& c) override {
         set_color(v, OpenMesh::Vec3uc(c[0], c[1], c[2]));
     }
     void set_color(VertexHandle v, const OpenMesh::Vec3f& c) override {
-        setColor(v, {c[0], c[1], c[2]});
+        setColor(v, c, ColorNumbers::any);
     }
     void set_color(VertexHandle v, const OpenMesh::Vec4f& c) override {
-        setColor(v, {c[0], c[1], c[2]});
+        set_color(v, OpenMesh::Vec3f(c[0], c[1], c[2]));
     }
 
     void set_normal(VertexHandle v, const OpenMesh::Vec3f& n) override {
@@ -146,13 +151,16 @@ public:
 private:
     static std::size_t index(VertexHandle v) { return static_cast<std::size_t>(v.idx()); }
     bool known(VertexHandle v) const { return v.idx() >= 0 && index(v) < mesh.vertices.size(); }
-    void setColor(VertexHandle v, const Rgb& color) {
+    /// All colours of a file are of one type.
+    void setColor(VertexHandle v, const OpenMesh::Vec3f& c, ColorNumbers numbers) {
         if (!known(v)) return;
-        mesh.colors.resize(mesh.vertices.size(), kUncolored);
-        mesh.colors[index(v)] = color;
+        colorNumbers_ = numbers;
+        mesh.colors.resize(mesh.vertices.size(), Rgb(numbers == ColorNumbers::bytes ? 255.0f : 1));
+        mesh.colors[index(v)] = Rgb(c[0], c[1], c[2]);
     }
 
     OpenMesh::ArrayKernel kernel_;
+    ColorNumbers colorNumbers_ = ColorNumbers::bytes;
     std::vector<int> faceHalfedges_;
     std::vector<std::uint32_t> toVertex_;
     std::vector<int> next_;
@@ -200,6 +208,7 @@ RawMesh readOm(const std::filesystem::path& path) {
                       std::to_string(importer.n_faces()) + " faces could be read, expected " +
                       std::to_string(counts.vertices) + " and " + std::to_string(counts.faces));
     }
+    importer.finishColors();
     return std::move(importer.mesh);
 }
 

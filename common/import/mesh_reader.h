@@ -47,8 +47,11 @@ struct RawMesh {
     std::size_t firstLocalVertex = std::numeric_limits<std::size_t>::max();
     std::vector<Material> materials;
     std::vector<Texture> textures;
-    std::size_t moving = 0;   ///< nodes whose meshes are not here, because an animation moves them
-    std::size_t blended = 0;  ///< materials that blend with what is behind
+    std::size_t moving = 0;  ///< nodes whose meshes are not here, because an animation moves them
+    std::size_t badColors = 0;  ///< as MeshReport::badColors
+    /// As MeshReport::remarks.
+    std::map<std::string, std::size_t> remarks;
+    std::size_t blended = 0;                     ///< materials that blend with what is behind
     std::map<std::string, std::size_t> leftOut;  ///< as MeshReport::leftOut
 };
 

@@ -188,6 +188,8 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     }
     soup.groups += groups;
     soup.moving += raw.moving;
+    soup.report.badColors += raw.badColors;
+    for (const auto& [remark, count] : raw.remarks) soup.report.remarks[remark] += count;
     soup.report.blended += raw.blended;
     for (const auto& [name, count] : raw.leftOut) soup.report.leftOut[name] += count;
 }

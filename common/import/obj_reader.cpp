@@ -5,14 +5,21 @@
 #include "common/base/file_bytes.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/obj_looks.h"
+#include "common/import/vertex_colors.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Position, and a colour behind it as many tools write it ("v x y z r g b", linear as it stands);
-/// four numbers are x y z w.
-void readVertex(TextScanner& text, RawMesh& mesh) {
+/// The colours of a file, as it has them.
+struct ObjColors {
+    std::vector<bool> given;  ///< by vertex; empty: none has a colour
+    ColorScale scale{ColorNumbers::any};
+};
+
+/// Position, and a colour behind it as many tools write it ("v x y z r g b"); four numbers are
+/// x y z w.
+void readVertex(TextScanner& text, ObjColors& colors, RawMesh& mesh) {
     std::array<double, 6> values{};
     std::size_t count = 0;
     for (std::string_view word = text.wordOnLine(); !word.empty(); word = text.wordOnLine()) {
@@ -27,7 +34,19 @@ void readVertex(TextScanner& text, RawMesh& mesh) {
         mesh.colors.resize(mesh.vertices.size() - 1, kUncolored);
         mesh.colors.emplace_back(static_cast<float>(values[3]), static_cast<float>(values[4]),
                                  static_cast<float>(values[5]));
+        colors.given.resize(mesh.vertices.size(), false);
+        colors.given.back() = true;
+        for (std::size_t k = 3; k < 6; ++k) colors.scale.see(values[k]);
     }
+}
+
+void finishColors(ObjColors& colors, RawMesh& mesh) {
+    if (mesh.colors.empty()) return;
+    mesh.badColors = decodeColors(colors.scale, mesh.colors);
+    mesh.colors.resize(mesh.vertices.size(), kUncolored);
+    colors.given.resize(mesh.vertices.size(), false);
+    for (std::size_t i = 0; i < mesh.colors.size(); ++i)
+        if (!colors.given[i]) mesh.colors[i] = kUncolored;
 }
 
 void readNormal(TextScanner& text, RawMesh& mesh) {
@@ -94,18 +113,19 @@ void startMaterial(const TextScanner& text, std::map<std::string, int, std::less
 
 RawMesh readObj(const std::filesystem::path& path, References references) {
     const std::string bytes = readFileBytes(path);
+    TextScanner text(path, withoutByteOrderMark(path, bytes), true);
     if (bytes.find('\0') != bytes.npos)
         throwFileError(path, "holds binary data, expected OBJ text");
 
     RawMesh mesh;
+    ObjColors colors;
     ObjLooks looks;
     std::map<std::string, int, std::less<>> materials;
-    TextScanner text(path, bytes, true);
     while (!text.atEnd()) {
         const std::string_view keyword = text.wordOnLine();
         if (keyword == "v") {
-            readVertex(text, mesh);
-            looks.colored.push_back(mesh.colors.size() == mesh.vertices.size());
+            readVertex(text, colors, mesh);
+            looks.colored.push_back(colors.given.size() == mesh.vertices.size());
         } else if (keyword == "vn") {
             readNormal(text, mesh);
         } else if (keyword == "vt") {
@@ -126,7 +146,7 @@ RawMesh readObj(const std::filesystem::path& path, References references) {
     if (mesh.vertices.empty()) throwFileError(path, "has no vertex line, expected OBJ text");
     if (mesh.faceSizes.empty())
         throwFileError(path, "has no face, expected at least one (truncated?)");
-    if (!mesh.colors.empty()) mesh.colors.resize(mesh.vertices.size(), kUncolored);
+    finishColors(colors, mesh);
     if (mesh.normals.empty()) mesh.faceNormals.clear();
     addObjLooks(path, references, looks, mesh);
     return mesh;

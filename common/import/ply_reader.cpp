@@ -6,32 +6,60 @@
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
-#include "common/image/srgb.h"
 #include "common/import/face_colors.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/ply_header.h"
+#include "common/import/vertex_colors.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Numbers of a text body, one after the other whatever the line breaks.
+/// Numbers of a text body. A row begins a line; one that goes on in the next is read, too.
 class TextNumbers {
 public:
     TextNumbers(const std::filesystem::path& path, std::string_view body, std::size_t firstLine)
         : path_(path), text_(path, body, false, firstLine) {}
 
     double next(PlyType) {
-        const std::string_view word = text_.word();
-        if (word.empty()) throwFileError(path_, "truncated: text ends within the data");
+        std::string_view word = text_.wordOnLine();
+        if (word.empty()) {
+            if (inRow_ && shortLine_ == 0) shortLine_ = text_.line();
+            word = text_.word();
+        }
+        if (word.empty())
+            throwFileError(path_, "truncated: text ends within the data" + shortRow());
+        inRow_ = true;
         return text_.number(word);
+    }
+    void endRow(const PlyElement& element) {
+        inRow_ = false;
+        if (!text_.atLineEnd())
+            text_.fail("row of '" + element.name + "' with more numbers than its " +
+                       std::to_string(element.properties.size()) + " properties in the header" +
+                       shortRow());
+    }
+    void finish() {
+        const std::string_view word = text_.word();
+        if (!word.empty())
+            text_.fail("text after the last row that the header counts, expected none" +
+                       shortRow());
     }
     /// Most numbers that can follow.
     std::size_t room(PlyType) const { return text_.bytesLeft() / 2 + 1; }
 
 private:
+    /// The cause of what is found later, if a row was too short.
+    std::string shortRow() const {
+        return shortLine_ == 0 ? ""
+                               : " (line " + std::to_string(shortLine_) +
+                                     " has fewer numbers than the header says)";
+    }
+
     std::filesystem::path path_;
     TextScanner text_;
+    bool inRow_ = false;
+    std::size_t shortLine_ = 0;  ///< the first that ends within its row; 0: none
 };
 
 template <class T>
@@ -75,6 +103,15 @@ public:
         }
         return 0.0;
     }
+    void endRow(const PlyElement&) {}
+    /// Some writers fill up with zeros or blanks.
+    void finish() const {
+        const std::string_view rest = body_.substr(at_);
+        if (rest.find_first_not_of(std::string_view("\0\r\n\t ", 5)) != rest.npos)
+            throwFileError(path_, std::to_string(rest.size()) +
+                                      " bytes after the last row that the header counts, expected "
+                                      "none");
+    }
     std::size_t room(PlyType type) const { return (body_.size() - at_) / byteCount(type); }
 
 private:
@@ -96,11 +133,9 @@ std::size_t nextListSize(const std::filesystem::path& path, Numbers& numbers,
     return static_cast<std::size_t>(size);
 }
 
-/// Whole numbers hold 8- or 16-bit sRGB, floats are linear as they stand.
-float linearColor(double value, PlyType type) {
-    const auto number = static_cast<float>(value);
-    if (type == PlyType::float32 || type == PlyType::float64) return number;
-    return srgbToLinear(number / (byteCount(type) == 1 ? 255.0f : 65535.0f));
+ColorNumbers colorNumbers(PlyType type) {
+    if (type == PlyType::float32 || type == PlyType::float64) return ColorNumbers::any;
+    return byteCount(type) == 1 ? ColorNumbers::bytes : ColorNumbers::whole;
 }
 
 template <class Numbers>
@@ -121,6 +156,9 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
         if (places[i] >= 0) channelOf[static_cast<std::size_t>(places[i])] = i;
     }
 
+    ColorScale scale(
+        colored ? colorNumbers(element.properties[static_cast<std::size_t>(places[3])].type)
+                : ColorNumbers::any);
     mesh.vertices.reserve(element.count);
     if (colored) mesh.colors.reserve(element.count);
     if (smooth) mesh.normals.reserve(element.count);
@@ -131,15 +169,15 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
             const std::size_t size = property.isList ? nextListSize(path, numbers, property) : 1;
             for (std::size_t j = 0; j < size; ++j) row[channelOf[k]] = numbers.next(property.type);
         }
+        numbers.endRow(element);
         mesh.vertices.emplace_back(row[0], row[1], row[2]);
         if (smooth) mesh.normals.emplace_back(row[6], row[7], row[8]);
         if (!colored) continue;
-        const auto channel = [&](std::size_t c) {
-            const auto place = static_cast<std::size_t>(places[c]);
-            return linearColor(row[c], element.properties[place].type);
-        };
-        mesh.colors.emplace_back(channel(3), channel(4), channel(5));
+        for (std::size_t c = 3; c < 6; ++c) scale.see(row[c]);
+        mesh.colors.emplace_back(static_cast<float>(row[3]), static_cast<float>(row[4]),
+                                 static_cast<float>(row[5]));
     }
+    mesh.badColors += decodeColors(scale, mesh.colors);
 }
 
 std::uint32_t vertexNumber(double value) {
@@ -158,7 +196,11 @@ void readFaces(const std::filesystem::path& path, Numbers& numbers, const PlyEle
     }
     const std::array<int, 3> color = element.findColor();
     const bool colored = color[0] >= 0;
-    if (colored) faceColors.resize(mesh.faceSizes.size(), kUncolored);
+    ColorScale scale(colored
+                         ? colorNumbers(element.properties[static_cast<std::size_t>(color[0])].type)
+                         : ColorNumbers::any);
+    std::vector<Rgb> colors;
+    const std::size_t facesBefore = mesh.faceSizes.size();
     mesh.faceSizes.reserve(element.count);
     mesh.faceVertices.reserve(element.count * 3);
     for (std::size_t i = 0; i < element.count; ++i) {
@@ -170,13 +212,21 @@ void readFaces(const std::filesystem::path& path, Numbers& numbers, const PlyEle
             const auto channel = std::ranges::find(color, static_cast<int>(k)) - color.begin();
             for (std::size_t j = 0; j < size; ++j) {
                 const double value = numbers.next(property.type);
-                if (channel < 3) rgb[static_cast<int>(channel)] = linearColor(value, property.type);
+                if (channel < 3) {
+                    scale.see(value);
+                    rgb[static_cast<int>(channel)] = static_cast<float>(value);
+                }
                 if (corners) mesh.faceVertices.push_back(vertexNumber(value));
             }
             if (corners) mesh.faceSizes.push_back(static_cast<std::uint32_t>(size));
         }
-        if (colored) faceColors.push_back(rgb);
+        numbers.endRow(element);
+        if (colored) colors.push_back(rgb);
     }
+    if (!colored) return;
+    mesh.badColors += decodeColors(scale, colors);
+    faceColors.resize(facesBefore, kUncolored);
+    faceColors.insert(faceColors.end(), colors.begin(), colors.end());
 }
 
 /// Triangle strips, one list of corners each: -1 ends a strip, and the next begins.
@@ -186,7 +236,7 @@ void readStrips(const std::filesystem::path& path, Numbers& numbers, const PlyEl
     const int place = element.find("vertex_indices", "vertex_index");
     if (place < 0 || !element.properties[static_cast<std::size_t>(place)].isList)
         throwFileError(path, "triangle strips lack the list vertex_indices");
-    for (std::size_t i = 0; i < element.count; ++i)
+    for (std::size_t i = 0; i < element.count; ++i) {
         for (std::size_t k = 0; k < element.properties.size(); ++k) {
             const PlyProperty& property = element.properties[k];
             const std::size_t size = property.isList ? nextListSize(path, numbers, property) : 1;
@@ -209,6 +259,8 @@ void readStrips(const std::filesystem::path& path, Numbers& numbers, const PlyEl
                 last = {last[1], corner};
             }
         }
+        numbers.endRow(element);
+    }
 }
 
 template <class Numbers>
@@ -218,6 +270,7 @@ void skipRows(const std::filesystem::path& path, Numbers& numbers, const PlyElem
             const std::size_t size = property.isList ? nextListSize(path, numbers, property) : 1;
             for (std::size_t j = 0; j < size; ++j) numbers.next(property.type);
         }
+        numbers.endRow(element);
     }
 }
 
@@ -239,6 +292,7 @@ RawMesh readBody(const std::filesystem::path& path, const PlyHeader& header, Num
             skipRows(path, numbers, element);
         }
     }
+    numbers.finish();
     if (!hasFaces)
         throwFileError(path, "PLY without faces (a point cloud?), expected faces or tristrips");
     if (!faceColors.empty()) colorFaces(faceColors, mesh);
@@ -249,8 +303,9 @@ RawMesh readBody(const std::filesystem::path& path, const PlyHeader& header, Num
 
 RawMesh readPly(const std::filesystem::path& path) {
     const std::string bytes = readFileBytes(path);
-    const PlyHeader header = parsePlyHeader(path, bytes);
-    const std::string_view body = std::string_view(bytes).substr(header.bytes);
+    const std::string_view content = withoutByteOrderMark(path, bytes);
+    const PlyHeader header = parsePlyHeader(path, content);
+    const std::string_view body = content.substr(header.bytes);
     if (header.encoding == PlyHeader::Encoding::text) {
         return readBody(path, header, TextNumbers(path, body, header.lines + 1));
     }

@@ -1,3 +1,5 @@
+#include <array>
+#include <cctype>
 #include <cstring>
 
 #include "common/base/error.h"
@@ -16,6 +18,12 @@ std::uint32_t binaryCount(const std::string& bytes) {
     std::uint32_t count = 0;
     std::memcpy(&count, bytes.data() + 80, sizeof count);
     return count;
+}
+
+std::string lower(std::string_view word) {
+    std::string result(word);
+    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
 }
 
 void useWeldedPoints(const PointTable& table, RawMesh& mesh) {
@@ -41,37 +49,114 @@ RawMesh readBinary(const std::string& bytes) {
     return mesh;
 }
 
-RawMesh readText(const std::filesystem::path& path, const std::string& bytes) {
-    RawMesh mesh;
-    PointTable table(bytes.size() / 500);
-    TextScanner text(path, bytes, false);
-    std::uint32_t corners = 0;
-    bool inSolid = false;
-    for (std::string_view word = text.word(); !word.empty(); word = text.word()) {
-        if (word == "solid" || word == "endsolid") {
-            inSolid = word == "solid";
-            text.nextLine();  // the solid's name may be any text
+/// Reads the keywords of an STL text, which may be in letters of any case; where lines break does
+/// not matter but for the names behind 'solid' and 'endsolid'.
+class StlText {
+public:
+    StlText(const std::filesystem::path& path, std::string_view text)
+        : path_(path), text_(path, text, false), table_(text.size() / 500) {}
+
+    RawMesh read() {
+        for (std::string word = keyword(); !word.empty(); word = keyword()) take(word);
+        if (corners_ > 0 || inFacet_)
+            throwFileError(path_, "truncated: ends within triangle " +
+                                      std::to_string(mesh_.faceSizes.size() + 1));
+        endSolid();
+        useWeldedPoints(table_, mesh_);
+        return std::move(mesh_);
+    }
+
+private:
+    /// The next word, in small letters; "end solid" is "endsolid". Empty at the end.
+    std::string keyword() {
+        std::string word = lower(text_.word());
+        return word == "end" ? word + lower(text_.wordOnLine()) : word;
+    }
+
+    void take(const std::string& word) {
+        if (corners_ > 0 && word != "vertex" && word != "endloop")
+            refuse(word, "'vertex' or 'endloop'");
+        if (word == "solid") {
+            endSolid();
+            inSolid_ = true;
+            text_.nextLine();  // the solid's name may be any text
         } else if (word == "facet") {
-            text.nextLine();  // the normal is not used: winding and normals of real sets disagree
+            skipNormal();
+            inFacet_ = true;
         } else if (word == "vertex") {
-            const auto x = static_cast<float>(text.number(text.wordOnLine()));
-            const auto y = static_cast<float>(text.number(text.wordOnLine()));
-            const auto z = static_cast<float>(text.number(text.wordOnLine()));
-            mesh.faceVertices.push_back(table.add({x, y, z}));
-            ++corners;
+            readVertex();
         } else if (word == "endloop") {
-            mesh.faceSizes.push_back(corners);
-            corners = 0;
-        } else if (word != "outer" && word != "loop" && word != "endfacet") {
-            text.fail("'" + std::string(word.substr(0, 20)) + "', expected an STL keyword");
+            mesh_.faceSizes.push_back(corners_);
+            corners_ = 0;
+        } else if (word == "endfacet") {
+            inFacet_ = false;
+        } else if (word == "endsolid") {
+            inSolid_ = false;
+            text_.nextLine();
+        } else if (word != "outer" && word != "loop") {
+            refuse(word, "an STL keyword");
         }
     }
-    if (inSolid || corners > 0) {
-        throwFileError(path, "truncated: ends after " + std::to_string(mesh.faceSizes.size()) +
-                                 " triangles without 'endsolid'");
+
+    [[noreturn]] void refuse(const std::string& word, const std::string& expected) const {
+        text_.fail("'" + word.substr(0, 20) + "', expected " + expected);
     }
-    useWeldedPoints(table, mesh);
-    return mesh;
+
+    /// A solid that is still open has lost its end, and perhaps more.
+    void endSolid() {
+        if (inSolid_) ++mesh_.remarks["STL solids without 'endsolid', perhaps cut short"];
+    }
+
+    /// Not used: winding and normals of real sets disagree.
+    void skipNormal() {
+        const std::string word = lower(text_.wordOnLine());
+        if (word.empty()) return;
+        if (word != "normal") refuse(word, "'normal'");
+        for (int k = 0; k < 3; ++k) text_.wordOnLine();
+    }
+
+    void readVertex() {
+        std::array<float, 3> p{};
+        for (float& value : p) value = static_cast<float>(text_.number(text_.word()));
+        mesh_.faceVertices.push_back(table_.add({p[0], p[1], p[2]}));
+        ++corners_;
+    }
+
+    const std::filesystem::path& path_;
+    TextScanner text_;
+    PointTable table_;
+    RawMesh mesh_;
+    std::uint32_t corners_ = 0;
+    bool inSolid_ = false;
+    bool inFacet_ = false;
+};
+
+/// Whether the content is a text of which the first word is 'solid'.
+bool isText(std::string_view content) {
+    if (content.find('\0') != content.npos) return false;
+    const std::size_t begin = content.find_first_not_of(" \t\r\n\v\f");
+    if (begin == content.npos) return false;
+    const std::string_view word = content.substr(begin, 5);
+    return lower(word) == "solid" &&
+           (content.size() == begin + 5 || static_cast<unsigned char>(content[begin + 5]) <= ' ');
+}
+
+/// @throws Error for a file that is shorter than its number of triangles says, or so much longer
+/// that the number cannot be right
+void requireBinarySize(const std::filesystem::path& path, const std::string& bytes) {
+    const std::uint32_t count = binaryCount(bytes);
+    const std::size_t wanted = kHeaderBytes + kTriangleBytes * count;
+    const std::string counted = std::to_string(count) + " triangles, which take " +
+                                std::to_string(wanted) + " bytes, in a file of " +
+                                std::to_string(bytes.size());
+    if (bytes.size() < wanted)
+        throwFileError(path,
+                       "truncated, or neither STL text (no 'solid' at the start) nor binary "
+                       "STL: " +
+                           counted);
+    const std::size_t rest = bytes.size() - wanted;
+    if (count == 0 || (rest > 0 && rest % kTriangleBytes == 0))
+        throwFileError(path, "binary STL with a wrong number of triangles: " + counted);
 }
 
 }  // namespace
@@ -79,22 +164,19 @@ RawMesh readText(const std::filesystem::path& path, const std::string& bytes) {
 RawMesh readStl(const std::filesystem::path& path) {
     const std::string bytes = readFileBytes(path);
     // Many binary files start with "solid" all the same, so the size decides first.
-    if (bytes.size() >= kHeaderBytes &&
-        bytes.size() == kHeaderBytes + kTriangleBytes * binaryCount(bytes)) {
+    if (bytes.size() > kHeaderBytes &&
+        bytes.size() == kHeaderBytes + kTriangleBytes * binaryCount(bytes))
         return readBinary(bytes);
-    }
-    if (bytes.starts_with("solid") && bytes.substr(0, 1000).find('\0') == bytes.npos) {
-        return readText(path, bytes);
-    }
-    if (bytes.size() < kHeaderBytes) {
+    const std::string_view text = withoutByteOrderMark(path, bytes);
+    if (isText(text)) return StlText(path, text).read();
+    if (bytes.size() < kHeaderBytes)
         throwFileError(path, std::to_string(bytes.size()) +
                                  " bytes without 'solid' at the start, expected an STL file");
-    }
-    const std::uint32_t count = binaryCount(bytes);
-    throwFileError(path, "truncated or no STL file: " + std::to_string(bytes.size()) +
-                             " bytes, expected " +
-                             std::to_string(kHeaderBytes + kTriangleBytes * count) + " for " +
-                             std::to_string(count) + " triangles");
+    requireBinarySize(path, bytes);
+    RawMesh mesh = readBinary(bytes);
+    mesh.remarks["bytes after the last triangle of a binary STL file, left out"] =
+        bytes.size() - kHeaderBytes - kTriangleBytes * binaryCount(bytes);
+    return mesh;
 }
 
 }  // namespace shadowcache

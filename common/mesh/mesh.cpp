@@ -32,6 +32,8 @@ std::string describe(const MeshReport& report) {
     add(report.mixedWinding, "edges of mixed winding");
     add(report.unreferenced, "vertices without a face");
     add(report.badNormals, "shading normals that are zero, not finite or out of range");
+    add(report.badColors, "vertex colours out of range or not finite, clamped");
+    for (const auto& [remark, count] : report.remarks) add(count, remark);
     add(report.blended, "blending materials, which let rays pass by chance");
     std::size_t named = 0;
     for (const auto& [name, count] : report.leftOut)

@@ -26,7 +26,10 @@ struct MeshReport {
     std::size_t instances = 0;         ///< copies of triangles that are kept once
     std::size_t placed = 0;            ///< triangles in the world, each copy counted
     std::size_t badNormals = 0;  ///< shading normals that are zero, not finite or out of range
-    std::size_t blended = 0;     ///< materials that blend with what is behind
+    std::size_t badColors = 0;   ///< vertex colours that are not finite or out of range, clamped
+    /// Oddities of a file that were read all the same: what follows the number in a report, number.
+    std::map<std::string, std::size_t> remarks;
+    std::size_t blended = 0;  ///< materials that blend with what is behind
     /// Parts of the files' materials that are not supported: name and number of materials.
     std::map<std::string, std::size_t> leftOut;
 };

@@ -114,7 +114,8 @@ RenderJob jobOf(const Arguments& arguments) {
             "--smooth makes shading normals, --normals geometric has none: expected one of them");
     if (!arguments.memory.empty()) job.memory = parseSize("--memory", arguments.memory);
     for (const std::string& text : arguments.dynamic) job.dynamic.push_back(parseDynamic(text));
-    if (!arguments.frames.empty()) job.frames = parseFrames(arguments.frames);
+    job.framesGiven = !arguments.frames.empty();
+    if (job.framesGiven) job.frames = parseFrames(arguments.frames);
     if (!arguments.shotFrames.empty())
         job.shotFrames = parseFrames(arguments.shotFrames, "--shot-frames");
     const auto [width, height] = parsePair("--size", arguments.size, "WxH, as in 960x540");

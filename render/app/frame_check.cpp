@@ -94,7 +94,8 @@ void checkFrames(const RenderJob& job, const EstimatorEntry& entry, const LightP
     if (wrong > 0)
         throw Error("--check: " + std::to_string(count - wrong) + " of " + std::to_string(count) +
                     " frames are done, expected all");
-    std::printf("%zu frame%s, all done -> %s\n", count, count == 1 ? "" : "s", job.output.c_str());
+    std::printf("%zu frame%s, all done -> %s\n", count, count == 1 ? "" : "s",
+                outputName(job).c_str());
 }
 
 }  // namespace shadowcache

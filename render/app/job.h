@@ -38,6 +38,7 @@ struct RenderJob {
     CameraOptions camera;
     double fps = 24;  ///< of glTF's cameras and moving nodes
     std::vector<int> frames{1};
+    bool framesGiven = false;     ///< by --frames
     std::vector<int> shotFrames;  ///< that a plan of lights is spread over; empty: `frames`
 
     std::filesystem::path output;

@@ -46,7 +46,14 @@ std::string biasOf(const RenderJob& job, const EstimatorEntry& entry) {
 }
 
 std::filesystem::path frameFile(const RenderJob& job, int frame) {
-    return framePath(job.output, frame, job.frames.size() > 1);
+    return framePath(job.output, frame,
+                     job.frames.size() > 1 ? FrameNames::several
+                     : job.framesGiven     ? FrameNames::one
+                                           : FrameNames::unasked);
+}
+
+std::filesystem::path outputName(const RenderJob& job) {
+    return job.frames.size() == 1 ? frameFile(job, job.frames.front()) : job.output;
 }
 
 std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame) {

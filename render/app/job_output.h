@@ -31,6 +31,9 @@ std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame);
 /// The EXR of a frame.
 std::filesystem::path frameFile(const RenderJob& job, int frame);
 
+/// What messages call the frames' files: the file of a single frame, else the name with '####'.
+std::filesystem::path outputName(const RenderJob& job);
+
 /// All metadata of a frame's file but the time it took.
 ///
 /// @param fingerprint  of the cache's set; none without a cache

@@ -308,7 +308,7 @@ private:
         std::printf(" in %.2f s", stats_.seconds);
         if (job_.render.preview) std::printf(" (biased: filtered)");
         if (error_) std::printf(", relMSE %.3g", error_->mean);
-        std::printf(" -> %s\n", job_.output.c_str());
+        std::printf(" -> %s\n", outputName(job_).c_str());
         if (cache_) printMemoryUse(cache_->memoryUse());
     }
 

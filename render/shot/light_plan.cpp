@@ -22,7 +22,8 @@ std::vector<std::string> environmentsOf(const std::string& text, std::span<const
     static const std::regex sequence("#|%0?\\d?d");
     if (std::regex_search(text, sequence)) {
         std::vector<std::string> all;
-        for (const int frame : frames) all.push_back(framePath(text, frame, true).string());
+        for (const int frame : frames)
+            all.push_back(framePath(text, frame, FrameNames::several).string());
         return all;
     }
     std::vector<std::string> all;

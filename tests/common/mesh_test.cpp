@@ -83,7 +83,7 @@ TEST(Mesh, ReadsEveryFormOfObjFace) {
     EXPECT_EQ(mesh.report.facesRead, 3u);
     EXPECT_DOUBLE_EQ(area(mesh), 1.5);
     ASSERT_EQ(mesh.colors.size(), 4u);
-    EXPECT_EQ(mesh.colors[0], Rgb(1.0f, 0.5f, 0.25f));
+    EXPECT_EQ(mesh.colors[0], Rgb(1.0f, srgbToLinear(0.5f), srgbToLinear(0.25f)));
     EXPECT_EQ(mesh.colors[1], Rgb(1.0f, 1.0f, 1.0f));
 }
 
@@ -114,12 +114,12 @@ TEST(Mesh, ReadsBigEndianDoublesListsAndForeignElementsOfPly) {
 
 TEST(Mesh, ReadsOffWithNormalsColorsAndComments) {
     const TriangleMesh mesh = loadText("a.off",
-                                       "CNOFF # magic\n# counts\n3 1 3\n\n0 0 0 0 0 1 255 0 0 255\n"
-                                       "1 0 0 0 0 1 0.5 0.5 0.5 1\n0 1 0 0 0 1 0 0 0 255\n"
+                                       "CNOFF # magic\n# counts\n3 1 3\n\n0 0 0 0 0 1 1 0 0 1\n"
+                                       "1 0 0 0 0 1 0.5 0.5 0.5 1\n0 1 0 0 0 1 0 0 0\n"
                                        "3 0 1 2 10 20 30\n");
     ASSERT_EQ(mesh.colors.size(), 3u);
     EXPECT_EQ(mesh.colors[0], Rgb(1.0f, 0.0f, 0.0f));
-    EXPECT_EQ(mesh.colors[1], Rgb(0.5f, 0.5f, 0.5f));
+    EXPECT_EQ(mesh.colors[1], Rgb(srgbToLinear(0.5f)));
 }
 
 TEST(Mesh, RotatesScalesAndJoins) {

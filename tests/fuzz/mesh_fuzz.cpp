@@ -14,6 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         const TriangleMesh mesh = loadMesh(std::span(&path, 1), options);
         fuzz::require(!mesh.triangles.empty());
         for (const Vec3f& p : mesh.positions) fuzz::require(isInReach(Vec3d(p) / 2));
+        for (const Rgb& c : mesh.colors)
+            for (int k = 0; k < 3; ++k) fuzz::require(c[k] >= 0 && c[k] <= 1);
         for (const Vec3i& t : mesh.triangles)
             for (int k = 0; k < 3; ++k)
                 fuzz::require(t[k] >= 0 && static_cast<std::size_t>(t[k]) < mesh.positions.size());

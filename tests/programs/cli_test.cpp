@@ -150,6 +150,27 @@ TEST_F(Cli, DebugRefusesAPixelThatDependsOnOthers) {
     EXPECT_EQ(files(), before);
 }
 
+/// What a run says that it wrote is there, and is all that it wrote.
+TEST_F(Cli, NamesThatArePrintedAreThoseThatWereWritten) {
+    const std::pair<std::string, std::string> runs[]{
+        {"-o take#2.exr", "take#2.exr"},
+        {"-o take%d.exr", "take%d.exr"},
+        {"-o still.####.exr", "still.0001.exr"},
+        {"-o take#2.exr --frames 7", "take72.exr"},
+        {"-o take#2.####.exr --frames -7", "take#2.-0007.exr"}};
+    for (const auto& [options, name] : runs) {
+        const auto before = files();
+        EXPECT_NE(runWell("render", still(options)).out.find(" -> " + name + "\n"),
+                  std::string::npos)
+            << options;
+        auto made = files();
+        std::erase_if(made, [&](const std::string& file) {
+            return std::find(before.begin(), before.end(), file) != before.end();
+        });
+        EXPECT_EQ(made, std::vector<std::string>{name}) << options;
+    }
+}
+
 TEST_F(Cli, FramesMakeTheirFiles) {
     const auto before = files();
     runWell("render", move("--frames 1-5x2 -o f.####.exr --png"));
@@ -304,6 +325,10 @@ TEST_F(Cli, CropWritesAPartOfTheFrame) {
     EXPECT_EQ(part.place.y, 3);
     EXPECT_EQ(part.place.frameWidth, 32);
     EXPECT_EQ(part.place.frameHeight, 20);
+    // As large, but of another part of the frame.
+    expectRefusal(
+        run("render", still("--crop 6,3,20x11 --reference part.exr -o other.exr", "32x20")),
+        "render", "part.exr", "of another part of the frame");
     // Control: with another filter the pixels are others.
     const auto box = runWell("render", picture + "box.exr --crop 5,3,20x11 --filter box");
     EXPECT_EQ(box.out.find("relMSE 0 "), std::string::npos) << box.out;

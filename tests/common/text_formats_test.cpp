@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+
+#include "common/import/load_mesh.h"
+#include "tests/support/gltf_builder.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/temporary_folder.h"
+
+namespace shadowcache::test {
+namespace {
+
+TriangleMesh load(const std::filesystem::path& path) {
+    return loadMesh(std::span(&path, 1), {});
+}
+
+TriangleMesh loadText(const std::string& name, const std::string& bytes) {
+    const TemporaryFolder folder;
+    return load(folder.write(name, bytes));
+}
+
+void expectRefused(const std::string& name, const std::string& bytes, const std::string& cause) {
+    expectError([&] { loadText(name, bytes); }, name, cause);
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
+        text.replace(at, from.size(), to);
+    return text;
+}
+
+/// Two triangles, with nothing dropped, or said but `remark`.
+void expectTwo(const TriangleMesh& mesh, const std::string& remark = "") {
+    const std::string said = remark.empty() ? "" : "; " + remark;
+    const std::string text = describe(mesh.report);
+    EXPECT_TRUE(text == "2 triangles" + said ||
+                text == "2 triangles; 1 n-gons cut into 2 triangles" + said)
+        << text;
+}
+
+const std::string kNoEnd = "1 STL solids without 'endsolid', perhaps cut short";
+
+TEST(TextCases, HaveTheirTriangles) {
+    const std::filesystem::path cases = SHADOWCACHE_CASES;
+    for (const char* name : {"q_bom.obj", "off_glued.off", "off_breaks.off", "stl_upper.stl",
+                             "stl_lead.stl", "stl_endsp.stl"})
+        expectTwo(load(cases / name));
+    expectTwo(load(cases / "stl_noend.stl"), kNoEnd);
+    expectError([&] { load(cases / "ply_longer_rows.ply"); }, "ply_longer_rows.ply",
+                "line 17: row of 'face' with more numbers than its 4 properties in the header");
+}
+
+TEST(TextFiles, MayBeginWithAByteOrderMark) {
+    const std::string mark = "\xef\xbb\xbf";
+    expectTwo(loadText("a.obj", mark + squareObj()));
+    expectTwo(loadText("a.off", mark + squareOff()));
+    expectTwo(loadText("a.ply", mark + squarePlyText()));
+    expectTwo(loadText("b.ply", mark + squarePly()));
+    expectTwo(loadText("a.stl", mark + squareStlText()));
+    const TemporaryFolder folder;
+    GltfBuilder square = squareGltf();
+    square.root({{"mesh", 0}});
+    folder.write("a.bin", square.data());
+    expectTwo(load(folder.write("a.gltf", mark + square.gltf("a.bin"))));
+    for (const std::string name : {"a.obj", "a.off", "a.ply", "a.stl"})
+        for (const std::string utf16 : {"\xff\xfe", "\xfe\xff"})
+            expectRefused(name, utf16 + std::string("v\0 \0", 4), "is text in UTF-16");
+}
+
+TEST(Off, IsSeparatedByWhiteSpace) {
+    const std::string numbers = squareOff().substr(4);
+    expectTwo(loadText("a.off", "OFF" + numbers));
+    expectTwo(loadText("a.off", "OFF " + replaced(numbers, "\n", " ")));
+    expectTwo(loadText("a.off", replaced("OFF " + numbers, " ", "\n")));
+    expectTwo(loadText("a.off", replaced("OFF\n" + numbers, "\n", "\r\n")));
+    // Without the number of edges.
+    expectTwo(loadText("a.off", replaced(squareOff(), "4 2 0", "4 2")));
+    // Faces with colours, a comment, and a vertex over two lines.
+    expectTwo(loadText("a.off",
+                       "OFF\n4 2 0 # edges\n0 0\n0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 255 0 0\n"
+                       "3 0 2\n3 0.5 0.5 0.5 1 # grey\n\n"));
+    expectTwo(loadText("a.off",
+                       "STCNOFF4 2 0\n0 0 0 0 0 1 1 0 0 1 0.5 0.5\n1 0 0 0 0 1 1 0 0 1 0 0\n"
+                       "1 1 0 0 0 1 1 0 0 1 0 0\n0 1 0 0 0 1 1 0 0 1 0 0\n3 0 1 2\n3 0 2 3\n"));
+}
+
+TEST(Off, WhoseNumbersDoNotFitIsRefused) {
+    expectRefused("a.off", squareOff() + "3 0 1 2\n", "line 9: text after the last face");
+    expectRefused("a.off", replaced(squareOff(), "1 0 0\n", "1 0 0 255 0 0\n"),
+                  "line 4: vertex with more numbers than OFF has");
+    expectRefused("a.off", replaced(squareOff(), "3 0 2 3\n", ""), "truncated: ends after 1 of 2");
+    expectRefused("a.off", "OFFx 4 2 0\n", "first word is 'OFFx', expected OFF");
+    expectRefused("a.off", "OFF BINARY\n", "is a binary OFF file");
+}
+
+TEST(Ply, WhoseRowsDoNotFitIsRefused) {
+    const std::string good = squarePlyText();
+    expectRefused("a.ply", replaced(good, "1 0 0\n", "1 0 0 9\n"),
+                  "line 11: row of 'vertex' with more numbers than its 3 properties");
+    expectRefused("a.ply", replaced(good, "3 0 1 2\n", "3 0 1 2 9\n"),
+                  "line 14: row of 'face' with more numbers than its 1 properties");
+    expectRefused("a.ply", good + "3 0 1 2\n", "line 16: text after the last row");
+    expectRefused("a.ply", replaced(good, "face 2", "face 1"), "line 15: text after the last row");
+    // The true cause is the short row, wherever it shows.
+    expectRefused("a.ply", replaced(good, "1 0 0\n", "1 0\n"),
+                  "(line 11 has fewer numbers than the header says)");
+    expectRefused("a.ply", replaced(good, "3 0 2 3", "3 0 2"),
+                  "truncated: text ends within the data");
+    // Rows over several lines, blank lines and blanks at the end.
+    expectTwo(loadText("a.ply", replaced(good, "1 0 0\n", "1\n0 0 \t\r\n\n") + "\n \n"));
+}
+
+TEST(Ply, WithBytesLeftOverIsRefused) {
+    expectTwo(loadText("a.ply", squarePly() + "\n"));
+    expectTwo(loadText("a.ply", squarePly() + std::string(3, '\0')));
+    expectRefused("a.ply", squarePly() + "\3",
+                  "1 bytes after the last row that the header counts, expected none");
+}
+
+TEST(Stl, TextIsReadInAllItsForms) {
+    const std::string good = squareStlText();
+    std::string upper = good;
+    for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    expectTwo(loadText("a.stl", upper));
+    expectTwo(loadText("a.stl", "\n \t" + good));
+    expectTwo(loadText("a.stl", replaced(good, "\n", "\r\n")));
+    expectTwo(loadText("a.stl", replaced(good, "endsolid", "end solid my vertex")));
+    expectTwo(loadText("a.stl",
+                       replaced(replaced(good, "endloop", "end loop"), "endfacet", "End Facet")));
+    expectTwo(loadText("a.stl", replaced(good, "facet normal 0 0 1\n", "facet\n")));
+    expectTwo(
+        loadText("a.stl", replaced(good, "facet normal 0 0 1\n", "facet normal -nan(ind) 0 1 ")));
+    expectTwo(loadText("a.stl", replaced(good, "vertex 1 0 0", "vertex\n1 0\n0")));
+    // Several solids, one of which does not end.
+    const std::string first = good.substr(0, good.find("facet", good.find("endfacet") + 8));
+    const std::string second = "solid\n" + good.substr(first.size());
+    expectTwo(loadText("a.stl", first + "endsolid\n" + second));
+    expectTwo(loadText("a.stl", first + second), kNoEnd);
+}
+
+TEST(Stl, TextThatIsCutIsRefusedOrSaid) {
+    const std::string good = squareStlText();
+    for (std::size_t length = 1; length + 1 < good.size(); ++length) {
+        try {
+            const TriangleMesh mesh = loadText("a.stl", good.substr(0, length));
+            EXPECT_NE(describe(mesh.report).find(kNoEnd), std::string::npos) << length;
+        } catch (const Error&) {
+        }
+    }
+    expectRefused("a.stl", replaced(good, "endloop\nendfacet\nendsolid\n", ""),
+                  "truncated: ends within triangle 2");
+    expectRefused("a.stl", replaced(good, "vertex 1 0 0", "vortex 1 0 0"),
+                  "line 5: 'vortex', expected 'vertex' or 'endloop'");
+}
+
+TEST(Stl, BinaryIsToldBySizeAndContent) {
+    std::string solid = squareStl();
+    solid.replace(0, 6, "solid ");
+    expectTwo(loadText("a.stl", solid));
+    // Bytes after the last triangle are said, whatever the header begins with.
+    for (const std::string& good : {solid, squareStl()})
+        expectTwo(loadText("a.stl", good + std::string(7, 'x')),
+                  "7 bytes after the last triangle of a binary STL file, left out");
+    // As many as triangles would take: then the number is wrong.
+    std::string fewer = solid;
+    fewer[80] = 1;
+    expectRefused("a.stl", fewer,
+                  "binary STL with a wrong number of triangles: 1 triangles, which take 134 bytes, "
+                  "in a file of 184");
+    fewer[80] = 0;
+    expectRefused("a.stl", fewer, "binary STL with a wrong number of triangles: 0 triangles");
+    expectRefused("a.stl", solid.substr(0, 150), "truncated, or neither STL text");
+    expectRefused("a.stl", "solids\nfacet", "12 bytes without 'solid' at the start");
+}
+
+}  // namespace
+}  // namespace shadowcache::test

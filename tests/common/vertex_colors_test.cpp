@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "common/image/srgb.h"
+#include "common/import/load_mesh.h"
+#include "tests/support/gltf_builder.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/temporary_folder.h"
+
+namespace shadowcache::test {
+namespace {
+
+TriangleMesh load(const std::filesystem::path& path) {
+    return loadMesh(std::span(&path, 1), {});
+}
+
+TriangleMesh loadCase(const std::string& name) {
+    return load(std::filesystem::path(SHADOWCACHE_CASES) / name);
+}
+
+TriangleMesh loadText(const std::string& name, const std::string& bytes) {
+    const TemporaryFolder folder;
+    return load(folder.write(name, bytes));
+}
+
+void expectColor(const Rgb& found, const Rgb& wanted) {
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], wanted[k], 5e-4f) << found << wanted;
+}
+
+TEST(ColorCases, HaveTheirValues) {
+    const Rgb orange(1, 0.503f, 0);
+    for (const char* name : {"p_int.ply", "p_uchar.ply", "q_col255.obj"}) {
+        const TriangleMesh mesh = loadCase(name);
+        for (const Rgb& color : mesh.colors) expectColor(color, orange);
+        EXPECT_EQ(mesh.report.badColors, 0u) << name;
+    }
+    for (const Rgb& color : loadCase("blender_col.obj").colors) expectColor(color, Rgb(0.214f));
+    const TriangleMesh coff = loadCase("coff_mixed.off");
+    expectColor(coff.colors.at(0), {1, 0, 0});
+    expectColor(coff.colors.at(3), {1, 0.214f, 0});
+
+    const TriangleMesh nan = loadCase("q_nancol.obj");
+    EXPECT_EQ(nan.report.badColors, 1u);
+    EXPECT_EQ(nan.colors.at(3), Rgb(0.0f));
+    expectColor(nan.colors.at(0), Rgb(0.214f));
+    EXPECT_NE(describe(nan.report).find("1 vertex colours out of range or not finite, clamped"),
+              std::string::npos);
+}
+
+/// The colours of a triangle in each text format that has some.
+TriangleMesh triangle(const std::string& format, const std::array<std::string, 3>& colors,
+                      const std::string& type = "float") {
+    std::string rows;
+    for (int i = 0; i < 3; ++i)
+        rows += (format == "obj" ? "v " : "") + std::to_string(i) + " " + std::to_string(i * i) +
+                " 0 " + colors[static_cast<std::size_t>(i)] + "\n";
+    if (format == "obj") return loadText("a.obj", rows + "f 1 2 3\n");
+    if (format == "off") return loadText("a.off", "COFF\n3 1 0\n" + rows + "3 0 1 2\n");
+    std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n";
+    for (const char* axis : {"x", "y", "z"}) head += std::string("property float ") + axis + "\n";
+    for (const char* name : {"red", "green", "blue"})
+        head += "property " + type + " " + name + "\n";
+    return loadText("a.ply", head +
+                                 "element face 1\nproperty list uchar int vertex_indices\n"
+                                 "end_header\n" +
+                                 rows + "3 0 1 2\n");
+}
+
+void expectColors(const TriangleMesh& mesh, const std::array<Rgb, 3>& wanted, std::size_t bad = 0) {
+    ASSERT_EQ(mesh.colors.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) expectColor(mesh.colors[i], wanted[i]);
+    EXPECT_EQ(mesh.report.badColors, bad);
+}
+
+/// A display's number, made linear.
+Rgb shown(float r, float g, float b) {
+    return {srgbToLinear(r), srgbToLinear(g), srgbToLinear(b)};
+}
+
+TEST(ColorNumbers, AreThoseOfTheWholeFile) {
+    for (const std::string format : {"obj", "off", "ply"}) {
+        SCOPED_TRACE(format);
+        // 0 to 1 if one is no whole number, or none is above 1.
+        expectColors(triangle(format, {"1 0 0", "0 1 0", "0.5 0 1"}),
+                     {shown(1, 0, 0), shown(0, 1, 0), shown(0.5f, 0, 1)});
+        expectColors(triangle(format, {"1 0 0", "0 1 0", "1 1 1.0"}),
+                     {shown(1, 0, 0), shown(0, 1, 0), shown(1, 1, 1)});
+        // 0 to 255 otherwise, and so for those that are 0 and 1, too.
+        expectColors(triangle(format, {"1 0 0", "0 1 0", "255 51 2e1"}),
+                     {shown(1 / 255.f, 0, 0), shown(0, 1 / 255.f, 0), shown(1, 0.2f, 20 / 255.f)});
+        // Out of range: of either kind.
+        expectColors(triangle(format, {"1.5 0 0", "0 -1 0", "0.5 inf 1"}),
+                     {shown(1, 0, 0), shown(0, 0, 0), shown(0.5f, 1, 1)}, 3);
+        expectColors(triangle(format, {"256 0 0", "0 -1 0", "nan 2 255"}),
+                     {shown(1, 0, 0), shown(0, 0, 0), shown(0, 2 / 255.f, 1)}, 3);
+        expectColors(triangle(format, {"1e999 0 0", "0 -1e999 0", "0.5 0 0"}),
+                     {shown(1, 0, 0), shown(0, 0, 0), shown(0.5f, 0, 0)}, 2);
+    }
+}
+
+TEST(ColorNumbers, AreTakenByTheirTypeInPly) {
+    const float one = 1 / 255.f;
+    for (const std::string type : {"uchar", "uint8"})
+        expectColors(triangle("ply", {"1 0 0", "0 1 0", "0 0 1"}, type),
+                     {shown(one, 0, 0), shown(0, one, 0), shown(0, 0, one)});
+    for (const std::string type : {"ushort", "short", "int", "uint"}) {
+        expectColors(triangle("ply", {"1 0 0", "0 255 0", "0 0 51"}, type),
+                     {shown(one, 0, 0), shown(0, 1, 0), shown(0, 0, 0.2f)});
+        expectColors(triangle("ply", {"1 0 0", "0 255 0", "0 0 13107"}, type),
+                     {shown(1 / 65535.f, 0, 0), shown(0, 255 / 65535.f, 0), shown(0, 0, 0.2f)});
+    }
+    expectColors(triangle("ply", {"-1 0 0", "0 70000 0", "0 0 65535"}, "int"),
+                 {shown(0, 0, 0), shown(0, 1, 0), shown(0, 0, 1)}, 2);
+    expectColors(triangle("ply", {"1 0 0", "0 0.5 0", "0 0 1"}, "double"),
+                 {shown(1, 0, 0), shown(0, 0.5f, 0), shown(0, 0, 1)});
+}
+
+TEST(ColorNumbers, OfOffAreToldByTheirOpacityToo) {
+    // 0 and 1 of 255, and of 1.
+    const float one = 1 / 255.f;
+    expectColors(triangle("off", {"1 0 0 255", "0 1 0 255", "0 0 1 255"}),
+                 {shown(one, 0, 0), shown(0, one, 0), shown(0, 0, one)});
+    expectColors(triangle("off", {"1 0 0 1", "0 1 0 1", "0 0 1 0.5"}),
+                 {shown(1, 0, 0), shown(0, 1, 0), shown(0, 0, 1)});
+    // Opacity is not read: it is never out of range.
+    expectColors(triangle("off", {"1 0 0 9.5", "0 1 0 1", "0 0 1 1"}),
+                 {shown(1, 0, 0), shown(0, 1, 0), shown(0, 0, 1)});
+}
+
+TEST(ColorNumbers, OfVerticesWithoutOneAreWhite) {
+    expectColors(triangle("obj", {"255 0 0", "", "0 51 0"}),
+                 {shown(1, 0, 0), shown(1, 1, 1), shown(0, 0.2f, 0)});
+}
+
+TEST(ColorNumbers, OfGltfAreLinearAndClamped) {
+    GltfBuilder file = squareGltf();
+    file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] =
+        file.vectors({0.5f, 0, 1, 2, 0, 0, 0, -1, 0, 0, 0, 0.25f});
+    file.root({{"mesh", 0}});
+    const TriangleMesh mesh = loadText("a.glb", file.glb());
+    EXPECT_EQ(mesh.report.badColors, 2u);
+    EXPECT_EQ(mesh.colors.at(0), Rgb(0.5f, 0, 1));
+    EXPECT_EQ(mesh.colors.at(1), Rgb(1, 0, 0));
+    EXPECT_EQ(mesh.colors.at(2), Rgb(0, 0, 0));
+}
+
+}  // namespace
+}  // namespace shadowcache::test
