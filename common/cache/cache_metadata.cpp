@@ -54,11 +54,11 @@ CacheHeader fromMetadata(const openvdb::MetaMap& meta, const std::filesystem::pa
         throwFileError(path, "an OpenVDB file, but not a shadow cache (no 'shadowcache_format')");
     const auto format = metaValue<std::int32_t>(meta, kFormatKey, path);
     if (format < kOldestCacheFormat || format > kCacheFormat)
-        throwFileError(path, "cache format " + std::to_string(format) + ", this program reads " +
-                                 std::to_string(kOldestCacheFormat) + " to " +
-                                 std::to_string(kCacheFormat) +
-                                 (format > kCacheFormat ? " (written by a newer version)"
-                                                        : ": bake the set again"));
+        throwFileError(
+            path,
+            "cache format " + std::to_string(format) + ", this program reads " +
+                std::to_string(kOldestCacheFormat) + " to " + std::to_string(kCacheFormat) +
+                (format > kCacheFormat ? " (written by a newer version)" : ": bake the set again"));
     CacheHeader header;
     header.format = format;
     header.level = metaValue<std::int32_t>(meta, "level", path);
