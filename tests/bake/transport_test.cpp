@@ -43,7 +43,7 @@ TEST(HitCodes, HoldTheSideAndTheDistance) {
 
 /// p-value that the heights of the rays of many items above their surface are those of a cosine.
 double cosinePValue(double power) {
-    constexpr int kBins = 16, kItems = 4096;
+    constexpr int kBins = 16, kItems = 32768;
     std::vector<double> observed(kBins);
     const Vec3f normal = Vec3f(1, -2, 0.5f).normalized();
     for (int i = 0; i < kItems; ++i) {
