@@ -42,11 +42,12 @@ inline void writeMapParts(const std::filesystem::path& path, const std::vector<M
         const Imath::Box2i display = headers[p].displayWindow();
         std::vector<std::vector<float>> planes;
         for (const auto& [channel, value] : parts[p].channels) {
-            std::vector<float>& plane = planes.emplace_back();
+            std::vector<float> plane;
             for (int y = window.min.y; y <= window.max.y; ++y)
                 for (int x = window.min.x; x <= window.max.x; ++x)
                     plane.push_back(value + static_cast<float>(x - display.min.x) +
                                     100.0f * static_cast<float>(y - display.min.y));
+            planes.push_back(std::move(plane));
         }
         Imf::FrameBuffer frame;
         for (std::size_t c = 0; c < planes.size(); ++c)
