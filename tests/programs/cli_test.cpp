@@ -327,7 +327,7 @@ TEST_F(Cli, CropWritesAPartOfTheFrame) {
     EXPECT_EQ(part.place.frameHeight, 20);
     // As large, but of another part of the frame.
     expectRefusal(
-        run("render", still("--crop 6,3,20x11 --reference part.exr -o other.exr", "32x20")),
+        this->run("render", still("--crop 6,3,20x11 --reference part.exr -o other.exr", "32x20")),
         "render", "part.exr", "of another part of the frame");
     // Control: with another filter the pixels are others.
     const auto box = runWell("render", picture + "box.exr --crop 5,3,20x11 --filter box");
