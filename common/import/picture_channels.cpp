@@ -21,11 +21,13 @@ float mean(const std::array<float, 4>& value) {
 
 /// A white picture in the size of the larger of two, of which one may be null.
 Texture canvas(const Texture* a, const Texture* b) {
-    const Texture& larger = !b || (a && texelCount(*a) >= texelCount(*b)) ? *a : *b;
     Texture result;
-    result.width = larger.width;
-    result.height = larger.height;
-    result.rgba.assign(4 * texelCount(larger), 255);
+    for (const Texture* from : {a, b}) {
+        if (!from || texelCount(*from) <= texelCount(result)) continue;
+        result.width = from->width;
+        result.height = from->height;
+    }
+    result.rgba.assign(4 * texelCount(result), 255);
     return result;
 }
 
