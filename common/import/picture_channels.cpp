@@ -22,11 +22,11 @@ float mean(const std::array<float, 4>& value) {
 /// A white picture in the size of the larger of two, of which one may be null.
 Texture canvas(const Texture* a, const Texture* b) {
     Texture result;
-    for (const Texture* texture : {a, b})
-        if (texture && texelCount(*texture) > texelCount(result)) {
-            result.width = texture->width;
-            result.height = texture->height;
-        }
+    for (const Texture* from : {a, b}) {
+        if (!from || texelCount(*from) <= texelCount(result)) continue;
+        result.width = from->width;
+        result.height = from->height;
+    }
     result.rgba.assign(4 * texelCount(result), 255);
     return result;
 }
