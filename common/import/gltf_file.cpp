@@ -6,22 +6,17 @@
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
-#include <algorithm>
 #include <cstring>
 #include <limits>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
-#include "common/import/gltf_material.h"
+#include "common/import/gltf_extensions.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// Extensions of which nothing is needed here, or all is done.
-constexpr const char* kKnownExtensions[] = {"KHR_mesh_quantization", "KHR_texture_transform",
-                                            "KHR_lights_punctual"};
 
 std::string firstLine(const std::string& text) {
     return text.substr(0, text.find('\n'));
@@ -48,10 +43,15 @@ std::size_t number(const nlohmann::json& object, const char* name) {
     return at != object.end() && at->is_number_integer() ? at->get<std::size_t>() : 0;
 }
 
+void requireExtensions(const std::filesystem::path& path, const nlohmann::json& document) {
+    for (const auto& name : objects(document, "extensionsRequired"))
+        if (name.is_string() && !mayRequireGltfExtension(name.get<std::string>()))
+            throwFileError(path, "requires the extension " + name.get<std::string>() +
+                                     ", which is not supported");
+}
+
 /// tinygltf takes the address of a picture's first byte without a look at the buffer's size.
-void requireViewsInBuffers(const std::filesystem::path& path, std::string_view json) {
-    const auto document = nlohmann::json::parse(json, nullptr, false);
-    if (!document.is_object()) return;  // tinygltf says what is wrong with it
+void requireViewsInBuffers(const std::filesystem::path& path, const nlohmann::json& document) {
     const auto& buffers = objects(document, "buffers");
     for (const auto& view : objects(document, "bufferViews")) {
         const auto buffer = static_cast<std::uint32_t>(number(view, "buffer"));
@@ -127,7 +127,11 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path, References refer
     }
     if (!isShallowJson(json))
         throwFileError(path, "JSON nested deeper than 256 levels, expected fewer");
-    requireViewsInBuffers(path, json);
+    // What is no object is tinygltf's to refuse.
+    if (const auto document = nlohmann::json::parse(json, nullptr, false); document.is_object()) {
+        requireExtensions(path, document);
+        requireViewsInBuffers(path, document);
+    }
 
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(keepEncoded, nullptr);
@@ -155,11 +159,6 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path, References refer
     if (!read) throwFileError(path, "is not a complete glTF 2.0 file: " + firstLine(error));
     if (!model.asset.version.starts_with("2."))
         throwFileError(path, "glTF version " + model.asset.version + ", expected 2.0");
-    for (const std::string& name : model.extensionsRequired)
-        if (!isMaterialExtension(name) &&
-            std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) ==
-                std::end(kKnownExtensions))
-            throwFileError(path, "requires the extension " + name + ", which is not supported");
     return model;
 }
 

@@ -189,6 +189,7 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     soup.groups += groups;
     soup.report.blended += raw.blended;
     for (const auto& [name, count] : raw.leftOut) soup.report.leftOut[name] += count;
+    for (const auto& [thing, count] : raw.leftOutOf) soup.report.leftOutOf[thing] += count;
 }
 
 }  // namespace
