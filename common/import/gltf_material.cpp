@@ -158,7 +158,8 @@ private:
         // The first, so that its layer is 0.
         to.texture = slotOf(extension, "diffuseTexture").texture;
         const float glossiness = share(numberOf(extension, "glossinessFactor", 1));
-        Gloss& gloss = finish_.gloss.emplace(Gloss{0, 1 - glossiness});
+        finish_.gloss = Gloss{0, 1 - glossiness};
+        Gloss& gloss = *finish_.gloss;
         gloss.ior = 0;
         const auto specular = factorsOf(extension, "specularFactor", 3);
         for (int k = 0; k < 3; ++k)
