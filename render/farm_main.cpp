@@ -29,12 +29,13 @@ struct Arguments {
     FarmJob job;
     std::filesystem::path folder;
     int threads = 0;
+    std::optional<int> setFrame;
     bool allowExternal = false;
 };
 
 void define(CLI::App& app, Arguments& a) {
     const std::string shot = "Shot";
-    addSetOptions(app, a.files, a.up, a.scale, a.allowExternal, shot);
+    addSetOptions(app, a.files, a.up, a.scale, a.setFrame, a.allowExternal, shot);
     app.add_option("--camera", a.camera,
                    "Camera file (JSON), or the name of a camera in a glTF set")
         ->required()
@@ -94,10 +95,11 @@ constexpr const char* kFooter =
 
 /// Options of the programs that the plan sets.
 constexpr const char* kOurs[] = {
-    "--camera", "--frames",         "--shot-frames", "--fps",      "--size",    "--dynamic",
-    "--cache",  "--allow-external", "--output",      "-o",         "--check",   "--threads",
-    "--up",     "--scale",          "--resume",      "--list",     "--explain", "--debug",
-    "--stats",  "--write-config",   "--shard",       "--estimate", "--lookups", "--lookups-only"};
+    "--camera",      "--frames",         "--shot-frames",  "--fps",    "--size",     "--dynamic",
+    "--cache",       "--allow-external", "--output",       "-o",       "--check",    "--threads",
+    "--up",          "--scale",          "--set-frame",    "--resume", "--list",     "--explain",
+    "--debug",       "--stats",          "--write-config", "--shard",  "--estimate", "--lookups",
+    "--lookups-only"};
 
 void refuseOurOptions(const std::vector<std::string>& words, const char* where) {
     for (const std::string& word : words)
@@ -121,6 +123,7 @@ FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
     };
     if (a.up != "y") add("--up", a.up);
     if (a.scale != 1) add("--scale", numberText(a.scale));
+    if (a.setFrame) add("--set-frame", std::to_string(*a.setFrame));
     if (a.allowExternal) job.set.emplace_back("--allow-external");
     add("--camera", a.camera);
     if (a.fps != 24) add("--fps", numberText(a.fps));

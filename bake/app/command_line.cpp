@@ -152,9 +152,10 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
                  "shadowcache-bake");
     std::string up = "y", shard, memory;
     bool uniform = false, noTransport = false, allowExternal = false;
+    std::optional<int> setFrame;
     ShotArguments shot;
     beginCommandLine(app);
-    addSetOptions(app, job.files, up, job.mesh.scale, allowExternal, "Set");
+    addSetOptions(app, job.files, up, job.mesh.scale, setFrame, allowExternal, "Set");
     defineBake(app, job, shard, uniform, noTransport);
     defineShot(app, job, shot);
     defineOutput(app, job, memory);
@@ -170,6 +171,7 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     for (const std::string& text : shot.dynamic) job.shot.dynamic.push_back(parseDynamic(text));
     if (!memory.empty()) job.memory = parseSize("--memory", memory);
     job.mesh.zUp = up == "z";
+    job.mesh.stillAt = timeOf(setFrame, job.shot.fps);
     if (allowExternal) job.mesh.references = References::anywhere;
     job.settings = settingsOf(app);
     return std::nullopt;

@@ -182,7 +182,8 @@ void beginCommandLine(CLI::App& app) {
 }
 
 void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std::string& up,
-                   double& scale, bool& allowExternal, const std::string& group) {
+                   double& scale, std::optional<int>& setFrame, bool& allowExternal,
+                   const std::string& group) {
     app.add_option("SET", files,
                    "Geometry files (glTF, OBJ, PLY, STL, OFF, OM); several files form one set")
         ->required()
@@ -193,6 +194,11 @@ void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std
         ->group(group);
     app.add_option("--scale", scale, "Metres per unit of the files, above 0")
         ->capture_default_str()
+        ->group(group);
+    app.add_option(
+           "--set-frame", setFrame,
+           "Frame of glTF files in whose pose all of the set stands still [none: what moves "
+           "is rendered in each frame and not baked]")
         ->group(group);
     app.add_flag("--allow-external", allowExternal,
                  "Let glTF and OBJ files name files outside of their folders")

@@ -23,9 +23,10 @@ namespace shadowcache {
 /// scripts can append to a command line.
 void beginCommandLine(CLI::App& app);
 
-/// Defines SET, --up, --scale and --allow-external, which say what a set is read from.
+/// Defines SET, --up, --scale, --set-frame and --allow-external, which say what a set is read from.
 void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std::string& up,
-                   double& scale, bool& allowExternal, const std::string& group);
+                   double& scale, std::optional<int>& setFrame, bool& allowExternal,
+                   const std::string& group);
 
 /// Defines --threads.
 void addThreadsOption(CLI::App& app, int& threads, const std::string& group);

@@ -282,10 +282,6 @@ bool renamePictures(Json& document) {
 
 }  // namespace
 
-bool isCompressionExtension(std::string_view name) {
-    return name == kDraco || name == kMeshopt || name == kWebp;
-}
-
 std::string withoutFallbacks(std::string_view json) {
     const auto names = [&](const char* what) { return json.find(what) != json.npos; };
     if (!names(kDraco) && !names(kMeshopt) && !names(kWebp)) return {};

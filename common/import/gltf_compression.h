@@ -10,9 +10,6 @@ class Model;
 
 namespace shadowcache {
 
-/// Whether the extension compresses buffer views, primitives or pictures, and is read.
-bool isCompressionExtension(std::string_view name);
-
 /// JSON of a glTF file in which tinygltf finds nothing missing where data are compressed: buffer
 /// views of EXT_meshopt_compression are the compressed bytes, primitives of
 /// KHR_draco_mesh_compression have their indices in the extension.

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/base/error.h"
+#include "common/import/gltf_extensions.h"
 #include "common/import/gltf_file.h"
 
 namespace shadowcache {
@@ -28,12 +29,13 @@ public:
         for (auto& buffer : model_.buffers) out_.storage.push_back(std::move(buffer.data));
         for (std::size_t i = 0; i < model_.accessors.size(); ++i) addAccessor(i);
         for (const auto& texture : model_.textures) addTexture(texture);
-        for (const auto& material : model_.materials)
-            out_.materials.push_back(gltfMaterial(path_, material, out_.textures.size()));
+        for (const auto& material : model_.materials) addMaterial(material);
         for (const auto& mesh : model_.meshes) addMesh(mesh);
         for (const auto& camera : model_.cameras) addCamera(camera);
         for (const auto& node : model_.nodes) addNode(node);
+        for (const auto& skin : model_.skins) addSkin(skin);
         linkNodes();
+        countLeftOut();
         for (const auto& animation : model_.animations) addAnimation(animation);
         return std::move(out_);
     }
@@ -49,7 +51,7 @@ private:
                                : ", expected 0 to " + std::to_string(list.size() - 1)));
     }
 
-    void requireFinite(const std::string& what, std::initializer_list<double> values) const {
+    void requireFinite(const std::string& what, const std::vector<double>& values) const {
         for (const double v : values)
             if (!std::isfinite(v)) fail(what + " is not finite");
     }
@@ -162,12 +164,23 @@ private:
         out_.textures.push_back(to);
     }
 
+    void addMaterial(const tinygltf::Material& from) {
+        out_.materials.push_back(gltfMaterial(path_, from, model_.textures.size()));
+        GltfMaterial& material = out_.materials.back();
+        int& picture = material.material.finish.metallicRoughness.texture;
+        if (!material.glossiness || picture < 0) return;
+        GltfTexture roughness = out_.textures[static_cast<std::size_t>(picture)];
+        roughness.glossiness = material.glossiness;
+        picture = static_cast<int>(out_.textures.size());
+        out_.textures.push_back(roughness);
+    }
+
     void addMesh(const tinygltf::Mesh& from) {
-        GltfMesh to{from.name, {}, false};
-        for (const double weight : from.weights) to.morphs = to.morphs || weight != 0;
+        GltfMesh to{from.name, {}, from.weights};
+        requireFinite("mesh " + from.name + ": a weight", from.weights);
         for (const auto& primitive : from.primitives) {
             GltfPrimitive p{primitive.mode < 0 ? 4 : primitive.mode, primitive.indices,
-                            primitive.material, primitive.attributes};
+                            primitive.material, primitive.attributes, primitive.targets};
             if (p.mode > 6)
                 fail("mesh " + from.name + ": mode " + std::to_string(p.mode) +
                      ", expected 0 to 6");
@@ -175,6 +188,9 @@ private:
             if (p.material >= 0) requireIndex("material", p.material, out_.materials);
             for (const auto& [name, accessor] : p.attributes)
                 requireIndex(name + " accessor", accessor, out_.accessors);
+            for (const auto& target : p.targets)
+                for (const auto& [name, accessor] : target)
+                    requireIndex("morph target's " + name + " accessor", accessor, out_.accessors);
             to.primitives.push_back(std::move(p));
         }
         out_.meshes.push_back(std::move(to));
@@ -200,9 +216,13 @@ private:
         to.name = from.name;
         to.mesh = from.mesh;
         to.camera = from.camera;
-        to.skinned = from.skin >= 0;
+        to.skin = from.skin;
+        to.weights = from.weights;
+        requireFinite("node " + from.name + ": a weight", from.weights);
         if (to.mesh >= 0) requireIndex("mesh", to.mesh, out_.meshes);
         if (to.camera >= 0) requireIndex("camera", to.camera, out_.cameras);
+        if (to.skin >= 0) requireIndex("skin", to.skin, model_.skins);
+        addInstancing(from, to);
         if (const auto& m = from.matrix; m.size() == 16)
             to.matrix =
                 Affine{{Vec3d(m[0], m[1], m[2]), Vec3d(m[4], m[5], m[6]), Vec3d(m[8], m[9], m[10])},
@@ -217,6 +237,30 @@ private:
         out_.nodes.push_back(std::move(to));
     }
 
+    void addInstancing(const tinygltf::Node& from, GltfNode& to) const {
+        const auto found = from.extensions.find("EXT_mesh_gpu_instancing");
+        if (found == from.extensions.end()) return;
+        const std::string owner = "node " + from.name + ": EXT_mesh_gpu_instancing";
+        const tinygltf::Value& attributes = found->second.Get("attributes");
+        for (const std::string& name : attributes.Keys()) {
+            const tinygltf::Value& accessor = attributes.Get(name);
+            if (!accessor.IsInt()) fail(owner + " " + name + ": expected an accessor");
+            requireIndex(owner + " " + name, accessor.GetNumberAsInt(), out_.accessors);
+            to.instancing[name] = accessor.GetNumberAsInt();
+        }
+        if (to.instancing.empty()) fail(owner + ": no attributes, expected at least one");
+    }
+
+    void addSkin(const tinygltf::Skin& from) {
+        const GltfSkin to{from.joints, from.inverseBindMatrices};
+        const std::string owner = "skin " + from.name;
+        if (to.joints.empty()) fail(owner + ": no joints, expected at least one");
+        for (const int joint : to.joints) requireIndex(owner + ": joint", joint, out_.nodes);
+        if (to.inverseBind >= 0)
+            requireIndex(owner + ": inverse bind matrices", to.inverseBind, out_.accessors);
+        out_.skins.push_back(to);
+    }
+
     void linkNodes() {
         for (std::size_t i = 0; i < model_.nodes.size(); ++i)
             for (const int child : model_.nodes[i].children) {
@@ -226,25 +270,76 @@ private:
                     fail("node " + std::to_string(child) + " has two parents, expected one");
                 parent = static_cast<int>(i);
             }
-        if (model_.scenes.empty()) fail("has no scene, expected at least one");
-        requireIndex("scene", std::max(0, model_.defaultScene), model_.scenes);
-        std::vector<int> open =
-            model_.scenes[static_cast<std::size_t>(std::max(0, model_.defaultScene))].nodes;
-        for (const int root : open) {
+        for (const int root : sceneRoots()) enterScene(root);
+        requireTree();
+    }
+
+    /// Each node has one parent at most, so that a node that no root leads to is in a ring.
+    void requireTree() const {
+        std::vector<int> open;
+        std::size_t reached = 0;
+        for (std::size_t i = 0; i < out_.nodes.size(); ++i)
+            if (out_.nodes[i].parent < 0) open.push_back(static_cast<int>(i));
+        while (!open.empty()) {
+            const auto i = static_cast<std::size_t>(open.back());
+            open.pop_back();
+            ++reached;
+            open.insert(open.end(), model_.nodes[i].children.begin(),
+                        model_.nodes[i].children.end());
+        }
+        if (reached < out_.nodes.size())
+            fail(std::to_string(out_.nodes.size() - reached) +
+                 " nodes are below themselves, expected a tree");
+    }
+
+    /// Of the default scene, or the first; all of a file without scenes.
+    std::vector<int> sceneRoots() const {
+        std::vector<int> roots;
+        if (model_.scenes.empty()) {
+            for (std::size_t i = 0; i < out_.nodes.size(); ++i)
+                if (out_.nodes[i].parent < 0) roots.push_back(static_cast<int>(i));
+            return roots;
+        }
+        const int scene = std::max(0, model_.defaultScene);
+        requireIndex("scene", scene, model_.scenes);
+        roots = model_.scenes[static_cast<std::size_t>(scene)].nodes;
+        for (const int root : roots) {
             requireIndex("scene's node", root, out_.nodes);
             if (out_.nodes[static_cast<std::size_t>(root)].parent >= 0)
                 fail("node " + std::to_string(root) + " of the scene has a parent, expected none");
         }
+        return roots;
+    }
+
+    bool isHidden(std::size_t node) const {
+        const auto& extensions = model_.nodes[node].extensions;
+        const auto found = extensions.find("KHR_node_visibility");
+        if (found == extensions.end()) return false;
+        const tinygltf::Value& visible = found->second.Get("visible");
+        return visible.IsBool() && !visible.Get<bool>();
+    }
+
+    /// A node and those below it; a hidden one hides their meshes.
+    void enterScene(int root) {
+        std::vector<std::pair<int, bool>> open{{root, false}};
         while (!open.empty()) {
-            const int i = open.back();
+            const auto i = static_cast<std::size_t>(open.back().first);
+            const bool hidden = open.back().second || isHidden(i);
             open.pop_back();
-            GltfNode& node = out_.nodes[static_cast<std::size_t>(i)];
+            GltfNode& node = out_.nodes[i];
             if (node.inScene)
                 fail("node " + std::to_string(i) + " is in the scene twice, expected once");
             node.inScene = true;
-            const auto& children = model_.nodes[static_cast<std::size_t>(i)].children;
-            open.insert(open.end(), children.begin(), children.end());
+            if (hidden) node.mesh = -1;
+            for (const int child : model_.nodes[i].children) open.emplace_back(child, hidden);
         }
+    }
+
+    void countLeftOut() {
+        std::vector<bool> inScene;
+        inScene.reserve(out_.nodes.size());
+        for (const GltfNode& node : out_.nodes) inScene.push_back(node.inScene);
+        shadowcache::countLeftOut(model_, inScene, out_.leftOutOf);
     }
 
     void addAnimation(const tinygltf::Animation& from) {
@@ -287,6 +382,12 @@ private:
 };
 
 }  // namespace
+
+std::size_t GltfMesh::targetCount() const {
+    std::size_t most = 0;
+    for (const GltfPrimitive& p : primitives) most = std::max(most, p.targets.size());
+    return most;
+}
 
 GltfDocument readGltfDocument(const std::filesystem::path& path, References references) {
     return Converter(path, readGltfFile(path, references)).run();

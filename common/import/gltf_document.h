@@ -12,6 +12,7 @@
 #include "common/import/references.h"
 #include "common/math/affine.h"
 #include "common/mesh/material.h"
+#include "common/mesh/mesh.h"
 
 namespace shadowcache {
 
@@ -22,13 +23,17 @@ struct GltfPrimitive {
     int mode = 4;  ///< 0 points, 1 to 3 lines, 4 triangles, 5 strip, 6 fan
     int indices = -1;
     int material = -1;
-    std::map<std::string, int> attributes;  ///< name -> accessor
+    std::map<std::string, int> attributes;            ///< name -> accessor
+    std::vector<std::map<std::string, int>> targets;  ///< morph targets: what they add
 };
 
 struct GltfMesh {
     std::string name;
     std::vector<GltfPrimitive> primitives;
-    bool morphs = false;  ///< weights of morph targets other than 0
+    std::vector<double> weights;  ///< of its morph targets, unless a node has others
+
+    /// Morph targets, those of the primitive that has most.
+    std::size_t targetCount() const;
 };
 
 struct GltfNode {
@@ -36,12 +41,20 @@ struct GltfNode {
     int parent = -1;
     int mesh = -1;
     int camera = -1;
-    bool skinned = false;
-    bool inScene = false;          ///< of the default scene
+    int skin = -1;
+    bool inScene = false;         ///< of the default scene
+    std::vector<double> weights;  ///< of morph targets, in place of the mesh's; or empty
+    /// Accessors of EXT_mesh_gpu_instancing by attribute, all of one length; or empty.
+    std::map<std::string, int> instancing;
     std::optional<Affine> matrix;  ///< in place of the three below
     Vec3d translation{0, 0, 0};
     std::array<double, 4> rotation{0, 0, 0, 1};  ///< quaternion x, y, z, w
     Vec3d scale{1, 1, 1};
+};
+
+struct GltfSkin {
+    std::vector<int> joints;  ///< nodes
+    int inverseBind = -1;     ///< accessor of matrices from the mesh to the joints; -1: identities
 };
 
 struct GltfCamera {
@@ -71,6 +84,8 @@ struct GltfTexture {
     Texture sampler;
     std::string_view encoded;
     std::string name;  ///< of the picture, for messages
+    /// Makes a roughness of glossiness in the opacity: 1 - this times that.
+    std::optional<float> glossiness{};
 };
 
 struct GltfDocument {
@@ -79,13 +94,19 @@ struct GltfDocument {
     std::vector<GltfAccessor> accessors;
     std::vector<GltfMesh> meshes;
     std::vector<GltfNode> nodes;  ///< any order; parents form a tree
+    std::vector<GltfSkin> skins;
     std::vector<GltfCamera> cameras;
     std::vector<GltfAnimation> animations;
     std::vector<GltfMaterial> materials;
     std::vector<GltfTexture> textures;
+    LeftOutOf leftOutOf;  ///< extensions that are not read
 
     const GltfAccessor& accessor(int index) const {
         return accessors[static_cast<std::size_t>(index)];
+    }
+    /// Copies of its mesh that a node places.
+    std::size_t copiesOf(const GltfNode& node) const {
+        return node.instancing.empty() ? 1 : accessor(node.instancing.begin()->second).count;
     }
 };
 

@@ -6,7 +6,6 @@
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
-#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -14,15 +13,11 @@
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
 #include "common/import/gltf_compression.h"
-#include "common/import/gltf_material.h"
+#include "common/import/gltf_extensions.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// Extensions of which nothing is needed here, or all is done.
-constexpr const char* kKnownExtensions[] = {"KHR_mesh_quantization", "KHR_texture_transform",
-                                            "KHR_lights_punctual"};
 
 std::string firstLine(const std::string& text) {
     return text.substr(0, text.find('\n'));
@@ -49,10 +44,15 @@ std::size_t number(const nlohmann::json& object, const char* name) {
     return at != object.end() && at->is_number_integer() ? at->get<std::size_t>() : 0;
 }
 
+void requireExtensions(const std::filesystem::path& path, const nlohmann::json& document) {
+    for (const auto& name : objects(document, "extensionsRequired"))
+        if (name.is_string() && !mayRequireGltfExtension(name.get<std::string>()))
+            throwFileError(path, "requires the extension " + name.get<std::string>() +
+                                     ", which is not supported");
+}
+
 /// tinygltf takes the address of a picture's first byte without a look at the buffer's size.
-void requireViewsInBuffers(const std::filesystem::path& path, std::string_view json) {
-    const auto document = nlohmann::json::parse(json, nullptr, false);
-    if (!document.is_object()) return;  // tinygltf says what is wrong with it
+void requireViewsInBuffers(const std::filesystem::path& path, const nlohmann::json& document) {
     const auto& buffers = objects(document, "buffers");
     for (const auto& view : objects(document, "bufferViews")) {
         const auto buffer = static_cast<std::uint32_t>(number(view, "buffer"));
@@ -144,9 +144,14 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path, References refer
     const bool binary = bytes.starts_with("glTF");
     if (!isShallowJson(jsonOf(bytes)))
         throwFileError(path, "JSON nested deeper than 256 levels, expected fewer");
-    if (const std::string plain = withoutFallbacks(jsonOf(bytes)); !plain.empty())
+    // What is no object is tinygltf's to refuse.
+    auto document = nlohmann::json::parse(jsonOf(bytes), nullptr, false);
+    if (document.is_object()) requireExtensions(path, document);
+    if (const std::string plain = withoutFallbacks(jsonOf(bytes)); !plain.empty()) {
         bytes = binary ? withJson(bytes, plain) : plain;
-    requireViewsInBuffers(path, jsonOf(bytes));
+        document = nlohmann::json::parse(jsonOf(bytes), nullptr, false);
+    }
+    if (document.is_object()) requireViewsInBuffers(path, document);
     const auto size = static_cast<unsigned int>(bytes.size());
 
     tinygltf::TinyGLTF loader;
@@ -175,11 +180,6 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path, References refer
     if (!read) throwFileError(path, "is not a complete glTF 2.0 file: " + firstLine(error));
     if (!model.asset.version.starts_with("2."))
         throwFileError(path, "glTF version " + model.asset.version + ", expected 2.0");
-    for (const std::string& name : model.extensionsRequired)
-        if (!isMaterialExtension(name) && !isCompressionExtension(name) &&
-            std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) ==
-                std::end(kKnownExtensions))
-            throwFileError(path, "requires the extension " + name + ", which is not supported");
     decompress(path, model);
     return model;
 }

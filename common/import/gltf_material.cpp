@@ -9,20 +9,11 @@
 #include <cmath>
 
 #include "common/base/error.h"
+#include "common/import/gltf_extensions.h"
 
 namespace shadowcache {
 
 namespace {
-
-constexpr std::array<const char*, 4> kSupported{"KHR_materials_emissive_strength",
-                                                "KHR_materials_ior", "KHR_materials_specular",
-                                                "KHR_materials_unlit"};
-/// Their materials are read without them, and the report says so.
-constexpr std::array<const char*, 8> kLeftOut{
-    "KHR_materials_anisotropy", "KHR_materials_clearcoat",
-    "KHR_materials_dispersion", "KHR_materials_iridescence",
-    "KHR_materials_sheen",      "KHR_materials_transmission",
-    "KHR_materials_volume",     "KHR_materials_pbrSpecularGlossiness"};
 
 float bounded(double x, double least, double most) {
     return static_cast<float>(std::isfinite(x) ? std::clamp(x, least, most) : least);
@@ -40,20 +31,24 @@ public:
         : path_(path), from_(from), textures_(textures) {}
 
     GltfMaterial read() {
-        readBaseColor();
+        readAlpha();
         const auto extension = [&](const char* name) {
             const auto found = from_.extensions.find(name);
             return found == from_.extensions.end() ? nullptr : &found->second;
         };
         finish_.unlit = extension("KHR_materials_unlit") != nullptr;
-        readGloss();
-        if (const auto* ior = extension("KHR_materials_ior")) readIor(*ior);
-        if (const auto* specular = extension("KHR_materials_specular")) readSpecular(*specular);
+        if (const auto* older = extension("KHR_materials_pbrSpecularGlossiness")) {
+            readSpecularGlossiness(*older);
+        } else {
+            readBaseColor();
+            readGloss();
+            if (const auto* ior = extension("KHR_materials_ior")) readIor(*ior);
+            if (const auto* specular = extension("KHR_materials_specular")) readSpecular(*specular);
+        }
         readNormalMap();
         readEmission(extension("KHR_materials_emissive_strength"));
         for (const auto& [name, value] : from_.extensions)
-            if (std::ranges::find(kSupported, name) == kSupported.end() &&
-                name.find("_materials_") != std::string::npos)
+            if (!isReadOfMaterials(name) && name.find("_materials_") != std::string::npos)
                 to_.leftOut.push_back(name);
         return std::move(to_);
     }
@@ -131,12 +126,49 @@ private:
         Material& to = to_.material;
         to.albedo = Rgb(share(factor[0]), share(factor[1]), share(factor[2]));
         to.opacity = share(factor[3]);
+        // The first, so that its layer is 0.
+        to.texture = slotOf(from_.pbrMetallicRoughness.baseColorTexture).texture;
+    }
+
+    void readAlpha() {
+        Material& to = to_.material;
         to.cutoff = static_cast<float>(from_.alphaCutoff);
         to.cutOut = from_.alphaMode == "MASK";
         to.doubleSided = from_.doubleSided;
         to.blends = from_.alphaMode == "BLEND";
+    }
+
+    /// A list of numbers of an extension's JSON; all are 1 where there is no list of that length.
+    static std::vector<double> factorsOf(const tinygltf::Value& extension, const char* name,
+                                         std::size_t count) {
+        std::vector<double> factors(count, 1.0);
+        const tinygltf::Value& list = extension.Get(name);
+        for (std::size_t k = 0; k < count && list.ArrayLen() == count; ++k)
+            factors[k] = list.Get(static_cast<int>(k)).GetNumberAsDouble();
+        return factors;
+    }
+
+    /// What KHR_materials_pbrSpecularGlossiness states in place of metalness and roughness. With
+    /// index 0, a dielectric reflects its specular colour head-on [KHR_materials_ior].
+    void readSpecularGlossiness(const tinygltf::Value& extension) {
+        const auto diffuse = factorsOf(extension, "diffuseFactor", 4);
+        Material& to = to_.material;
+        to.albedo = Rgb(share(diffuse[0]), share(diffuse[1]), share(diffuse[2]));
+        to.opacity = share(diffuse[3]);
         // The first, so that its layer is 0.
-        to.texture = slotOf(from_.pbrMetallicRoughness.baseColorTexture).texture;
+        to.texture = slotOf(extension, "diffuseTexture").texture;
+        const float glossiness = share(numberOf(extension, "glossinessFactor", 1));
+        finish_.gloss = Gloss{0, 1 - glossiness};
+        Gloss& gloss = *finish_.gloss;
+        gloss.ior = 0;
+        const auto specular = factorsOf(extension, "specularFactor", 3);
+        for (int k = 0; k < 3; ++k)
+            gloss.specularColor[k] = share(specular[static_cast<std::size_t>(k)]);
+        finish_.specularColor = slotOf(extension, "specularGlossinessTexture");
+        if (finish_.specularColor.texture < 0) return;
+        finish_.metallicRoughness = finish_.specularColor;
+        to_.glossiness = glossiness;
+        gloss.roughness = 1;
     }
 
     void readGloss() {
@@ -189,11 +221,6 @@ private:
 GltfMaterial gltfMaterial(const std::filesystem::path& path, const tinygltf::Material& from,
                           std::size_t textures) {
     return MaterialReader(path, from, textures).read();
-}
-
-bool isMaterialExtension(const std::string& name) {
-    return std::ranges::find(kSupported, name) != kSupported.end() ||
-           std::ranges::find(kLeftOut, name) != kLeftOut.end();
 }
 
 }  // namespace shadowcache

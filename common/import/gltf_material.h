@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,9 @@ struct GltfTexturePlace {
 struct GltfMaterial {
     Material material;                     ///< its textures are indices into GltfDocument::textures
     std::vector<GltfTexturePlace> places;  ///< by layer of the material's slots
-    std::vector<std::string> leftOut;      ///< what the file asks for and this program has not
+    /// The opacity of the texture of metalness and roughness is a glossiness, times this.
+    std::optional<float> glossiness;
+    std::vector<std::string> leftOut;  ///< what the file asks for and this program has not
 };
 
 /// A material of a file; factors out of range are brought into it.
@@ -34,8 +37,5 @@ struct GltfMaterial {
 /// @throws Error naming the file: no such texture, a factor of the wrong size
 GltfMaterial gltfMaterial(const std::filesystem::path& path, const tinygltf::Material& from,
                           std::size_t textures);
-
-/// Whether materials with the extension are read, if perhaps without what it adds.
-bool isMaterialExtension(const std::string& name);
 
 }  // namespace shadowcache

@@ -8,7 +8,7 @@
 #include "common/base/error.h"
 #include "common/image/image.h"
 #include "common/import/gltf_budget.h"
-#include "common/import/gltf_nodes.h"
+#include "common/import/gltf_vertices.h"
 #include "common/import/tangents.h"
 #include "common/import/texture_decoder.h"
 #include "common/import/vertex_colors.h"
@@ -20,6 +20,17 @@ namespace {
 // Modes of primitives; those below are points and lines.
 constexpr int kTriangles = 4, kStrip = 5, kFan = 6;
 
+/// Puts 1 - factor times opacity where a roughness is looked up, and no metalness beside it.
+void makeRoughness(float factor, Texture& texture) {
+    texture.low = {};
+    for (std::size_t i = 0; i + 3 < texture.rgba.size(); i += 4) {
+        const float roughness = 255 - factor * static_cast<float>(texture.rgba[i + 3]);
+        texture.rgba[i] = texture.rgba[i + 2] = 0;
+        texture.rgba[i + 1] = static_cast<std::uint8_t>(std::lround(roughness));
+        texture.rgba[i + 3] = 255;
+    }
+}
+
 /// Builds a RawMesh from primitives: those in the world first, then the groups.
 class Builder {
 public:
@@ -29,9 +40,13 @@ public:
         used_.assign(document.materials.size(), false);
     }
 
-    void addMesh(int mesh, int group, const Affine& place) {
-        for (const GltfPrimitive& p : document_.meshes[static_cast<std::size_t>(mesh)].primitives)
-            if (p.mode >= kTriangles) addPrimitive(mesh, p, group, place);
+    void addShape(const GltfShape& shape, int group, const Affine& place) {
+        const GltfMesh& mesh = document_.meshes[static_cast<std::size_t>(shape.mesh)];
+        for (const GltfPrimitive& p : mesh.primitives)
+            if (p.mode >= kTriangles)
+                addPrimitive(GltfVertices(document_, shape, p, place, budget_), group);
+            else
+                ++out_.leftOutOf[{"primitive", "points or lines are left out"}];
     }
 
     void startGroups() { out_.firstLocalVertex = out_.vertices.size(); }
@@ -40,7 +55,7 @@ public:
         out_.instances.push_back({group, toWorld});
     }
 
-    RawMesh finish() {
+    RawMesh finish(GltfPictures pictures) {
         if (!out_.tangents.empty()) out_.tangents.resize(out_.vertices.size());
         for (std::vector<Vec2f>& more : out_.moreTexcoords)
             more.resize(out_.vertices.size(), Vec2f(0.0f));
@@ -49,89 +64,61 @@ public:
             out_.blended += out_.materials[i].blends ? 1 : 0;
             for (const std::string& name : document_.materials[i].leftOut) ++out_.leftOut[name];
             for (const int* texture : texturesOf(out_.materials[i]))
-                if (*texture >= 0) decodePicture(*texture);
+                if (*texture >= 0 && pictures == GltfPictures::decode) decodePicture(*texture);
         }
         return std::move(out_);
     }
 
 private:
-    [[noreturn]] void fail(int mesh, const std::string& cause) const {
-        const std::string& name = document_.meshes[static_cast<std::size_t>(mesh)].name;
-        throwFileError(document_.path, "mesh " + std::to_string(mesh) +
-                                           (name.empty() ? "" : " (" + name + ")") + ": " + cause);
-    }
-
-    /// An attribute's numbers; empty if the primitive has none.
-    std::vector<double> attribute(int mesh, const GltfPrimitive& p, const std::string& name,
-                                  std::size_t& components) const {
-        const auto found = p.attributes.find(name);
-        if (found == p.attributes.end()) return {};
-        const GltfAccessor& accessor = document_.accessor(found->second);
-        components = accessor.array.components;
-        std::string cause;
-        std::vector<double> values = decode(accessor, cause);
-        if (!cause.empty()) fail(mesh, name + ": " + cause);
-        return values;
-    }
-
-    /// For the vertices of a primitive, counted where it says most, and its corners.
-    void takeBudget(const GltfPrimitive& p) {
-        std::size_t vertices = 0;
-        for (const auto& [name, index] : p.attributes)
-            vertices = std::max(vertices, document_.accessor(index).count);
-        budget_.take(vertices);
-        budget_.take(p.indices >= 0 ? document_.accessor(p.indices).count : vertices);
-    }
-
-    void addPrimitive(int mesh, const GltfPrimitive& p, int group, const Affine& place) {
-        takeBudget(p);
+    void addPrimitive(const GltfVertices& from, int group) {
         std::size_t components = 0;
-        const std::vector<double> positions = attribute(mesh, p, "POSITION", components);
+        const std::vector<double> positions = from.attribute("POSITION", components);
         if (positions.empty() || components != 3)
-            fail(mesh, "POSITION of " + std::to_string(components) + " components, expected 3");
+            from.fail("POSITION of " + std::to_string(components) + " components, expected 3");
         const std::size_t first = out_.vertices.size(), count = positions.size() / 3;
         for (std::size_t i = 0; i < count; ++i)
-            out_.vertices.push_back(
-                place.point(Vec3d(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2])));
+            out_.vertices.push_back(from.place(i).point(
+                Vec3d(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2])));
         std::vector<float> opacities;
-        addNormals(mesh, p, first, place);
-        addColors(mesh, p, first, opacities);
-        addTexcoords(mesh, p, first, opacities);
+        addNormals(from, first);
+        addColors(from, first, opacities);
+        addTexcoords(from, first, opacities);
         const std::size_t firstCorner = out_.faceVertices.size();
-        addFaces(mesh, p, first, count, place.mirrors());
-        addTangents(mesh, p, first, firstCorner, place);
+        addFaces(from, first);
+        addTangents(from, first, firstCorner);
         const std::size_t faces = out_.faceSizes.size() - facesDone_;
         facesDone_ = out_.faceSizes.size();
-        out_.parts.push_back({faces, p.material, group});
-        if (p.material >= 0) used_[static_cast<std::size_t>(p.material)] = true;
+        const int material = from.primitive().material;
+        out_.parts.push_back({faces, material, group});
+        if (material >= 0) used_[static_cast<std::size_t>(material)] = true;
     }
 
-    void addNormals(int mesh, const GltfPrimitive& p, std::size_t first, const Affine& place) {
+    void addNormals(const GltfVertices& from, std::size_t first) {
         std::size_t components = 0;
-        const std::vector<double> values = attribute(mesh, p, "NORMAL", components);
+        const std::vector<double> values = from.attribute("NORMAL", components);
         const std::size_t vertices = out_.vertices.size();
         if (values.empty()) {
             if (!out_.normals.empty()) out_.normals.resize(vertices, Vec3d(0.0));
             return;
         }
         if (components != 3 || values.size() != 3 * (vertices - first))
-            fail(mesh, "NORMAL does not match the positions, expected one normal for each");
+            from.fail("NORMAL does not match the positions, expected one normal for each");
         out_.normals.resize(first, Vec3d(0.0));
         for (std::size_t i = 0; i < values.size(); i += 3)
-            out_.normals.push_back(place.normal({values[i], values[i + 1], values[i + 2]}));
+            out_.normals.push_back(
+                from.place(i / 3).normal({values[i], values[i + 1], values[i + 2]}));
     }
 
-    void addColors(int mesh, const GltfPrimitive& p, std::size_t first,
-                   std::vector<float>& opacities) {
+    void addColors(const GltfVertices& from, std::size_t first, std::vector<float>& opacities) {
         std::size_t components = 0;
-        const std::vector<double> values = attribute(mesh, p, "COLOR_0", components);
+        const std::vector<double> values = from.attribute("COLOR_0", components);
         const std::size_t vertices = out_.vertices.size();
         if (values.empty()) {
             if (!out_.colors.empty()) out_.colors.resize(vertices, kUncolored);
             return;
         }
         if (components < 3 || values.size() != components * (vertices - first))
-            fail(mesh, "COLOR_0 does not match the positions, expected one colour for each");
+            from.fail("COLOR_0 does not match the positions, expected one colour for each");
         out_.colors.resize(first, kUncolored);
         for (std::size_t i = 0; i < values.size(); i += components) {
             bool bad = false;
@@ -142,11 +129,10 @@ private:
         }
     }
 
-    void addTexcoords(int mesh, const GltfPrimitive& p, std::size_t first,
+    void addTexcoords(const GltfVertices& from, std::size_t first,
                       const std::vector<float>& opacities) {
         const std::size_t vertices = out_.vertices.size();
-        const GltfMaterial* material =
-            p.material < 0 ? nullptr : &document_.materials[static_cast<std::size_t>(p.material)];
+        const GltfMaterial* material = materialOf(from);
         const bool textured = material && !material->places.empty();
         const bool pierced = material && !opacities.empty() &&
                              (material->material.cutOut || material->material.blends);
@@ -157,7 +143,7 @@ private:
         }
         out_.texcoords.resize(first, kNone);
         std::vector<Vec2f> places(vertices - first, Vec2f(0.0f));
-        if (textured) places = texturePlaces(mesh, p, first, material->places.front());
+        if (textured) places = texturePlaces(from, first, material->places.front());
         for (std::size_t i = 0; i < places.size(); ++i)
             out_.texcoords.emplace_back(places[i].x, places[i].y,
                                         opacities.empty() ? 1.0f : opacities[i]);
@@ -165,21 +151,26 @@ private:
             if (out_.moreTexcoords.size() < layer) out_.moreTexcoords.resize(layer);
             std::vector<Vec2f>& more = out_.moreTexcoords[layer - 1];
             more.resize(first, Vec2f(0.0f));
-            places = texturePlaces(mesh, p, first, material->places[layer]);
+            places = texturePlaces(from, first, material->places[layer]);
             more.insert(more.end(), places.begin(), places.end());
         }
     }
 
+    const GltfMaterial* materialOf(const GltfVertices& from) const {
+        const int material = from.primitive().material;
+        return material < 0 ? nullptr : &document_.materials[static_cast<std::size_t>(material)];
+    }
+
     /// Texture coordinates of a primitive's vertices, those from `first` on; 0 where it has none.
-    std::vector<Vec2f> texturePlaces(int mesh, const GltfPrimitive& p, std::size_t first,
+    std::vector<Vec2f> texturePlaces(const GltfVertices& from, std::size_t first,
                                      const GltfTexturePlace& place) const {
         std::size_t components = 2;
         const std::vector<double> values =
-            attribute(mesh, p, "TEXCOORD_" + std::to_string(place.texcoordSet), components);
+            from.attribute("TEXCOORD_" + std::to_string(place.texcoordSet), components);
         std::vector<Vec2f> places(out_.vertices.size() - first, Vec2f(0.0f));
         if (values.empty()) return places;
         if (components != 2 || values.size() != 2 * places.size())
-            fail(mesh, "texture coordinates do not match the positions, expected a pair for each");
+            from.fail("texture coordinates do not match the positions, expected a pair for each");
         for (std::size_t i = 0; i < places.size(); ++i) {
             const Vec3f uv1(static_cast<float>(values[2 * i]),
                             static_cast<float>(values[2 * i + 1]), 1.0f);
@@ -190,51 +181,49 @@ private:
 
     /// The file's, or, where it has none and there is a normal map, some of the texture
     /// coordinates.
-    void addTangents(int mesh, const GltfPrimitive& p, std::size_t first, std::size_t firstCorner,
-                     const Affine& place) {
+    void addTangents(const GltfVertices& from, std::size_t first, std::size_t firstCorner) {
         const std::size_t count = out_.vertices.size() - first;
-        const GltfMaterial* material =
-            p.material < 0 ? nullptr : &document_.materials[static_cast<std::size_t>(p.material)];
+        const GltfMaterial* material = materialOf(from);
         std::vector<Tangent> tangents;
         if (material && material->material.normal.texture >= 0)
-            tangents = tangentsOf(mesh, p, first, firstCorner, material->material.normal, place);
+            tangents = tangentsOf(from, first, firstCorner, material->material.normal);
         if (tangents.empty() && out_.tangents.empty()) return;
         out_.tangents.resize(first);
         tangents.resize(count);
-        for (Tangent& tangent : tangents)
-            tangent.direction = Vec3f(place.vector(Vec3d(tangent.direction)));
+        for (std::size_t i = 0; i < count; ++i)
+            tangents[i].direction = Vec3f(from.place(i).vector(Vec3d(tangents[i].direction)));
         out_.tangents.insert(out_.tangents.end(), tangents.begin(), tangents.end());
     }
 
     /// In the mesh's own space, but for their sides, which are the world's.
-    std::vector<Tangent> tangentsOf(int mesh, const GltfPrimitive& p, std::size_t first,
-                                    std::size_t firstCorner, const TextureSlot& slot,
-                                    const Affine& place) const {
+    std::vector<Tangent> tangentsOf(const GltfVertices& from, std::size_t first,
+                                    std::size_t firstCorner, const TextureSlot& slot) const {
         std::size_t components = 0;
         const std::size_t count = out_.vertices.size() - first;
-        const std::vector<double> values = attribute(mesh, p, "TANGENT", components);
+        const std::vector<double> values = from.attribute("TANGENT", components);
         if (!values.empty()) {
             if (components != 4 || values.size() != 4 * count)
-                fail(mesh, "TANGENT does not match the positions, expected four numbers for each");
+                from.fail("TANGENT does not match the positions, expected four numbers for each");
             std::vector<Tangent> tangents;
             for (std::size_t i = 0; i < values.size(); i += 4)
-                tangents.push_back({Vec3f(Vec3d(values[i], values[i + 1], values[i + 2])),
-                                    (values[i + 3] < 0) != place.mirrors() ? -1.0f : 1.0f});
+                tangents.push_back(
+                    {Vec3f(Vec3d(values[i], values[i + 1], values[i + 2])),
+                     (values[i + 3] < 0) != from.place(i / 4).mirrors() ? -1.0f : 1.0f});
             return tangents;
         }
-        const std::vector<Vec3d> normals = vectors(mesh, p, "NORMAL");
+        const std::vector<Vec3d> normals = vectors(from, "NORMAL");
         std::vector<std::uint32_t> corners(
             out_.faceVertices.begin() + static_cast<std::ptrdiff_t>(firstCorner),
             out_.faceVertices.end());
         for (std::uint32_t& corner : corners) corner -= static_cast<std::uint32_t>(first);
         // A mirrored mesh has its corners the other way round, and so the sides of the world.
-        return deriveTangents(vectors(mesh, p, "POSITION"), normals,
-                              placesInLayer(first, slot.layer), corners);
+        return deriveTangents(vectors(from, "POSITION"), normals, placesInLayer(first, slot.layer),
+                              corners);
     }
 
-    std::vector<Vec3d> vectors(int mesh, const GltfPrimitive& p, const char* name) const {
+    static std::vector<Vec3d> vectors(const GltfVertices& from, const char* name) {
         std::size_t components = 0;
-        const std::vector<double> values = attribute(mesh, p, name, components);
+        const std::vector<double> values = from.attribute(name, components);
         std::vector<Vec3d> result;
         for (std::size_t i = 0; i + 2 < values.size(); i += 3)
             result.emplace_back(values[i], values[i + 1], values[i + 2]);
@@ -251,23 +240,24 @@ private:
         return places;
     }
 
-    void addFaces(int mesh, const GltfPrimitive& p, std::size_t first, std::size_t vertices,
-                  bool mirrored) {
+    void addFaces(const GltfVertices& from, std::size_t first) {
+        const GltfPrimitive& p = from.primitive();
+        const std::size_t vertices = out_.vertices.size() - first;
         std::vector<std::uint32_t> corners;
         std::string cause;
         if (p.indices >= 0) {
             const GltfAccessor& accessor = document_.accessor(p.indices);
             if (accessor.array.components != 1)
-                fail(mesh, "indices of " + std::to_string(accessor.array.components) +
-                               " components, expected 1");
+                from.fail("indices of " + std::to_string(accessor.array.components) +
+                          " components, expected 1");
             corners = decodeIndices(accessor, cause);
-            if (!cause.empty()) fail(mesh, "indices: " + cause);
+            if (!cause.empty()) from.fail("indices: " + cause);
         } else {
             corners.resize(vertices);
             for (std::size_t i = 0; i < vertices; ++i) corners[i] = static_cast<std::uint32_t>(i);
         }
         const auto face = [&](std::size_t a, std::size_t b, std::size_t c) {
-            if (mirrored) std::swap(b, c);
+            if (from.mirrors(corners[a], corners[b], corners[c])) std::swap(b, c);
             for (const std::size_t k : {a, b, c})
                 out_.faceVertices.push_back(corners[k] < vertices
                                                 ? static_cast<std::uint32_t>(first) + corners[k]
@@ -300,6 +290,7 @@ private:
         // A picture that several textures show is kept for each.
         if (!decoded_.insert(from.encoded.data()).second)
             budget_.take((texture.rgba.size() + texture.low.size()) / 4);
+        if (from.glossiness) makeRoughness(*from.glossiness, texture);
         texture.wrapS = from.sampler.wrapS;
         texture.wrapT = from.sampler.wrapT;
         texture.smooth = from.sampler.smooth;
@@ -313,75 +304,48 @@ private:
     std::vector<bool> used_;  ///< by material
 };
 
-void requireRigid(const GltfDocument& document, const GltfNode& node) {
-    const auto refuse = [&](const std::string& what, const std::string& advice) {
-        throwFileError(document.path,
-                       "node " + node.name + ": " + what + " is not supported; " + advice);
-    };
-    if (node.skinned) refuse("an armature", "apply it before the export");
-    if (document.meshes[static_cast<std::size_t>(node.mesh)].morphs)
-        refuse("a morph target (shape key)", "apply it before the export");
-}
-
-void requireNoAnimatedShapes(const GltfDocument& document) {
-    for (const GltfAnimation& animation : document.animations)
-        for (const GltfChannel& channel : animation.channels)
-            if (channel.path == GltfChannel::Path::weights)
-                throwFileError(document.path, "animation " + animation.name +
-                                                  ": moves a shape key; only nodes may move");
-}
-
 }  // namespace
 
-RawMesh gltfMesh(const GltfDocument& document, std::span<const GltfPlacement> nodes,
-                 bool alwaysShared) {
-    std::vector<int> uses(document.meshes.size(), 0), group(document.meshes.size(), 0);
-    const auto meshOf = [&](const GltfPlacement& placement) {
-        return static_cast<std::size_t>(
-            document.nodes[static_cast<std::size_t>(placement.node)].mesh);
-    };
+RawMesh gltfMesh(const GltfDocument& document, const GltfPose& pose, bool alwaysShared,
+                 GltfPictures pictures) {
+    std::vector<int> uses(pose.shapes.size(), 0), group(pose.shapes.size(), 0);
     // What is flattened, as a shadow to the floor, cannot be an instance.
     const auto shared = [&](const GltfPlacement& placement) {
-        return alwaysShared || (uses[meshOf(placement)] > 1 && placement.toWorld.invertible());
+        return alwaysShared || (uses[placement.shape] > 1 && placement.toWorld.invertible());
     };
-    for (const GltfPlacement& placement : nodes) {
-        requireRigid(document, document.nodes[static_cast<std::size_t>(placement.node)]);
-        if (placement.toWorld.invertible()) ++uses[meshOf(placement)];
-    }
-    requireNoAnimatedShapes(document);
+    for (const GltfPlacement& placement : pose.placements)
+        if (placement.toWorld.invertible()) ++uses[placement.shape];
     Builder builder(document);
-    for (const GltfPlacement& placement : nodes)
+    for (const GltfPlacement& placement : pose.placements)
         if (!shared(placement))
-            builder.addMesh(static_cast<int>(meshOf(placement)), 0, placement.toWorld);
+            builder.addShape(pose.shapes[placement.shape], 0, placement.toWorld);
     builder.startGroups();
     int groups = 0;
-    for (const GltfPlacement& placement : nodes) {
+    for (const GltfPlacement& placement : pose.placements) {
         if (!shared(placement)) continue;
-        int& number = group[meshOf(placement)];
+        int& number = group[placement.shape];
         if (number == 0) {
             number = ++groups;
-            builder.addMesh(static_cast<int>(meshOf(placement)), number, {});
+            builder.addShape(pose.shapes[placement.shape], number, {});
         }
         builder.addInstance(number, placement.toWorld);
     }
-    return builder.finish();
+    return builder.finish(pictures);
 }
 
-RawMesh readGltf(const std::filesystem::path& path, References references) {
+RawMesh readGltf(const std::filesystem::path& path, References references,
+                 std::optional<double> stillAt) {
     const GltfDocument document = readGltfDocument(path, references);
     const GltfNodes nodes(document);
-    std::vector<GltfPlacement> still;
-    std::size_t moving = 0;
-    for (int i = 0; i < static_cast<int>(document.nodes.size()); ++i) {
-        const GltfNode& node = document.nodes[static_cast<std::size_t>(i)];
-        if (!node.inScene || node.mesh < 0) continue;
-        if (nodes.moves(i))
-            ++moving;
-        else
-            still.push_back({i, nodes.at(i, 0)});
+    std::vector<int> still = nodes.meshNodes(false);
+    if (stillAt) {
+        const std::vector<int> moving = nodes.meshNodes(true);
+        still.insert(still.end(), moving.begin(), moving.end());
+        std::sort(still.begin(), still.end());
     }
-    RawMesh mesh = gltfMesh(document, still, false);
-    mesh.moving = moving;
+    RawMesh mesh = gltfMesh(document, poseOf(document, nodes, still, stillAt.value_or(0)), false);
+    mesh.leftOutOf.insert(document.leftOutOf.begin(), document.leftOutOf.end());
+    if (!stillAt) mesh.moving = nodes.meshNodes(true).size();
     return mesh;
 }
 

@@ -1,23 +1,20 @@
 #pragma once
 
-#include <span>
-
 #include "common/import/gltf_document.h"
+#include "common/import/gltf_pose.h"
 #include "common/import/mesh_reader.h"
 
 namespace shadowcache {
 
-/// A node with a mesh, and where it stands.
-struct GltfPlacement {
-    int node = -1;
-    Affine toWorld;
-};
+/// What becomes of a mesh's pictures.
+enum class GltfPictures { decode, leave };
 
-/// The meshes of some nodes. Those of several nodes are kept once, with instances; with
-/// `alwaysShared`, so are all others, and instances[i] is nodes[i].
+/// The meshes of a pose. Shapes of several placements are kept once, with instances; with
+/// `alwaysShared`, so are all others, and instances[i] is of placements[i].
 ///
-/// @throws Error naming the file and the mesh: no positions, morphs, an armature, no picture
-RawMesh gltfMesh(const GltfDocument& document, std::span<const GltfPlacement> nodes,
-                 bool alwaysShared);
+/// @throws Error naming the file and the mesh: no positions, targets or joints that do not fit, no
+/// picture
+RawMesh gltfMesh(const GltfDocument& document, const GltfPose& pose, bool alwaysShared,
+                 GltfPictures pictures = GltfPictures::decode);
 
 }  // namespace shadowcache

@@ -43,27 +43,29 @@ Quaternion slerp(const Quaternion& a, Quaternion b, double t) {
     return unit(result);
 }
 
-std::size_t components(Path path) {
-    return path == Path::rotation ? 4 : 3;
+Quaternion quaternion(const std::vector<double>& value) {
+    return {value[0], value[1], value[2], value[3]};
 }
 
 GltfTrack decodeTrack(const GltfDocument& document, const std::string& animation,
-                      const GltfChannel& channel) {
+                      const GltfChannel& channel, std::size_t size) {
     const auto fail = [&](const std::string& cause) {
         throwFileError(document.path, "animation " + animation + ": " + cause);
     };
-    GltfTrack track{channel, {}, {}};
+    GltfTrack track{channel, {}, size, {}};
     std::string cause;
     track.times = decode(document.accessor(channel.times), cause);
     track.values = decode(document.accessor(channel.values), cause);
     if (!cause.empty()) fail(cause);
-    const std::size_t size =
-        components(channel.path) * (channel.interpolation == Interpolation::cubicSpline ? 3 : 1);
+    const std::size_t numbers =
+        size * (channel.interpolation == Interpolation::cubicSpline ? 3 : 1);
+    // Weights are single numbers, as many as there are targets.
+    const std::size_t components = channel.path == Path::weights ? 1 : size;
     if (document.accessor(channel.times).array.components != 1 ||
-        document.accessor(channel.values).array.components != components(channel.path) ||
-        track.values.size() != track.times.size() * size)
+        document.accessor(channel.values).array.components != components ||
+        track.values.size() != track.times.size() * numbers)
         fail(std::to_string(track.values.size()) + " numbers for " +
-             std::to_string(track.times.size()) + " keys, expected " + std::to_string(size) +
+             std::to_string(track.times.size()) + " keys, expected " + std::to_string(numbers) +
              " for each");
     const auto finite = [](double x) { return std::isfinite(x); };
     if (!std::all_of(track.values.begin(), track.values.end(), finite) ||
@@ -85,15 +87,13 @@ Affine fromParts(const Vec3d& translation, const std::array<double, 4>& rotation
     return {{right * scale.x, up * scale.y, back * scale.z}, translation};
 }
 
-std::array<double, 4> GltfTrack::at(double seconds) const {
-    const std::size_t size = components(channel.path);
+std::vector<double> GltfTrack::at(double seconds) const {
     const bool cubic = channel.interpolation == Interpolation::cubicSpline;
     // `part` of a cubic key: 0 in-tangent, 1 value, 2 out-tangent.
     const auto key = [&](std::size_t i, std::size_t part) {
-        Quaternion value{};
-        const std::size_t first = cubic ? (3 * i + part) * size : i * size;
-        for (std::size_t k = 0; k < size; ++k) value[k] = values[first + k];
-        return value;
+        const auto first =
+            values.begin() + static_cast<std::ptrdiff_t>(cubic ? (3 * i + part) * size : i * size);
+        return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(size));
     };
     const auto next = std::upper_bound(times.begin(), times.end(), seconds);
     if (next == times.begin()) return key(0, 1);
@@ -102,14 +102,17 @@ std::array<double, 4> GltfTrack::at(double seconds) const {
 
     const double span = times[i + 1] - times[i];
     const double t = (seconds - times[i]) / span;
-    const Quaternion a = key(i, 1), b = key(i + 1, 1);
-    if (!cubic && channel.path == Path::rotation) return slerp(unit(a), unit(b), t);
-    Quaternion value{};
+    const std::vector<double> a = key(i, 1), b = key(i + 1, 1);
+    if (!cubic && channel.path == Path::rotation) {
+        const Quaternion q = slerp(unit(quaternion(a)), unit(quaternion(b)), t);
+        return {q.begin(), q.end()};
+    }
+    std::vector<double> value(size);
     if (!cubic) {
         for (std::size_t k = 0; k < size; ++k) value[k] = a[k] + (b[k] - a[k]) * t;
         return value;
     }
-    const Quaternion out = key(i, 2), in = key(i + 1, 0);
+    const std::vector<double> out = key(i, 2), in = key(i + 1, 0);
     const double t2 = t * t, t3 = t2 * t;
     for (std::size_t k = 0; k < size; ++k)
         value[k] = (2 * t3 - 3 * t2 + 1) * a[k] + span * (t3 - 2 * t2 + t) * out[k] +
@@ -118,7 +121,6 @@ std::array<double, 4> GltfTrack::at(double seconds) const {
 }
 
 bool GltfTrack::varies() const {
-    const std::size_t size = components(channel.path);
     const bool cubic = channel.interpolation == Interpolation::cubicSpline;
     const std::size_t stride = cubic ? 3 * size : size;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -136,27 +138,42 @@ GltfNodes::GltfNodes(const GltfDocument& document)
     GltfBudget budget(document);
     for (const GltfAnimation& animation : document.animations)
         for (const GltfChannel& channel : animation.channels) {
-            if (channel.path == Path::weights) continue;
+            const GltfNode& node = document.nodes[static_cast<std::size_t>(channel.node)];
+            std::size_t size = channel.path == Path::rotation ? 4 : 3;
+            if (channel.path == Path::weights)
+                size = node.mesh < 0
+                           ? 0
+                           : document.meshes[static_cast<std::size_t>(node.mesh)].targetCount();
+            if (size == 0) continue;
             for (const int index : {channel.times, channel.values})
                 budget.take(document.accessor(index).count *
                             document.accessor(index).array.components);
             tracks_[static_cast<std::size_t>(channel.node)].push_back(
-                decodeTrack(document, animation.name, channel));
+                decodeTrack(document, animation.name, channel, size));
         }
+    for (const auto& tracks : tracks_)
+        isMoved_.push_back(std::ranges::any_of(tracks, [](const GltfTrack& track) {
+            return track.channel.path != Path::weights && track.varies();
+        }));
+    for (const GltfSkin& skin : document.skins)
+        skinMoves_.push_back(std::ranges::any_of(skin.joints, [&](int n) { return moves(n); }));
 }
 
 Affine GltfNodes::local(int node, double seconds) const {
     const GltfNode& n = document_.nodes[static_cast<std::size_t>(node)];
     const auto& tracks = tracks_[static_cast<std::size_t>(node)];
-    if (tracks.empty()) return n.matrix ? *n.matrix : fromParts(n.translation, n.rotation, n.scale);
+    const bool moved = std::ranges::any_of(
+        tracks, [](const GltfTrack& track) { return track.channel.path != Path::weights; });
+    if (n.matrix && !moved) return *n.matrix;
     Vec3d translation = n.translation, scale = n.scale;
     Quaternion rotation = n.rotation;
     for (const GltfTrack& track : tracks) {
-        const Quaternion value = track.at(seconds);
+        if (track.channel.path == Path::weights) continue;
+        const std::vector<double> value = track.at(seconds);
         const Vec3d vector(value[0], value[1], value[2]);
         if (track.channel.path == Path::translation) translation = vector;
         if (track.channel.path == Path::scale) scale = vector;
-        if (track.channel.path == Path::rotation) rotation = value;
+        if (track.channel.path == Path::rotation) rotation = quaternion(value);
     }
     return fromParts(translation, rotation, scale);
 }
@@ -175,9 +192,39 @@ Affine GltfNodes::at(int node, double seconds) const {
 
 bool GltfNodes::moves(int node) const {
     for (int n = node; n >= 0; n = document_.nodes[static_cast<std::size_t>(n)].parent)
-        for (const GltfTrack& track : tracks_[static_cast<std::size_t>(n)])
-            if (track.varies()) return true;
+        if (isMoved_[static_cast<std::size_t>(n)]) return true;
     return false;
+}
+
+std::vector<double> GltfNodes::weights(int node, double seconds) const {
+    const GltfNode& n = document_.nodes[static_cast<std::size_t>(node)];
+    const auto& tracks = tracks_[static_cast<std::size_t>(node)];
+    // Of several the last counts, as with places.
+    const auto track = std::find_if(tracks.rbegin(), tracks.rend(), [](const GltfTrack& t) {
+        return t.channel.path == Path::weights;
+    });
+    if (track != tracks.rend()) return track->at(seconds);
+    if (!n.weights.empty() || n.mesh < 0) return n.weights;
+    return document_.meshes[static_cast<std::size_t>(n.mesh)].weights;
+}
+
+bool GltfNodes::deforms(int node) const {
+    const GltfNode& n = document_.nodes[static_cast<std::size_t>(node)];
+    for (const GltfTrack& track : tracks_[static_cast<std::size_t>(node)])
+        if (track.channel.path == Path::weights && track.varies()) return true;
+    return n.skin >= 0 && skinMoves_[static_cast<std::size_t>(n.skin)];
+}
+
+std::vector<int> GltfNodes::meshNodes(bool moving) const {
+    std::vector<int> found;
+    for (int i = 0; i < static_cast<int>(document_.nodes.size()); ++i) {
+        const GltfNode& node = document_.nodes[static_cast<std::size_t>(i)];
+        if (!node.inScene || node.mesh < 0) continue;
+        // The joints of a skin take its mesh along, wherever its node is.
+        const bool isMoving = deforms(i) || (node.skin < 0 && moves(i));
+        if (isMoving == moving) found.push_back(i);
+    }
+    return found;
 }
 
 double GltfNodes::duration() const {

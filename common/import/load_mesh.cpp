@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "common/base/error.h"
@@ -167,31 +168,35 @@ TriangleMesh compact(const Vec3d& origin, MeshSoup& soup) {
     return mesh;
 }
 
-/// What all files together make.
-TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& options, MeshSoup soup) {
+/// What all files together make; nothing where no triangle is left.
+std::optional<TriangleMesh> finishIfAny(const std::filesystem::path& path,
+                                        const MeshOptions& options, MeshSoup& soup) {
     const Vec3d origin = options.origin           ? *options.origin
                          : soup.triangles.empty() ? Vec3d(0.0)
                                                   : centreOf(soup);
     dropDegenerate(origin, soup);
-    if (soup.triangles.empty()) {
-        if (soup.moving > 0 && soup.report.facesRead == 0)
-            throwFileError(path, "everything moves: all nodes with a mesh, " +
-                                     std::to_string(soup.moving) +
-                                     ", are animated; expected something that stands still, to "
-                                     "which --dynamic adds this file");
-        if (soup.report.facesRead == 0)
-            throwFileError(path,
-                           "has no face (points, lines or an empty scene), expected triangles");
-        TextWriter scaled;
-        if (options.scale != 1) scaled << "; with --scale " << options.scale;
-        throwFileError(path, "no triangle left: " + describe(soup.report) + scaled.str());
-    }
+    if (soup.triangles.empty()) return std::nullopt;
     TriangleMesh mesh = compact(origin, soup);
     soup = {};
     requireTraceable(mesh, path.string());
     countDefects(mesh);
     if (options.smoothDegrees > 0) smoothNormals(mesh, options.smoothDegrees);
     return mesh;
+}
+
+TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& options, MeshSoup soup) {
+    std::optional<TriangleMesh> mesh = finishIfAny(path, options, soup);
+    if (mesh) return *std::move(mesh);
+    if (soup.moving > 0 && soup.report.facesRead == 0)
+        throwFileError(path, "everything moves: all nodes with a mesh, " +
+                                 std::to_string(soup.moving) +
+                                 ", are animated; expected something that stands still, to which "
+                                 "--dynamic adds this file, or --set-frame");
+    if (soup.report.facesRead == 0)
+        throwFileError(path, "has no face (points, lines or an empty scene), expected triangles");
+    TextWriter scaled;
+    if (options.scale != 1) scaled << "; with --scale " << options.scale;
+    throwFileError(path, "no triangle left: " + describe(soup.report) + scaled.str());
 }
 
 }  // namespace
@@ -201,7 +206,7 @@ TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOp
     requireScale(options.scale);
     MeshSoup soup;
     for (const auto& path : files)
-        append(path, readMeshFile(path, options.references), options, soup);
+        append(path, readMeshFile(path, options.references, options.stillAt), options, soup);
     return finish(files.front(), options, std::move(soup));
 }
 
@@ -210,6 +215,13 @@ TriangleMesh assembleMesh(const std::filesystem::path& path, RawMesh raw,
     MeshSoup soup;
     append(path, std::move(raw), options, soup);
     return finish(path, options, std::move(soup));
+}
+
+std::optional<TriangleMesh> assembleIfAny(const std::filesystem::path& path, RawMesh raw,
+                                          const MeshOptions& options) {
+    MeshSoup soup;
+    append(path, std::move(raw), options, soup);
+    return finishIfAny(path, options, soup);
 }
 
 }  // namespace shadowcache

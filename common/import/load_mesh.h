@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include "common/import/mesh_options.h"
@@ -21,5 +22,9 @@ TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOp
 /// @throws Error when no triangle is left
 TriangleMesh assembleMesh(const std::filesystem::path& path, RawMesh raw,
                           const MeshOptions& options);
+
+/// The same; nothing when no triangle is left.
+std::optional<TriangleMesh> assembleIfAny(const std::filesystem::path& path, RawMesh raw,
+                                          const MeshOptions& options);
 
 }  // namespace shadowcache

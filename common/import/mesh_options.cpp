@@ -3,9 +3,15 @@
 #include <cmath>
 
 #include "common/base/error.h"
+#include "common/base/option_checks.h"
 #include "common/base/text_streams.h"
 
 namespace shadowcache {
+
+std::optional<double> timeOf(std::optional<int> frame, double fps) {
+    requireRange("fps", fps, 1e-3, 1e6);
+    return frame ? std::optional(*frame / fps) : std::nullopt;
+}
 
 void requireScale(double scale) {
     if (scale > 0.0 && std::isfinite(scale)) return;

@@ -18,7 +18,15 @@ struct MeshOptions {
     /// neighbours whose normals differ by at most this. 0: none.
     double smoothDegrees = 0;
     References references = References::inside;  ///< of glTF and OBJ files
+    /// Time of glTF files [s] in whose pose everything stands still; else what moves is left to
+    /// MovingSet.
+    std::optional<double> stillAt{};
 };
+
+/// Time of a frame [s], if there is one.
+///
+/// @throws Error if the frames a second are out of range
+std::optional<double> timeOf(std::optional<int> frame, double fps);
 
 /// @throws Error if a --scale is not a finite number above 0
 void requireScale(double scale);

@@ -212,8 +212,9 @@ RawMesh readOm(const std::filesystem::path& path) {
     return std::move(importer.mesh);
 }
 
-RawMesh readMeshFile(const std::filesystem::path& path, References references) {
-    if (isGltf(path)) return readGltf(path, references);
+RawMesh readMeshFile(const std::filesystem::path& path, References references,
+                     std::optional<double> stillAt) {
+    if (isGltf(path)) return readGltf(path, references, stillAt);
     const std::string extension = lowerExtension(path);
     if (extension == ".obj") return readObj(path, references);
     std::string known;

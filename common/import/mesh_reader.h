@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,7 @@ struct RawMesh {
     std::map<std::string, std::size_t> remarks;
     std::size_t blended = 0;                     ///< materials that blend with what is behind
     std::map<std::string, std::size_t> leftOut;  ///< as MeshReport::leftOut
+    LeftOutOf leftOutOf;                         ///< likewise
 };
 
 /// Corner that names no vertex of the file.
@@ -66,7 +68,11 @@ inline const Rgb kUncolored{1.0f, 1.0f, 1.0f};
 /// @throws Error naming the file and the cause: empty, truncated, foreign, newer
 using MeshReader = RawMesh (*)(const std::filesystem::path&);
 
-RawMesh readGltf(const std::filesystem::path& path, References references);
+/// What no animation moves, or all of it as it is at a time.
+///
+/// @param stillAt  [s]
+RawMesh readGltf(const std::filesystem::path& path, References references,
+                 std::optional<double> stillAt = {});
 RawMesh readObj(const std::filesystem::path& path, References references);
 RawMesh readOff(const std::filesystem::path& path);
 RawMesh readOm(const std::filesystem::path& path);
@@ -80,6 +86,7 @@ bool isGltf(const std::filesystem::path& path);
 /// the table of mesh_reader.cpp.
 ///
 /// @throws Error as the readers do, and for an unknown extension
-RawMesh readMeshFile(const std::filesystem::path& path, References references);
+RawMesh readMeshFile(const std::filesystem::path& path, References references,
+                     std::optional<double> stillAt = {});
 
 }  // namespace shadowcache

@@ -192,6 +192,7 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     for (const auto& [remark, count] : raw.remarks) soup.report.remarks[remark] += count;
     soup.report.blended += raw.blended;
     for (const auto& [name, count] : raw.leftOut) soup.report.leftOut[name] += count;
+    for (const auto& [thing, count] : raw.leftOutOf) soup.report.leftOutOf[thing] += count;
 }
 
 }  // namespace

@@ -41,6 +41,11 @@ std::string describe(const MeshReport& report) {
             add(count, (count == 1 ? "material without its " : "materials without their ") +
                            printable(name) + ", which is left out");
     if (named > kMostNames) add(named - kMostNames, "other things left out");
+    for (const auto& [thing, count] : report.leftOutOf) {
+        const auto& [kind, cause] = thing;
+        const char* plural = kind == "mesh" ? "es" : "s";
+        add(count, kind + (count == 1 ? "" : plural) + " whose " + cause);
+    }
     add(report.instances,
         "instances, with which " + std::to_string(report.placed) + " triangles are in the world");
     return text;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/math/affine.h"
@@ -10,6 +11,10 @@
 #include "common/mesh/material.h"
 
 namespace shadowcache {
+
+/// What is left out of other things than materials, or read in one of several ways: kind and text,
+/// {"node", "KHR_lights_punctual is left out"}, and the number of nodes.
+using LeftOutOf = std::map<std::pair<std::string, std::string>, std::size_t>;
 
 /// What loading a set found and did; every face of the files is accounted for.
 struct MeshReport {
@@ -32,6 +37,7 @@ struct MeshReport {
     std::size_t blended = 0;  ///< materials that blend with what is behind
     /// Parts of the files' materials that are not supported: name and number of materials.
     std::map<std::string, std::size_t> leftOut;
+    LeftOutOf leftOutOf;
 };
 
 /// Where the texture coordinate s grows at a vertex.

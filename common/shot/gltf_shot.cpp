@@ -46,7 +46,14 @@ GltfShot::GltfShot(const std::filesystem::path& path, const MeshOptions& options
     : document_(std::make_unique<GltfDocument>(readGltfDocument(path, options.references))),
       nodes_(std::make_unique<GltfNodes>(*document_)),
       world_(worldOf(options)),
-      fps_(fps) {}
+      fps_(fps),
+      still_(options.stillAt.has_value()) {}
+
+void GltfShot::dropData() {
+    const std::vector<int> moving = movingNodes();
+    if (std::ranges::none_of(moving, [&](int node) { return nodes_->deforms(node); }))
+        document_->storage.clear();
+}
 
 std::vector<int> GltfShot::cameraNodes() const {
     std::vector<int> found;
@@ -58,12 +65,7 @@ std::vector<int> GltfShot::cameraNodes() const {
 }
 
 std::vector<int> GltfShot::movingNodes() const {
-    std::vector<int> found;
-    for (int i = 0; i < static_cast<int>(document_->nodes.size()); ++i) {
-        const GltfNode& node = document_->nodes[static_cast<std::size_t>(i)];
-        if (node.inScene && node.mesh >= 0 && nodes_->moves(i)) found.push_back(i);
-    }
-    return found;
+    return still_ ? std::vector<int>() : nodes_->meshNodes(true);
 }
 
 std::string GltfShot::cameraName(int node) const {
@@ -73,6 +75,16 @@ std::string GltfShot::cameraName(int node) const {
 
 Affine GltfShot::place(int node, int frame) const {
     return compose(world_, nodes_->at(node, frame / fps_));
+}
+
+Affine GltfShot::place(const GltfPlacement& placement, int frame) const {
+    // A skin's joints lead to the world.
+    if (document_->nodes[static_cast<std::size_t>(placement.node)].skin >= 0) return world_;
+    return compose(place(placement.node, frame), placement.inNode);
+}
+
+GltfPose GltfShot::pose(std::span<const int> nodes, int frame) const {
+    return poseOf(*document_, *nodes_, nodes, frame / fps_);
 }
 
 Camera GltfShot::camera(int node, int frame) const {
@@ -136,7 +148,7 @@ std::string describe(const GltfShot& shot) {
         if (!node.inScene || node.mesh < 0) continue;
         const std::size_t triangles = announcedTriangles(document, node.mesh);
         if (meshes.insert(node.mesh).second) unique += triangles;
-        placed += triangles;
+        placed += triangles * document.copiesOf(node);
         ++nodes;
     }
     std::string text = document.path.string() + ":\n";

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/import/gltf_nodes.h"
+#include "common/import/gltf_pose.h"
 #include "common/import/mesh_options.h"
 #include "common/mesh/mesh.h"
 #include "common/shot/camera.h"
@@ -19,15 +20,17 @@ public:
     /// @throws Error as readGltfDocument
     GltfShot(const std::filesystem::path& path, const MeshOptions& options, double fps);
 
-    /// Forgets the arrays; from now on no mesh of document() can be read.
-    void dropData() { document_->storage.clear(); }
+    /// Forgets the arrays unless meshes that change their form need them; from now on no other mesh
+    /// of document() can be read.
+    void dropData();
 
     const GltfDocument& document() const { return *document_; }
     const GltfNodes& nodes() const { return *nodes_; }
 
     /// Nodes of the scene with a camera.
     std::vector<int> cameraNodes() const;
-    /// Nodes of the scene with a mesh that an animation moves.
+    /// Nodes of the scene with a mesh that an animation moves or changes; none of a set that stands
+    /// still (MeshOptions::stillAt).
     std::vector<int> movingNodes() const;
     /// Of a node's camera: the node's name, or else the camera's.
     std::string cameraName(int node) const;
@@ -36,6 +39,10 @@ public:
     Camera camera(int node, int frame) const;
     /// A node's place in the world.
     Affine place(int node, int frame) const;
+    /// A mesh's place in the world.
+    Affine place(const GltfPlacement& placement, int frame) const;
+    /// Nodes with meshes in a frame.
+    GltfPose pose(std::span<const int> nodes, int frame) const;
 
     double fps() const { return fps_; }
 
@@ -44,6 +51,7 @@ private:
     std::unique_ptr<GltfNodes> nodes_;
     Affine world_;
     double fps_;
+    bool still_;
 };
 
 /// The glTF files among those of a set.

@@ -17,6 +17,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// Makes anything invisible.
+const Affine kPoint{{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)}, Vec3d(0.0)};
+
 /// Makes instances of all that a file has in its world directly.
 void makeMovable(RawMesh& raw) {
     if (raw.parts.empty()) raw.parts.push_back({raw.faceSizes.size(), -1, 0});
@@ -81,54 +84,55 @@ std::vector<Affine> readTransformTrack(const std::filesystem::path& path) {
 }
 
 MovingSet::MovingSet(std::span<const GltfShot> shots, std::span<const DynamicFile> files,
-                     const MeshOptions& options, const Vec3d& origin, double fps) {
-    MeshOptions placed = options;
-    placed.origin = origin;
+                     const MeshOptions& options, const Vec3d& origin, double fps)
+    : options_(options) {
+    options_.origin = origin;
     for (const GltfShot& shot : shots)
-        if (auto nodes = shot.movingNodes(); !nodes.empty())
-            addNodes(shot, std::move(nodes), {shot.document().path, {}}, placed);
+        addNodes(shot, shot.movingNodes(), {shot.document().path, {}});
     for (const DynamicFile& file : files) {
         if (!isGltf(file.mesh)) {
-            addFile(file, placed);
+            addFile(file);
             continue;
         }
         ownShots_.push_back(std::make_unique<GltfShot>(file.mesh, options, fps));
-        std::vector<int> nodes;
-        const auto& all = ownShots_.back()->document().nodes;
-        for (int i = 0; i < static_cast<int>(all.size()); ++i)
-            if (const GltfNode& node = all[static_cast<std::size_t>(i)];
-                node.inScene && node.mesh >= 0)
-                nodes.push_back(i);
-        addNodes(*ownShots_.back(), std::move(nodes), file, placed);
+        const GltfNodes& all = ownShots_.back()->nodes();
+        std::vector<int> nodes = all.meshNodes(false);
+        const std::vector<int> moving = all.meshNodes(true);
+        nodes.insert(nodes.end(), moving.begin(), moving.end());
+        addNodes(*ownShots_.back(), nodes, file);
     }
 }
 
 MovingSet::~MovingSet() = default;
 
-void MovingSet::addNodes(const GltfShot& shot, std::vector<int> nodes, const DynamicFile& file,
-                         const MeshOptions& options) {
-    std::vector<GltfPlacement> placements;
-    placements.reserve(nodes.size());
-    for (const int node : nodes) placements.push_back({node, shot.nodes().at(node, 0)});
-    Source source;
-    source.path = file.mesh;
-    source.mesh = assembleMesh(file.mesh, gltfMesh(shot.document(), placements, true), options);
-    source.shot = &shot;
-    source.nodes = std::move(nodes);
-    source.trackPath = file.track;
-    if (!file.track.empty()) source.track = readTransformTrack(file.track);
-    sources_.push_back(std::move(source));
+void MovingSet::addNodes(const GltfShot& shot, const std::vector<int>& nodes,
+                         const DynamicFile& file) {
+    for (const bool deforms : {false, true}) {
+        Source source;
+        for (const int node : nodes)
+            if (shot.nodes().deforms(node) == deforms) source.nodes.push_back(node);
+        if (source.nodes.empty()) continue;
+        source.path = file.mesh;
+        source.shot = &shot;
+        source.deforms = deforms;
+        GltfPose pose = shot.pose(source.nodes, 0);
+        source.mesh = assembleMesh(file.mesh, gltfMesh(shot.document(), pose, true), options_);
+        source.placements = std::move(pose.placements);
+        source.trackPath = file.track;
+        if (!file.track.empty()) source.track = readTransformTrack(file.track);
+        sources_.push_back(std::move(source));
+    }
 }
 
-void MovingSet::addFile(const DynamicFile& file, const MeshOptions& options) {
-    RawMesh raw = readMeshFile(file.mesh, options.references);
+void MovingSet::addFile(const DynamicFile& file) {
+    RawMesh raw = readMeshFile(file.mesh, options_.references);
     makeMovable(raw);
     Source source;
     source.path = file.mesh;
-    source.mesh = assembleMesh(file.mesh, std::move(raw), options);
+    source.mesh = assembleMesh(file.mesh, std::move(raw), options_);
     for (const MeshInstance& instance : source.mesh.instances) {
         Affine atRest = instance.toWorld;
-        atRest.position += *options.origin;
+        atRest.position += *options_.origin;
         source.atRest.push_back(atRest);
     }
     source.trackPath = file.track;
@@ -154,17 +158,34 @@ void MovingSet::requireFrame(int frame) const {
     for (const Source& source : sources_) trackAt(source, frame);
 }
 
+bool MovingSet::deform(Source& source, int frame) const {
+    const GltfShot& shot = *source.shot;
+    auto mesh = assembleIfAny(
+        source.path,
+        gltfMesh(shot.document(), shot.pose(source.nodes, frame), true, GltfPictures::leave),
+        options_);
+    if (!mesh) return false;
+    mesh->textures = std::move(source.mesh.textures);
+    source.mesh = *std::move(mesh);
+    return true;
+}
+
+Affine MovingSet::placeOf(const Source& source, const MeshInstance& instance, std::size_t number,
+                          int frame) {
+    return source.shot ? source.shot->place(source.placements[instance.source], frame)
+                       : source.atRest[number];
+}
+
 const Scene* MovingSet::pose(int frame) {
     // The scenes refer to the meshes, which change now.
     scenes_.clear();
     for (Source& source : sources_) {
         const Affine track = trackAt(source, frame);
+        const bool isVisible = !source.deforms || deform(source, frame);
         for (std::size_t i = 0; i < source.mesh.instances.size(); ++i) {
             MeshInstance& instance = source.mesh.instances[i];
-            const Affine place = source.shot
-                                     ? source.shot->place(source.nodes[instance.source], frame)
-                                     : source.atRest[i];
-            instance.toWorld = compose(track, place);
+            instance.toWorld =
+                isVisible ? compose(track, placeOf(source, instance, i, frame)) : kPoint;
             instance.toWorld.position -= source.mesh.origin;
         }
         requireTraceable(source.mesh, source.path.string() + ", frame " + std::to_string(frame));

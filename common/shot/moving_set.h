@@ -27,7 +27,8 @@ DynamicFile parseDynamic(const std::string& text);
 /// @throws Error naming the file, the key, the value found and the one wanted
 std::vector<Affine> readTransformTrack(const std::filesystem::path& path);
 
-/// What moves in a shot: animated nodes of the set's files, and files of their own.
+/// What moves in a shot: animated nodes of the set's files, with the skins and morph targets that
+/// change their meshes, and files of their own.
 class MovingSet {
 public:
     /// Keeps references to `shots`. `origin` is the static set's.
@@ -52,18 +53,24 @@ private:
     struct Source {
         std::filesystem::path path;
         TriangleMesh mesh;
-        const GltfShot* shot = nullptr;  ///< whose node i is instance i's source, or null
-        std::vector<int> nodes;
+        const GltfShot* shot = nullptr;         ///< of glTF files
+        std::vector<int> nodes;                 ///< of the shot
+        std::vector<GltfPlacement> placements;  ///< of the nodes, by MeshInstance::source
+        bool deforms = false;                   ///< the mesh is another one in each frame
         std::filesystem::path trackPath;
         std::vector<Affine> track;   ///< by frame from 1, on top; empty: none
         std::vector<Affine> atRest;  ///< by instance, in the file's world
     };
 
-    void addNodes(const GltfShot& shot, std::vector<int> nodes, const DynamicFile& file,
-                  const MeshOptions& options);
-    void addFile(const DynamicFile& file, const MeshOptions& options);
+    void addNodes(const GltfShot& shot, const std::vector<int>& nodes, const DynamicFile& file);
+    void addFile(const DynamicFile& file);
+    /// @return false where nothing of it has area in that frame: the mesh is then an earlier one's
+    bool deform(Source& source, int frame) const;
+    static Affine placeOf(const Source& source, const MeshInstance& instance, std::size_t number,
+                          int frame);
     static Affine trackAt(const Source& source, int frame);
 
+    MeshOptions options_;
     std::vector<std::unique_ptr<GltfShot>> ownShots_;
     std::vector<Source> sources_;
     std::vector<std::unique_ptr<Scene>> scenes_;

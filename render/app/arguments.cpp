@@ -152,6 +152,7 @@ RenderJob jobOf(const Arguments& arguments) {
     if (!arguments.debug.empty())
         job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
     job.mesh.zUp = arguments.up == "z";
+    job.mesh.stillAt = timeOf(arguments.setFrame, job.fps);
     if (arguments.allowExternal) job.mesh.references = References::anywhere;
     job.sequence = static_cast<Sequence>(placeOf(arguments.sequence, sequenceNames()));
     job.estimatorOptions.paper.exactConvolution = arguments.convolution == "exact";

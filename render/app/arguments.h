@@ -20,8 +20,9 @@ struct Arguments {
     bool samplesGiven = false, cameraRaysGiven = false;
     std::optional<int> spp;  ///< shadow rays a pixel, in place of camera rays and samples
     std::optional<double> targetError;  ///< relMSE of a frame
-    bool allowExternal = false;         ///< files of glTF sets outside of their folders
-    bool list = false;                  ///< print what the set has, do not render
+    std::optional<int> setFrame;  ///< of glTF files, in whose pose all of the set stands still
+    bool allowExternal = false;   ///< files of glTF sets outside of their folders
+    bool list = false;            ///< print what the set has, do not render
 };
 
 /// As --sequence has them, in the order of Sequence.

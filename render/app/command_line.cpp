@@ -14,7 +14,8 @@ namespace {
 void defineScene(CLI::App& app, Arguments& arguments) {
     RenderJob& job = arguments.job;
     const std::string group = "Scene";
-    addSetOptions(app, job.files, arguments.up, job.mesh.scale, arguments.allowExternal, group);
+    addSetOptions(app, job.files, arguments.up, job.mesh.scale, arguments.setFrame,
+                  arguments.allowExternal, group);
     app.add_option(
            "--env", job.environment,
            "Lat-long map (EXR or HDR), or a constant radiance R,G,B; for one map per frame: maps "

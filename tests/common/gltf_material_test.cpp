@@ -233,6 +233,64 @@ TEST(GltfMaterial, SpecularTextures) {
     EXPECT_EQ(s.f90.y, 1);
 }
 
+/// A PNG of 2 x 1 texels: red with an opacity of 0.2, opaque green.
+std::string pngWithOpacity() {
+    constexpr unsigned char kBytes[] = {
+        0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
+        0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x06, 0x00, 0x00, 0x00, 0xf4,
+        0x22, 0x7f, 0x8a, 0x00, 0x00, 0x00, 0x11, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0xf8,
+        0xcf, 0xc0, 0x60, 0xcc, 0xf0, 0x9f, 0xe1, 0x3f, 0x00, 0x0c, 0xfc, 0x03, 0x31, 0x7e, 0x33,
+        0x77, 0xee, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+    return {std::begin(kBytes), std::end(kBytes)};
+}
+
+TEST(GltfMaterial, SpecularGlossinessIsRead) {
+    const Json older{{"diffuseFactor", {0.5, 0.25, 1, 0.75}},
+                     {"specularFactor", {0.04, 0.2, 0}},
+                     {"glossinessFactor", 0.75}};
+    // What is stated beside it counts for readers that do not know it.
+    Json material{{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}}},
+                  {"alphaMode", "BLEND"},
+                  {"extensions", {{"KHR_materials_pbrSpecularGlossiness", older}}}};
+    const TriangleMesh mesh = load(squareWith(material));
+    EXPECT_TRUE(mesh.report.leftOut.empty());
+    EXPECT_EQ(mesh.materials[0].opacity, 0.75f);
+    const Surface s = at(mesh, 0.3f, 0.2f);
+    EXPECT_EQ(s.baseColor, Rgb(0.5f, 0.25f, 1));
+    EXPECT_EQ(s.roughness, 0.25f);
+    EXPECT_FLOAT_EQ(s.f0.x, 0.04f);
+    EXPECT_FLOAT_EQ(s.f0.y, 0.2f);
+    EXPECT_EQ(s.f0.z, 0);
+    EXPECT_EQ(s.f90.x, 1);
+    // Without numbers all of them are 1.
+    material["extensions"]["KHR_materials_pbrSpecularGlossiness"] = Json::object();
+    EXPECT_EQ(at(load(squareWith(material)), 0.3f, 0.2f).f0, Rgb(1.0f));
+    EXPECT_EQ(at(load(squareWith(material)), 0.3f, 0.2f).roughness, 0);
+}
+
+TEST(GltfMaterial, SpecularGlossinessHasTextures) {
+    const Json older{{"diffuseTexture", {{"index", 0}}},
+                     {"specularFactor", {0.5, 0.5, 0.5}},
+                     {"glossinessFactor", 0.5},
+                     {"specularGlossinessTexture", {{"index", 1}}}};
+    GltfBuilder file =
+        squareWith({{"extensions", {{"KHR_materials_pbrSpecularGlossiness", older}}}});
+    addPicture(file, Rgb(0, 0, 1), Rgb(1, 1, 1));
+    const int image = file.append(
+        "images", {{"bufferView", file.view(pngWithOpacity())}, {"mimeType", "image/png"}});
+    file.append("textures", {{"source", image}, {"sampler", 0}});
+    const TriangleMesh mesh = load(file);
+    const Surface left = at(mesh, 0.3f, 0.2f), right = at(mesh, 0.8f, 0.2f);
+    EXPECT_EQ(left.baseColor, Rgb(0, 0, 1));
+    EXPECT_EQ(left.f0, Rgb(0.5f, 0, 0));
+    EXPECT_EQ(right.f0, Rgb(0, 0.5f, 0));
+    // 1 - 0.5 times the opacity, in steps of 1/255.
+    EXPECT_NEAR(left.roughness, 0.9f, 0.51f / 255);
+    EXPECT_NEAR(right.roughness, 0.5f, 0.51f / 255);
+    // Diffuse surfaces keep the base colour alone.
+    EXPECT_EQ(at(load(file, false), 0.3f, 0.2f).diffuse, Rgb(0, 0, 1));
+}
+
 TEST(GltfMaterial, WhatIsLeftOutIsCounted) {
     const Json material{{"extensions",
                          {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}},

@@ -92,6 +92,40 @@ TEST_F(GltfMemory, AnimationsThatShareKeysAreFew) {
     refuse(file);
 }
 
+TEST_F(GltfMemory, MorphTargetsOfZerosAreFew) {
+    const auto make = [](int targets) {
+        return manyPrimitives(1, [&](GltfBuilder& f) {
+            const int vectors = zeros(f, "VEC3");
+            const Json target{{"POSITION", vectors}};
+            return Json{
+                {"attributes", {{"POSITION", vectors}}},
+                {"targets", Json(Json::array_t(static_cast<std::size_t>(targets), target))}};
+        });
+    };
+    GltfBuilder file = make(20);
+    file.json["nodes"][0]["weights"] = Json(Json::array_t(20, 1.0));
+    refuse(file);
+    // Control: of weight 0 they ask for nothing.
+    file.json["nodes"][0]["weights"] = Json(Json::array_t(20, 0.0));
+    refuse(file, "no triangle left");
+}
+
+TEST_F(GltfMemory, InstancesOfZerosAreFew) {
+    GltfBuilder file = squareGltf();
+    const Json attributes{{"TRANSLATION", zeros(file, "VEC3")}};
+    file.root(
+        {{"mesh", 0}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", attributes}}}}}});
+    refuse(file);
+}
+
+TEST_F(GltfMemory, SkinsThatShareJointsAreFew) {
+    GltfBuilder file = squareGltf();
+    const int joint = file.root(Json::object());
+    file.append("skins", {{"joints", Json(Json::array_t(10000, joint))}});
+    for (int i = 0; i < 100; ++i) file.root({{"mesh", 0}, {"skin", 0}});
+    refuse(file);
+}
+
 TEST_F(GltfMemory, TexturesThatShareAPictureAreFew) {
     GltfBuilder file = squareGltf();
     file.root({{"mesh", 0}});

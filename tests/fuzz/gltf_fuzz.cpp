@@ -3,7 +3,7 @@
 
 #include "common/import/load_mesh.h"
 #include "common/import/set_files.h"
-#include "common/shot/gltf_shot.h"
+#include "common/shot/moving_set.h"
 #include "tests/fuzz/input_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
@@ -15,12 +15,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         options.shadingNormals = true;
         loadMesh(std::span(&path, 1), options);
     });
+    mayRefuse(
+        [](const std::filesystem::path& path) { loadMesh(std::span(&path, 1), {.stillAt = 0.1}); });
     mayRefuse([](const std::filesystem::path& path) {
         filesOf(path, References::inside);
         const GltfShot shot(path, {}, 24);
         for (const int node : shot.movingNodes()) shot.place(node, 3);
         for (const int node : shot.cameraNodes()) shot.camera(node, 3);
         describe(shot);
+        MovingSet moving({&shot, 1}, {}, {}, Vec3d(0.0), 24);
+        moving.pose(3);
     });
     return 0;
 }

@@ -7,7 +7,7 @@
 #include "common/cache/cache_items.h"
 #include "common/image/exr.h"
 #include "common/image/png.h"
-#include "tests/support/gltf_builder.h"
+#include "tests/support/gltf_posed.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/temporary_folder.h"
 
@@ -106,6 +106,15 @@ test::GltfBuilder richGltf() {
 void writeGltf(const fs::path& folder) {
     const test::GltfBuilder rich = richGltf();
     write(folder / "glb/rich", rich.glb());
+    test::SkinnedBar bar = test::skinnedBar();
+    bar.file.animate(bar.upper, "scale", "LINEAR", {0, 1}, {1, 1, 1, 1, 2, 1});
+    write(folder / "glb/skin", bar.file.glb());
+    test::GltfBuilder morphed = test::morphedSquare();
+    morphed.root(test::instancesAt(morphed, {0, 0, 0, 2, 0, 0}));
+    const int morphing = morphed.root({{"mesh", 0}, {"weights", {0.5, 1}}});
+    morphed.animate(morphing, "weights", "LINEAR", {0, 1}, {0, 0, 1, 1});
+    write(folder / "glb/morph", morphed.glb());
+    write(folder / "gltf/morph", morphed.gltf("in.gltf"));
     test::GltfBuilder square = test::squareGltf();
     square.root({{"mesh", 0}});
     write(folder / "glb/square", square.glb());

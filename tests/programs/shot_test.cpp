@@ -7,7 +7,7 @@
 
 #include "common/image/exr.h"
 #include "tests/support/cli_fixture.h"
-#include "tests/support/gltf_builder.h"
+#include "tests/support/gltf_posed.h"
 
 namespace shadowcache::test {
 namespace {
@@ -201,6 +201,40 @@ TEST_F(ShotTest, DynamicFilesAreRenderedAndLeaveTheCacheValid) {
     EXPECT_EQ(red("with.2.exr"), red("without2.exr"));
     expectRefusal(run("render", line + "--dynamic fly.obj@fly.json --frames 3 -o a.exr"), "render",
                   "fly.json", "frame 3");
+}
+
+TEST_F(ShotTest, ACacheOfOtherSidesIsStale) {
+    for (const std::string name : {"b_ss.gltf", "b_ds.gltf"})
+        folder_.write(name, readBytes(std::filesystem::path(SHADOWCACHE_CASES) / name));
+    runWell("bake", "b_ss.gltf -o one.vdb --spacing 0.5 --level 1 --rays 1");
+    const std::string line =
+        "b_ds.gltf --cache one.vdb --env 1,1,1 --eye 1,3,1.001 --look-at 1,0,1 --size 9x5 "
+        "--samples 0 -o a.exr ";
+    expectRefusal(run("render", line), "render", "one.vdb", "baked for another set");
+    const ProgramRun stale = run("render", line + "--stale-ok");
+    EXPECT_EQ(stale.status, 0);
+    EXPECT_EQ(stale.out.find("e+"), std::string::npos) << stale.out;
+}
+
+TEST_F(ShotTest, ASetStandsStillInAFrame) {
+    const float h = std::sqrt(0.5f);
+    SkinnedBar bar = skinnedBar();
+    bar.file.animate(bar.upper, "rotation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0, h, h});
+    folder_.write("bar.glb", bar.file.glb());
+    const std::string look =
+        "bar.glb --env 1,1,1 --eye 0.5,1,5 --look-at 0.5,1,0 --size 16x12 --samples 1 ";
+    runWell("bake", "bar.glb -o bar.vdb --spacing 0.25 --level 1 --rays 1 --set-frame 12");
+    runWell("render", look + "--cache bar.vdb --set-frame 12 -o still.exr");
+    expectRefusal(run("render", look + "--cache bar.vdb --set-frame 24 -o a.exr"), "render",
+                  "bar.vdb", "baked for another set");
+    runWell("render", look + "--set-frame 24 --frames 1-2 --resume -o bent.#.exr");
+    EXPECT_NE(red("still.exr"), red("bent.1.exr"));
+    const auto again =
+        runWell("render", look + "--set-frame 24 --frames 1-2 --resume -o bent.#.exr");
+    EXPECT_NE(again.out.find("(2 more were done)"), std::string::npos) << again.out;
+    const auto other =
+        runWell("render", look + "--set-frame 23 --frames 1-2 --resume -o bent.#.exr");
+    EXPECT_NE(other.out.find("(0 more were done)"), std::string::npos) << other.out;
 }
 
 /// Two shots whose camera files have one name.

@@ -54,12 +54,13 @@ public:
         return index;
     }
 
-    /// Animates a node's "translation", "rotation" or "scale".
+    /// Animates a node's "translation", "rotation", "scale" or "weights".
     void animate(int node, const char* path, const char* interpolation,
                  const std::vector<float>& times, const std::vector<float>& values) {
-        const std::size_t components = std::string(path) == "rotation" ? 4 : 3;
         const int input = scalars(times);
-        const int output = accessor(values, components == 4 ? "VEC4" : "VEC3", components);
+        const int output = std::string(path) == "weights"    ? scalars(values)
+                           : std::string(path) == "rotation" ? accessor(values, "VEC4", 4)
+                                                             : vectors(values);
         append("animations",
                {{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}}}},
                 {"samplers",

@@ -1,0 +1,141 @@
+// Extensions of glTF: what is read, left out and named, or refused.
+
+#include <gtest/gtest.h>
+
+#include "common/import/load_mesh.h"
+#include "common/mesh/placed_mesh.h"
+#include "tests/support/gltf_builder.h"
+#include "tests/support/temporary_folder.h"
+
+namespace shadowcache::test {
+namespace {
+
+using Json = nlohmann::json;
+
+GltfBuilder square() {
+    GltfBuilder file = squareGltf();
+    file.root({{"mesh", 0}});
+    return file;
+}
+
+TriangleMesh load(const GltfBuilder& file) {
+    const TemporaryFolder folder;
+    const auto path = folder.write("a.glb", file.glb());
+    return loadMesh({&path, 1}, {});
+}
+
+TEST(GltfExtensions, OfNodesAndMeshesAreNamed) {
+    GltfBuilder file = square();
+    file.root(
+        {{"mesh", 0}, {"translation", {2, 0, 0}}, {"extensions", {{"MSFT_lod", {{"ids", {0}}}}}}});
+    file.root({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    file.append("nodes", {{"extensions", {{"MSFT_lod", Json::object()}}}});  // not in the scene
+    file.json["meshes"][0]["extensions"] = {{"EXT_some_mesh", Json::object()}};
+    file.json["meshes"][0]["primitives"][0]["extensions"] = {
+        {"KHR_materials_variants", {{"mappings", Json::array()}}}};
+    file.json["scenes"][0]["extensions"] = {{"EXT_lights_image_based", {{"light", 0}}}};
+    file.append("cameras", {{"type", "perspective"},
+                            {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}},
+                            {"extensions", {{"EXT_lens", Json::object()}}}});
+    file.root({{"camera", 0}});
+    // Of other things, known by the list of those that the file uses.
+    file.json["extensionsUsed"] = {
+        "KHR_texture_transform", "KHR_texture_basisu", "KHR_materials_variants",
+        "KHR_lights_punctual",   "MSFT_lod",           "KHR_materials_sheen"};
+    const LeftOutOf wanted{
+        {{"node", "MSFT_lod is left out"}, 1},
+        {{"node", "KHR_lights_punctual is left out"}, 1},
+        {{"mesh", "EXT_some_mesh is left out"}, 1},
+        {{"primitive", "KHR_materials_variants are left out but for the default material"}, 1},
+        {{"scene", "EXT_lights_image_based is left out"}, 1},
+        {{"camera", "EXT_lens is left out"}, 1},
+        {{"file", "KHR_texture_basisu is left out"}, 1}};
+    const TriangleMesh mesh = load(file);
+    EXPECT_EQ(mesh.report.leftOutOf, wanted);
+    EXPECT_NE(describe(mesh.report).find("; 1 mesh whose EXT_some_mesh is left out"),
+              std::string::npos)
+        << describe(mesh.report);
+}
+
+TEST(GltfExtensions, ManyNamesAreCountedTogether) {
+    GltfBuilder file = square();
+    for (int i = 0; i < 1000; ++i)
+        file.json["meshes"][0]["extensions"]["EXT_\n\33" + std::to_string(i)] = Json::object();
+    const TriangleMesh mesh = load(file);
+    EXPECT_EQ(mesh.report.leftOutOf.size(), 21u);
+    EXPECT_EQ(mesh.report.leftOutOf.at({"mesh", "other extension is left out"}), 980u);
+    const std::string text = describe(mesh.report);
+    EXPECT_LT(text.size(), 2000u);
+    EXPECT_NE(text.find("EXT_??1 is left out"), std::string::npos) << text;
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+}
+
+TEST(GltfExtensions, PointsAndLinesAreNamed) {
+    GltfBuilder file = square();
+    auto& primitives = file.json["meshes"][0]["primitives"];
+    for (const int mode : {0, 1}) {
+        primitives.push_back(primitives[0]);
+        primitives.back()["mode"] = mode;
+    }
+    const LeftOutOf wanted{{{"primitive", "points or lines are left out"}, 2}};
+    EXPECT_EQ(load(file).report.leftOutOf, wanted);
+}
+
+TEST(GltfExtensions, ThatAreReadAreNotNamed) {
+    GltfBuilder file = square();
+    file.json["extensionsUsed"] = {"KHR_mesh_quantization", "KHR_texture_transform",
+                                   "KHR_materials_ior", "EXT_mesh_gpu_instancing",
+                                   "KHR_node_visibility"};
+    EXPECT_TRUE(load(file).report.leftOutOf.empty());
+}
+
+/// A required extension is refused by its name, whatever else is wrong with the file.
+TEST(GltfExtensions, RequiredOnesAreRefusedFirst) {
+    const TemporaryFolder folder;
+    GltfBuilder file = square();
+    file.json["extensionsRequired"] = {"KHR_mesh_quantization", "EXT_unheard_of"};
+    file.json["bufferViews"][0]["byteOffset"] = 1 << 20;
+    file.json["accessors"][0].erase("type");
+    file.json["images"] = {{{"uri", "/etc/hostname"}}};
+    for (const auto& path :
+         {folder.write("a.glb", file.glb()), folder.write("a.gltf", file.gltf("missing.bin"))})
+        expectError(
+            [&] {
+                loadMesh({&path, 1}, {});
+            },
+            path.filename().string(),
+            "requires the extension EXT_unheard_of, which is not supported");
+}
+
+TEST(GltfExtensions, RequiredOnesThatAreReadAreNoReasonToRefuse) {
+    for (const char* name :
+         {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_materials_pbrSpecularGlossiness",
+          "KHR_materials_variants", "KHR_materials_sheen", "KHR_lights_punctual",
+          "EXT_mesh_gpu_instancing", "KHR_node_visibility", "KHR_xmp_json_ld"}) {
+        GltfBuilder file = square();
+        file.json["extensionsRequired"] = {name};
+        EXPECT_EQ(load(file).triangles.size(), 2u) << name;
+    }
+}
+
+TEST(GltfExtensions, HiddenNodesHideThoseBelowThem) {
+    GltfBuilder file = square();
+    const int child = file.append("nodes", {{"mesh", 0}, {"translation", {5, 0, 0}}});
+    file.root(
+        {{"children", {child}}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}});
+    EXPECT_EQ(placedCount(load(file)), 2u);
+    file.json["nodes"].back()["extensions"]["KHR_node_visibility"]["visible"] = true;
+    EXPECT_EQ(placedCount(load(file)), 4u);
+}
+
+TEST(GltfExtensions, FilesWithoutScenesShowAllRoots) {
+    GltfBuilder file = square();
+    const int child = file.append("nodes", {{"mesh", 0}, {"translation", {5, 0, 0}}});
+    file.root({{"children", {child}}});
+    file.json.erase("scene");
+    file.json.erase("scenes");
+    EXPECT_EQ(placedCount(load(file)), 4u);
+}
+
+}  // namespace
+}  // namespace shadowcache::test
