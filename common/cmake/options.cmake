@@ -10,9 +10,8 @@ target_compile_options(shadowcache_options INTERFACE
     # Nobody reads errno or the trap flags of floating point: loops with roots and choices become
     # SIMD code. Results stay those of IEEE 754.
     -fno-math-errno -fno-trapping-math
-    # GCC 12 sees overlaps and lengths in std::string that cannot be (bugs 105651, 105329).
+    # GCC 12 sees overlaps in std::string that cannot be (bug 105651).
     $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
-    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-stringop-overflow>
     $<$<BOOL:${SHADOWCACHE_WERROR}>:-Werror>
     $<$<BOOL:${SHADOWCACHE_ARCH}>:-march=${SHADOWCACHE_ARCH}>)
 # What is linked is found once, before main(), and read-only from then on (docs/security.md). Debian's
