@@ -59,7 +59,7 @@ std::string shardsText(const std::vector<ShardRange>& shards) {
     std::string text;
     for (const auto& [first, last] : shards) {
         text += (text.empty() ? "" : ",") + std::to_string(first + 1);
-        if (last > first) text += "-" + std::to_string(last + 1);
+        if (last > first) text.append("-").append(std::to_string(last + 1));
     }
     return text;
 }
@@ -78,10 +78,15 @@ std::vector<ShardRange> missingShards(const BakeRecord& bake) {
 std::string bakesText(const std::vector<BakeRecord>& bakes) {
     std::string text;
     for (const BakeRecord& bake : bakes) {
-        text += (text.empty() ? "" : "; ") + ("seed=" + std::to_string(bake.seed)) +
-                " rays=" + std::to_string(bake.rays);
+        text.append(text.empty() ? "seed=" : "; seed=")
+            .append(std::to_string(bake.seed))
+            .append(" rays=")
+            .append(std::to_string(bake.rays));
         if (!bake.whole())
-            text += " shards=" + shardsText(bake.held) + "/" + std::to_string(bake.shards);
+            text.append(" shards=")
+                .append(shardsText(bake.held))
+                .append("/")
+                .append(std::to_string(bake.shards));
     }
     return text;
 }

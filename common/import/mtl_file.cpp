@@ -61,7 +61,7 @@ public:
                 materials_.emplace_back().name = text_.restOfLine();
                 continue;
             }
-            if (materials_.empty()) text_.fail("'" + printable(word) + "', expected newmtl first");
+            if (materials_.empty()) text_.fail(printable(word) + ": expected newmtl first");
             readLine(key, word);
         }
         return std::move(materials_);

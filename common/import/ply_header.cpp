@@ -161,7 +161,7 @@ PlyHeader parsePlyHeader(const std::filesystem::path& path, std::string_view con
             if (header.elements.empty()) text.fail("property before the first element");
             header.elements.back().properties.push_back(parseProperty(text));
         } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
-            text.fail("'" + std::string(keyword.substr(0, 20)) + "', expected a PLY header line");
+            text.fail(std::string(keyword.substr(0, 20)) + ": expected a PLY header line");
         }
     }
     if (!hasFormat) throwFileError(path, "PLY header without a format line");
