@@ -58,7 +58,7 @@ std::string fingerprintText(std::uint64_t fingerprint) {
 std::string shardsText(const std::vector<ShardRange>& shards) {
     std::string text;
     for (const auto& [first, last] : shards) {
-        text += (text.empty() ? "" : ",") + std::to_string(first + 1);
+        text.append(text.empty() ? "" : ",").append(std::to_string(first + 1));
         if (last > first) text.append("-").append(std::to_string(last + 1));
     }
     return text;
@@ -116,7 +116,7 @@ int CacheHeader::rays() const {
 std::string CacheHeader::seeds() const {
     std::string text;
     for (const BakeRecord& bake : bakes)
-        text += (text.empty() ? "" : ",") + std::to_string(bake.seed);
+        text.append(text.empty() ? "" : ",").append(std::to_string(bake.seed));
     return text;
 }
 
