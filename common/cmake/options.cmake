@@ -30,9 +30,9 @@ if(SHADOWCACHE_FUZZ)
         -fsanitize=fuzzer-no-link -fno-sanitize-recover=all)
 endif()
 if(SHADOWCACHE_SANITIZE)
-    # GCC's analysis is at a loss in instrumented code: <regex> (bug 105562).
+    # GCC's analysis is at a loss in instrumented code: <regex> (bug 105562), std::string (105329).
     target_compile_options(shadowcache_options INTERFACE
         -fsanitize=${SHADOWCACHE_SANITIZE} -fno-omit-frame-pointer
-        $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+        "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-stringop-overflow;-Wno-array-bounds>")
     target_link_options(shadowcache_options INTERFACE -fsanitize=${SHADOWCACHE_SANITIZE})
 endif()
