@@ -28,7 +28,8 @@ protected:
 
 TEST_F(BouncesCli, AreFourUnlessOthersAreAskedFor) {
     bake();
-    const RunLimits typed{.standardBounces = true};
+    RunLimits typed;
+    typed.standardBounces = true;
     const std::string view = still("--cache set.vdb -o ");
     EXPECT_EQ(run("render", view + "standard.exr", typed).status, 0);
     runWell("render", view + "four.exr --bounces 4");
