@@ -44,7 +44,8 @@ std::vector<bool> repeatedTriangles(const TriangleMesh& mesh) {
         for (int k = 0; k < 3; ++k)
             entry.corners[static_cast<std::size_t>(k)] = number[static_cast<std::size_t>(t[k])];
         // Turned, so that the winding stays: the sides that are seen depend on it.
-        std::ranges::rotate(entry.corners, std::ranges::min_element(entry.corners));
+        std::rotate(entry.corners.begin(), std::ranges::min_element(entry.corners),
+                    entry.corners.end());
         if (isDoubleSided(mesh, i) && entry.corners[1] > entry.corners[2])
             std::swap(entry.corners[1], entry.corners[2]);
         entry.material = materialNumber(mesh, i);

@@ -66,7 +66,8 @@ public:
     static constexpr bool isSurface(std::uint16_t code) { return code >= kFirst; }
     static constexpr int side(std::uint16_t code) { return (code - kFirst) % kSides; }
     static double distance(std::uint16_t code) {
-        return kNear * (std::exp2((code - kFirst) / kSides / kSteps) - 1);
+        const int step = (code - kFirst) / kSides;
+        return kNear * (std::exp2(step / kSteps) - 1);
     }
 
 private:

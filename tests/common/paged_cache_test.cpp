@@ -86,6 +86,7 @@ protected:
         BakeOptions options;
         options.spacing = 0.1;
         options.level = 3;
+        options.transport = false;  // renders of direct light do not read it
         path_ = writePlain(folder_, options);
         bytes_ = readBytes(path_);
     }
