@@ -85,7 +85,7 @@ TEST_F(Farm, RunsToTheFramesOfOneMachine) {
     bake("--camera camera.json --frames 1-5 --size 12x8");
     runWell("render",
             "set.obj --env map.exr --env-rotate 0-90 --spp 4 --camera camera.json --size 12x8 "
-            "--frames 1-5 "
+            "--frames 1-5 --bounces 4 "
             "--cache set.vdb -o f.#.exr");
     for (int frame = 1; frame <= 5; ++frame) {
         const ExrFile one = readExr(path("f." + std::to_string(frame) + ".exr"));

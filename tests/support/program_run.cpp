@@ -88,7 +88,7 @@ ProgramRun runProgram(const std::string& name, const std::vector<std::string>& t
     const bool bounces = std::ranges::any_of(
         typed, [](const std::string& word) { return word.starts_with("--bounces"); });
     if (name == "render" && !bounces && !limits.standardBounces)
-        arguments.insert(arguments.end(), {"--bounces", "0"});
+        arguments.insert(arguments.begin(), {"--bounces", "0"});
     int out[2], err[2];
     if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) throw Error("no pipe");
     const pid_t child = fork();
