@@ -14,8 +14,9 @@ namespace shadowcache {
 
 namespace {
 
-/// Blosc wants a little more room than what it unpacks.
-constexpr std::size_t kBloscRoom = 16;
+/// More room than what is unpacked: OpenVDB packs less than 128 bytes as if they were so many, and
+/// Blosc itself wants 16.
+constexpr std::size_t kBloscRoom = 128;
 
 constexpr std::size_t kVoxelEndBytes = kLeafVoxels * sizeof(std::uint32_t);
 

@@ -77,9 +77,10 @@ constexpr std::array kStored{
            1523990672196180452u},
     Stored{"format-3-shot", "seed=1 rays=8", "camera.json, frames 1, 16x16", 41, 250, 4, 40371,
            47794, 3, 0, 76474476188052940u},
-    Stored{"format-4", "seed=1 rays=8; seed=2 rays=8", "", 90, 696, 4, 142324, 166844, 4, 16, 1u},
-    Stored{"format-4-shot", "seed=1 rays=8", "camera.json, frames 1, 16x16", 41, 190, 4, 1, 1, 4,
-           16, 1u}};
+    Stored{"format-4", "seed=1 rays=8; seed=2 rays=8", "", 90, 696, 4, 119602, 143401, 4, 16,
+           4383065775649796980u},
+    Stored{"format-4-shot", "seed=1 rays=8", "camera.json, frames 1, 16x16, #20065d4d", 41, 190, 4,
+           42340, 49385, 4, 16, 4741140696930205228u}};
 
 std::size_t sum(const std::vector<std::uint8_t>& counts) {
     return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
