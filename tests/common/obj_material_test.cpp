@@ -206,11 +206,12 @@ TEST_F(ObjMaterial, WhatIsLeftOutIsNamedOnce) {
 TEST_F(ObjMaterial, DamagedFilesAreRefused) {
     picture("whole.png", {kRed, kGreen, kBlue, kWhite});
     folder_.write("cut.png", readBytes(folder_.path() / "whole.png").substr(0, 40));
-    for (const auto& [lines, file, cause] : std::vector<std::array<std::string, 3>>{
+    for (const auto& [text, file, cause] : std::vector<std::array<std::string, 3>>{
              {"Kd 1 x 1\n", "a.mtl", "line 2: 'x', expected a number"},
              {"Kd\n", "a.mtl", "line 2"},
              {"map_Kd\n", "a.mtl", "line 2: no file's name"},
              {"map_Kd cut.png\n", "cut.png", ""}}) {
+        const std::string& lines = text;
         SCOPED_TRACE(lines);
         expectError([&] { square(lines); }, file, cause);
     }
