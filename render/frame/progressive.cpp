@@ -51,7 +51,7 @@ public:
             addBlocks(first, count, mayStop, finish, stats);
         requireFinite(film, frame_.number, frame_.options.seed);
         total_ = {};
-        for (const RayCounts& count_ : counts_) total_.add(count_);
+        for (const RayCounts& ofTile : counts_) total_.add(ofTile);
         return film;
     }
 

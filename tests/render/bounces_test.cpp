@@ -100,6 +100,7 @@ protected:
         std::vector<double> means;
         for (int seed = 1; seed <= seeds; ++seed) {
             std::vector<ShadingPoint> points;
+            points.reserve(static_cast<std::size_t>(count));
             for (int i = 0; i < count; ++i) {
                 const std::uint64_t key =
                     hashWords(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(i));
@@ -111,6 +112,7 @@ protected:
                 points.back().seed = key;
             }
             std::vector<BounceReceiver> receivers;
+            receivers.reserve(points.size());
             for (const ShadingPoint& point : points)
                 receivers.push_back({&point, Rgb(albedo), true, nullptr});
             std::vector<BouncedLight> found(points.size());
@@ -223,13 +225,13 @@ protected:
             parallelFor(parts.size(), 16, [&](const Chunk& chunk) {
                 for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                     Vec3d sum(0);
+                    const std::size_t column = i % kWidth, row = i / kWidth;
                     for (int k = 0; k < paths; ++k) {
                         const std::uint64_t key = hashWords(static_cast<std::uint64_t>(seed) + 7000,
                                                             i, static_cast<std::uint64_t>(k));
                         const FilmPosition at{
-                            (static_cast<double>(i % kWidth) + toUnit(hashWords(key, 1))) / kWidth,
-                            (static_cast<double>(i / kWidth) + toUnit(hashWords(key, 2))) /
-                                kHeight};
+                            (static_cast<double>(column) + toUnit(hashWords(key, 1))) / kWidth,
+                            (static_cast<double>(row) + toUnit(hashWords(key, 2))) / kHeight};
                         sum += Vec3d(test::pathRadiance(
                             scene, environment, plain, rayStart(rays, scene, at),
                             Vec3f(rays.direction(at)), bounces, hashWords(key, 3)));
