@@ -34,7 +34,7 @@ std::vector<ItemLook> looksOf(const Scene& scene, const ItemTable& items, const 
             const std::size_t count = std::min(kSize, chunk.end - first);
             for (std::size_t i = 0; i < count; ++i) {
                 const auto item = static_cast<std::uint32_t>(first + i);
-                const Vec3f normal = items.normal(item);
+                const Vec3f& normal = items.normal(item);
                 const Vec3d above =
                     items.position(item) + Vec3d(normal) * (kAbove * items.spacing());
                 packet.set(static_cast<int>(i), Vec3f(above - scene.mesh().origin), -normal);
