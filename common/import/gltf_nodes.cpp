@@ -121,6 +121,7 @@ std::vector<double> GltfTrack::at(double seconds) const {
 }
 
 bool GltfTrack::varies() const {
+    if (size == 0) return false;
     const bool cubic = channel.interpolation == Interpolation::cubicSpline;
     const std::size_t stride = cubic ? 3 * size : size;
     for (std::size_t i = 0; i < values.size(); ++i) {
