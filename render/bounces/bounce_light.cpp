@@ -14,7 +14,7 @@ namespace shadowcache {
 
 namespace {
 
-/// Camera points that share what their rays meet: a test for visibility costs a tenth of a path.
+/// Camera points that share what their rays meet: a test for visibility costs less than a path.
 SHADOWCACHE_TUNED(std::size_t, kPointGroup, 64);
 
 /// Vertices of paths that do. They are farther from each other.

@@ -12,8 +12,7 @@ namespace shadowcache {
 
 namespace {
 
-/// Chance that a vertex's direct light is estimated where it is predicted. The prediction is near:
-/// a sample costs as much as it gains at about a half.
+/// Chance that a vertex's direct light is estimated where it is predicted.
 SHADOWCACHE_TUNED(float, kDirectChance, 0.5f);
 
 /// Chance that a vertex sends a diffuse ray where its irradiance is predicted.
