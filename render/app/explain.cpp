@@ -6,6 +6,7 @@
 
 #include "common/base/parallel.h"
 #include "common/base/percent_text.h"
+#include "render/frame/pilot.h"
 
 namespace shadowcache {
 
@@ -91,11 +92,11 @@ std::string explain(FrameRequest frame, const Forecast& forecast) {
     const EstimatorContext& context = frame.estimator.context();
     const RenderOptions& options = frame.options;
     RenderStats pilot, picture;
-    runPilot(frame, pilot);
+    frame.plan = planFrame(frame, pilot);
     FrameRequest smaller = frame;
     RenderOptions& small = smaller.options;
     // A thumbnail has edges in many more of its pixels.
-    if (smaller.antialiasing) smaller.antialiasing->most = 1;
+    if (smaller.plan.antialiasing) smaller.plan.antialiasing->most = 1;
     const FilmRectangle region = options.region();
     const double pixels = static_cast<double>(region.width) * region.height;
     const double shrink =

@@ -24,6 +24,7 @@
 #include "render/app/pixel_report.h"
 #include "render/bounces/item_looks.h"
 #include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
 #include "render/frame/progressive.h"
 #include "render/frame/target_error.h"
 #include "render/shot/environment_loader.h"
@@ -166,19 +167,15 @@ private:
         timing_.build += secondsNow() - start;
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;
-        FrameRequest request{*estimator_, camera.at(frame), frame, options_};
+        const FrameRequest wanted{*estimator_, camera.at(frame), frame, options_};
         if (job_.explain) {
             const Forecast forecast{entry_, !job_.estimator.empty(),
                                     static_cast<int>(job_.frames.size()),
                                     timing_.load + timing_.build};
-            std::fputs(explain(request, forecast).c_str(), stdout);
+            std::fputs(explain(wanted, forecast).c_str(), stdout);
             return;
         }
-        double correction = 1;
-        if (job_.targetError > 0)
-            correction = planForError(request, job_.targetError, stats_);
-        else
-            runPilot(request, stats_);
+        const auto [request, correction] = planned(wanted);
         if (job_.debugPixel) {
             const auto [x, y] = *job_.debugPixel;
             reportPixel(request, x, y);
@@ -202,6 +199,13 @@ private:
                         done.end == FrameEnd::interrupted ? "interrupted" : "out of time",
                         done.cameraRays, request.options.cameraRays);
         interrupted_ = done.end == FrameEnd::interrupted;
+    }
+
+    TargetPlan planned(const FrameRequest& wanted) {
+        if (job_.targetError > 0) return planForError(wanted, job_.targetError, stats_);
+        TargetPlan plain{wanted};
+        plain.frame.plan = planFrame(wanted, stats_);
+        return plain;
     }
 
     /// Solves the light that bounces under the environment, as far as the cache knows it.

@@ -32,8 +32,9 @@ void forEachIndex(std::size_t count, const Body& body) {
 
 }  // namespace
 
-BounceLight::BounceLight(const Estimator& estimator, const BounceOptions& options)
-    : estimator_(estimator), options_(options) {}
+BounceLight::BounceLight(const Estimator& estimator, const EstimatorPlan* plan,
+                         const BounceOptions& options)
+    : estimator_(estimator), plan_(plan), options_(options) {}
 
 int BounceLight::bouncesLeft(int bounce) const {
     return options_.most == kUnlimitedBounces ? kUnlimitedBounces : options_.most - bounce;
@@ -55,7 +56,8 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
         groups.push_back(groupVertices(level, options_.shared ? size : 1));
         if (bounce > 0) {
             stratifyNumbers(groups.back(), level);
-            counts.shadowRays += lightVertices(estimator_, groups.back(), workspaces_, level);
+            counts.shadowRays +=
+                lightVertices(estimator_, plan_, groups.back(), workspaces_, level);
         }
         if (bouncesLeft(bounce) == 0) break;
         PathLevel next = nextLevel(context, options_.plain, level, counts.pathRays);

@@ -14,8 +14,11 @@ namespace shadowcache {
 /// decided before the first ray that it could depend on. [docs/estimator.md]
 class BounceLight {
 public:
-    /// @param estimator  of direct light; outlives this object
-    BounceLight(const Estimator& estimator, const BounceOptions& options);
+    /// @param estimator  of direct light
+    /// @param plan       of the frame, by the estimator's pilot; may be null. Both outlive this
+    /// object
+    BounceLight(const Estimator& estimator, const EstimatorPlan* plan,
+                const BounceOptions& options);
 
     /// Light that reaches each of the receivers from other surfaces.
     ///
@@ -38,6 +41,7 @@ private:
     void clampLight(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;
 
     const Estimator& estimator_;
+    const EstimatorPlan* plan_;
     const BounceOptions options_;
     mutable Pool<Workspace> workspaces_;
 };

@@ -139,15 +139,15 @@ PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& lumin
         v.errorScale = point.errorScale *
                        std::max(receiver.diffuseAlbedo.dot(luminanceWeights), 1e-6f) *
                        static_cast<float>(1 / kPi);
-        const bool sends = chanceOf(v, 0) < point.share;
+        const bool sends = chanceOf(v, 0) < point.sampleFraction;
         if (receiver.diffuse) {
-            v.diffuseChance = point.share;
+            v.diffuseChance = point.sampleFraction;
             v.sendsDiffuse = sends;
         }
         if (receiver.lobe) {
             v.lobe = static_cast<std::int32_t>(level.lobes.size());
             level.lobes.push_back(*receiver.lobe);
-            v.lobeChance = point.share;
+            v.lobeChance = point.sampleFraction;
             v.sendsLobe = sends;
         }
         const std::uint64_t sequence = hashWords(point.seed, RenderSalt::bounceSequence);

@@ -6,7 +6,7 @@
 namespace shadowcache {
 
 /// The first level: what camera rays met. Numbers of the diffuse rays are those of the camera rays
-/// in their pixel's sequence; a ray is sent with the probability of the point's share.
+/// in their pixel's sequence; a ray is sent with the probability of the point's fraction.
 PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& luminanceWeights);
 
 /// Sends the rays that the vertices of a level decided to send, and makes the next level of what

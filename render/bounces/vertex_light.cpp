@@ -35,30 +35,29 @@ float roulette(float reflectance, bool unlimited) {
 /// One batch of vertices that are lit together.
 class LitBatch {
 public:
-    LitBatch(const Estimator& estimator, PathLevel& level) : estimator_(estimator), level_(level) {}
+    LitBatch(const Estimator& estimator, const EstimatorPlan* plan, PathLevel& level)
+        : estimator_(estimator), plan_(plan), level_(level) {}
 
     void add(std::uint32_t number) {
         const PathVertex& v = level_.vertices[number];
         const EstimatorContext& context = estimator_.context();
-        ShadingPoint point{};
-        point.rayOrigin = v.origin;
-        point.position = context.scene.mesh().origin + Vec3d(v.target);
-        point.normal = v.normal;
-        point.geometricNormal = v.geometricNormal;
-        point.seed = hashWords(v.seed, RenderSalt::bounceDirect);
-        point.pixel = static_cast<std::uint32_t>(points_.size());
+        const SetPlace place{v.origin, context.scene.mesh().origin + Vec3d(v.target), v.normal,
+                             v.geometricNormal};
+        BatchSlot slot{.seed = hashWords(v.seed, RenderSalt::bounceDirect),
+                       .pixel = static_cast<std::uint32_t>(points_.size())};
         const float counts = context.environment.luminance(v.albedo) * v.weight;
         if (v.errorScale > 0)
-            point.errorScale = std::min(
+            slot.errorScale = std::min(
                 static_cast<float>(kPi) * v.errorScale * v.directChance / std::max(counts, 1e-6f),
                 std::numeric_limits<float>::max());
         numbers_.push_back(number);
-        points_.push_back(point);
+        points_.push_back({place, slot});
     }
 
     /// @return shadow rays
     std::uint64_t light(Workspace& workspace) {
-        const PointBatch batch{points_, 1, static_cast<std::uint32_t>(points_.size()), 1, 1};
+        const PointBatch batch{
+            .points = points_, .pixels = static_cast<std::uint32_t>(points_.size()), .plan = plan_};
         std::vector<Estimate> estimates(points_.size());
         estimator_.estimate(batch, workspace, estimates);
         std::uint64_t rays = 0;
@@ -95,6 +94,7 @@ private:
     }
 
     const Estimator& estimator_;
+    const EstimatorPlan* plan_;
     PathLevel& level_;
     std::vector<std::uint32_t> numbers_;
     std::vector<ShadingPoint> points_;
@@ -143,8 +143,9 @@ void decide(int bouncesLeft, PathLevel& level) {
     });
 }
 
-std::uint64_t lightVertices(const Estimator& estimator, const VertexGroups& groups,
-                            Pool<Workspace>& workspaces, PathLevel& level) {
+std::uint64_t lightVertices(const Estimator& estimator, const EstimatorPlan* plan,
+                            const VertexGroups& groups, Pool<Workspace>& workspaces,
+                            PathLevel& level) {
     std::vector<std::uint32_t> lit;
     for (const std::uint32_t i : groups.order)
         if (level.vertices[i].isLit) lit.push_back(i);
@@ -152,7 +153,7 @@ std::uint64_t lightVertices(const Estimator& estimator, const VertexGroups& grou
     parallelFor(lit.size(), kBatchVertices, [&](const Chunk& chunk) {
         std::unique_ptr<Workspace> workspace =
             workspaces.take([&] { return estimator.makeWorkspace(); });
-        LitBatch batch(estimator, level);
+        LitBatch batch(estimator, plan, level);
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) batch.add(lit[i]);
         rays[chunk.index] = batch.light(*workspace);
         workspaces.giveBack(std::move(workspace));

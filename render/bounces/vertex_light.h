@@ -28,7 +28,8 @@ void decide(int bouncesLeft, PathLevel& level);
 /// `mirrored`, over the chance that it is estimated.
 ///
 /// @return shadow rays
-std::uint64_t lightVertices(const Estimator& estimator, const VertexGroups& groups,
-                            Pool<Workspace>& workspaces, PathLevel& level);
+std::uint64_t lightVertices(const Estimator& estimator, const EstimatorPlan* plan,
+                            const VertexGroups& groups, Pool<Workspace>& workspaces,
+                            PathLevel& level);
 
 }  // namespace shadowcache

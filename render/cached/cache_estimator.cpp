@@ -6,14 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
+#include "common/base/stopwatch.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
-#include "render/cached/cache_insight.h"
 #include "render/cached/cache_pilot.h"
 #include "render/cached/cache_plan.h"
 #include "render/cached/cache_workspace.h"
+#include "render/cached/openness_meter.h"
 
 namespace shadowcache {
 
@@ -27,7 +27,7 @@ public:
     CacheEstimator(const EstimatorContext& context, const CacheOptions& options)
         : Estimator(context), options_(options) {}
 
-    FramePilot* pilot() override { return this; }
+    const FramePilot* pilot() const override { return this; }
     const LightPrediction* prediction() const override { return this; }
     const InsightSource* insights() const override { return this; }
 
@@ -50,7 +50,7 @@ public:
         if (batch.predict)
             for (std::size_t i = 0; i < batch.points.size(); ++i)
                 estimates[i].predicted = countedPreview(batch.points[i], w);
-        CosineLight light(context_, plan_, batch, splitter_, w.lookup, w.cosines, w);
+        CosineLight light(context_, planOf(batch.plan), batch, splitter_, w.lookup, w.cosines, w);
         lightBatch(context_, batch, light, w.cosines, w, estimates);
     }
 
@@ -68,7 +68,7 @@ public:
         own.estimates.assign(points.size(), {});
         PointBatch ofLobes = batch;
         ofLobes.points = own.points;
-        LobeLight light(context_, plan_, ofLobes, points, lobeTables_.of(context_),
+        LobeLight light(context_, planOf(batch.plan), ofLobes, points, lobeTables_.of(context_),
                         splitter_.leastNoise(), w.lookup, own);
         if (batch.samples == 0) {
             Stopwatch watch;
@@ -88,18 +88,20 @@ private:
     const CellSplitter splitter_{context_.environment, context_.cache->header().tiers()};
     const LazyLobeTables lobeTables_{};
     const OpennessMeter openness_{context_.cache->header().tiers()};
-    CachePlan plan_;
+    const CachePlan unplanned_{};  ///< what holds without a pilot
 
-    std::uint64_t run(std::span<const ShadingPoint> points, int samples,
-                      double otherError) override {
-        const PilotResult result =
-            runCachePilot(context_, options_.adaptive, points, samples, otherError);
-        plan_ = result.plan;
-        return result.rays;
+    const CachePlan& planOf(const EstimatorPlan* plan) const {
+        return plan ? static_cast<const CachePlan&>(*plan) : unplanned_;
     }
 
-    CacheInsight insight(const ShadingPoint& point, int samples,
+    std::unique_ptr<const EstimatorPlan> plan(std::span<const ShadingPoint> points, int samples,
+                                              double otherError) const override {
+        return planByCache(context_, options_.adaptive, points, samples, otherError);
+    }
+
+    CacheInsight insight(const ShadingPoint& point, int samples, const EstimatorPlan* ofFrame,
                          Workspace& workspace) const override {
+        const CachePlan& plan = planOf(ofFrame);
         auto& w = static_cast<CacheWorkspace&>(workspace);
         CacheInsight insight;
         insight.items = w.lookup.pool(context_.scene, point, 0);
@@ -107,17 +109,17 @@ private:
         const Regions& regions =
             w.cosines.builder
                 .build(CosineIntegrand(context_.environment, splitter_, point.normal, 0, 0),
-                       w.lookup.pooled(), plan_.calibration)
+                       w.lookup.pooled(), plan.calibration)
                 .regions;
         for (const RegionGroup& group : regions.groups)
             insight.regions +=
                 static_cast<int>(std::count_if(group.deviation, group.deviation + kBlockCells,
                                                [](float deviation) { return deviation > 0; }));
         if (samples > 0)
-            insight.expectedNoise = static_cast<float>(
-                deviationOf(regions) /
-                std::sqrt(plan_.samplesOf(plan_.noiseOf(regions, point), samples) *
-                          static_cast<double>(point.share)));
+            insight.expectedNoise =
+                static_cast<float>(deviationOf(regions) /
+                                   std::sqrt(plan.samplesOf(plan.noiseOf(regions, point), samples) *
+                                             static_cast<double>(point.sampleFraction)));
         return insight;
     }
 
@@ -145,10 +147,6 @@ private:
         bool known = false;
         auto& w = static_cast<CacheWorkspace&>(workspace);
         return preview(point, w, w.rough, known);
-    }
-
-    std::optional<double> predictedError() const override {
-        return plan_.budget ? std::optional(plan_.budget->predictedError()) : std::nullopt;
     }
 };
 

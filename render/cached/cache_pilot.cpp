@@ -8,8 +8,8 @@
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
-#include "render/cached/cosine_integrand.h"
 #include "render/cached/place_lookup.h"
+#include "render/regions/cosine_integrand.h"
 
 namespace shadowcache {
 
@@ -173,10 +173,11 @@ void forEachPlace(std::span<const PilotPlace> places, const Calibration& calibra
 
 }  // namespace
 
-PilotResult runCachePilot(const EstimatorContext& context, bool adaptive,
-                          std::span<const ShadingPoint> points, int samples, double otherError) {
-    PilotResult result;
-    CachePlan& plan = result.plan;
+std::unique_ptr<const CachePlan> planByCache(const EstimatorContext& context, bool adaptive,
+                                             std::span<const ShadingPoint> points, int samples,
+                                             double otherError) {
+    auto result = std::make_unique<CachePlan>();
+    CachePlan& plan = *result;
     std::vector<PilotPlace> places(points.size());
     std::vector<Calibration> found((points.size() + kPilotChunk - 1) / kPilotChunk);
     std::vector<std::uint64_t> rays(found.size());
@@ -186,7 +187,7 @@ PilotResult runCachePilot(const EstimatorContext& context, bool adaptive,
             rays[chunk.index] += look.look(points[i], places[i], found[chunk.index]);
     });
     for (const Calibration& part : found) plan.calibration.add(part);
-    for (const std::uint64_t some : rays) result.rays += some;
+    for (const std::uint64_t some : rays) plan.rays += some;
     plan.calibration.update();
 
     std::vector<Prediction> predicted(points.size());
@@ -199,7 +200,10 @@ PilotResult runCachePilot(const EstimatorContext& context, bool adaptive,
     std::vector<PredictedNoise> noise;
     for (std::size_t i = 0; i < points.size(); ++i)
         noise.push_back(plan.noiseOf(predicted[i].luminance, predicted[i].deviation, points[i]));
-    if (adaptive) plan.budget.emplace(noise, samples);
+    if (adaptive) {
+        plan.budget.emplace(noise, samples);
+        plan.predictedError = plan.budget->predictedError();
+    }
 
     // Heaviness from which on samples are reused, as if each pixel had kJudgedSamples.
     std::vector<VarianceByHeaviness> parts(found.size());

@@ -4,11 +4,11 @@
 #include <optional>
 
 #include "common/base/tuned.h"
-#include "render/cached/calibration.h"
 #include "render/cached/heaviness.h"
-#include "render/cached/sample_budget.h"
-#include "render/cached/sampling_plan.h"
-#include "render/estimators/estimator.h"
+#include "render/estimators/frame_pilot.h"
+#include "render/regions/calibration.h"
+#include "render/regions/sample_budget.h"
+#include "render/regions/sampling_plan.h"
 
 namespace shadowcache {
 
@@ -18,7 +18,7 @@ inline SHADOWCACHE_TUNED(double, kUnsureShare, 0.4);
 
 /// All that is decided of a frame as a whole before any of its pixels: what a pilot finds, or, as
 /// it is made, what holds without one.
-struct CachePlan {
+struct CachePlan final : EstimatorPlan {
     Calibration calibration;
     std::optional<SampleBudget> budget;  ///< where samples are shared out
     double splitNoise = 0;  ///< of a cell, times samples, below which it stays whole [radiance sr]

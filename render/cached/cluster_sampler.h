@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/random/sequence.h"
-#include "render/cached/region_distribution.h"
-#include "render/estimators/estimator.h"
+#include "render/estimators/shading_point.h"
+#include "render/regions/region_distribution.h"
 
 namespace shadowcache {
 

@@ -12,7 +12,7 @@ const FittedRegions<CosineIntegrand>& CosineLight::regionsOf(
         watch_.pointsWithoutItems += members.size();
     double samples = 0;
     for (const std::uint32_t member : members)
-        samples += static_cast<double>(batch_.points[member].share) * batch_.samples;
+        samples += static_cast<double>(batch_.points[member].sampleFraction) * batch_.samples;
     return tools_.builder.build(
         CosineIntegrand(context_.environment, splitter_, centre.normal, cluster.tilt,
                         static_cast<float>(frame_.splitNoise / samples)),
@@ -27,7 +27,7 @@ const SamplingPlan& CosineLight::plan(const Regions& regions,
     for (const std::uint32_t member : members) {
         const ShadingPoint& point = batch_.points[member];
         const PredictedNoise noise = frame_.noiseOf(regions, point);
-        const auto part = static_cast<double>(point.share);
+        const auto part = static_cast<double>(point.sampleFraction);
         tools_.wanted.push_back(part * frame_.samplesOf(noise, batch_.samples));
         heavyFrom_.push_back(frame_.heavy * noise.scale * kJudgedSamples / (batch_.samples * part));
         samples += tools_.wanted.back();

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "render/cached/cache_plan.h"
-#include "render/cached/cosine_integrand.h"
 #include "render/cached/light_batch.h"
 #include "render/cached/place_lookup.h"
+#include "render/regions/cosine_integrand.h"
 
 namespace shadowcache {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "common/base/tuned.h"
-#include "render/cached/cosine_integrand.h"
 #include "render/cached/neighbor_reuse.h"
+#include "render/regions/cosine_integrand.h"
 
 namespace shadowcache {
 

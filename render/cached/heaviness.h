@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "render/cached/sampling_plan.h"
+#include "render/regions/sampling_plan.h"
 
 namespace shadowcache {
 

@@ -3,11 +3,12 @@
 #include <span>
 #include <vector>
 
+#include "common/base/stopwatch.h"
 #include "render/cached/cluster_sampler.h"
 #include "render/cached/neighbor_reuse.h"
 #include "render/cached/point_clusters.h"
-#include "render/cached/region_builder.h"
 #include "render/cached/sample_tracer.h"
+#include "render/regions/region_builder.h"
 
 namespace shadowcache {
 

@@ -19,11 +19,11 @@ SHADOWCACHE_TUNED(double, kGlossyHeavy, 0.02);
 
 /// Predicted visibility from which on reuse expects the sky: almost surely, as a lobe that is
 /// wrongly predicted bright is all that a dark point has.
-SHADOWCACHE_TUNED(float, kGlossyMostlyVisible, 0.97f);
+constexpr float kGlossyMostlyVisible = 0.97f;
 
 /// Least width of a lobe that fits over the finest cells follow; regions are chosen for narrower
 /// ones as if they were so wide.
-SHADOWCACHE_TUNED(float, kLeastFittedAlpha, 0.03f);
+constexpr float kLeastFittedAlpha = 0.03f;
 
 /// Width of a lobe that the regions resolve about as well as its own samples: half of what is then
 /// drawn from the lobe would be drawn from a much narrower one.
@@ -98,7 +98,7 @@ void LobeLight::roundSamples(std::span<const std::uint32_t> members, double part
     w_.tools.wanted.clear();
     for (const std::uint32_t member : members)
         w_.tools.wanted.push_back(batch_.samples * part *
-                                  static_cast<double>(batch_.points[member].share));
+                                  static_cast<double>(batch_.points[member].sampleFraction));
     const ShadingPoint& first = batch_.points[members.front()];
     roundCounts(w_.tools.wanted, toUnit(hashWords(first.seed, salt, first.cameraRay)), counts);
 }

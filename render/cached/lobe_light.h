@@ -8,9 +8,9 @@
 #include "common/random/salts.h"
 #include "render/cached/cache_plan.h"
 #include "render/cached/light_batch.h"
-#include "render/cached/lobe_integrand.h"
-#include "render/cached/lobe_match.h"
 #include "render/cached/place_lookup.h"
+#include "render/regions/lobe_integrand.h"
+#include "render/regions/lobe_match.h"
 
 namespace shadowcache {
 

@@ -8,25 +8,25 @@
 #include <utility>
 
 #include "common/base/tuned.h"
-#include "render/cached/cosine_integrand.h"
-#include "render/cached/lobe_integrand.h"
+#include "render/regions/cosine_integrand.h"
+#include "render/regions/lobe_integrand.h"
 
 namespace shadowcache {
 
 namespace {
 
 /// Most pixels of a group.
-SHADOWCACHE_TUNED(double, kMostGroupPixels, 256);
+constexpr double kMostGroupPixels = 256;
 
 /// What the points of a pixel receive of a misprediction is too heavy for their group alone from
 /// this many times the heaviness from which on samples are reused.
 SHADOWCACHE_TUNED(double, kWideReuse, 3);
 /// Rows of a batch that reuse together what is too heavy for a group: about 4096 points of a tile,
 /// more where pixels have more camera rays.
-SHADOWCACHE_TUNED(std::uint32_t, kWideRows, 16);
+constexpr std::uint32_t kWideRows = 16;
 
 /// Clusters that are asked how likely a misprediction is.
-SHADOWCACHE_TUNED(std::size_t, kAskedClusters, 32);
+constexpr std::size_t kAskedClusters = 32;
 
 }  // namespace
 
@@ -155,16 +155,25 @@ void NeighborReuse<I>::findMispredicted(const Misprediction& found, const Scene&
     const ShadingPoint& finder = batch_.points[found.finder];
     const std::uint32_t size = groupSize(found);
     const std::uint32_t first = finder.pixel / size * size;
+    const std::uint32_t end = std::min(first + size, batch_.pixels);
     candidates_.clear();
-    addCandidates(found, finder.row, first, std::min(first + size, batch_.pixels));
+    addCandidates(found, finder.row, first, end);
     keepMispredicted(found, scene, estimates);
     if (rows_ < 2 || !isTooHeavy(found, candidates_)) return;
 
     const std::uint32_t firstRow = finder.row / kWideRows * kWideRows;
     const std::uint32_t lastRow = std::min(firstRow + kWideRows, rows_);
+    ownGroup_.swap(candidates_);
     candidates_.clear();
-    for (std::uint32_t row = firstRow; row < lastRow; ++row)
-        addCandidates(found, row, 0, batch_.pixels);
+    for (std::uint32_t row = firstRow; row < lastRow; ++row) {
+        if (row != finder.row) {
+            addCandidates(found, row, 0, batch_.pixels);
+            continue;
+        }
+        addCandidates(found, row, 0, first);
+        candidates_.insert(candidates_.end(), ownGroup_.begin(), ownGroup_.end());
+        addCandidates(found, row, end, batch_.pixels);
+    }
     keepMispredicted(found, scene, estimates);
     keepTooHeavyGroups(found, size);
 }
@@ -237,10 +246,11 @@ void NeighborReuse<I>::addCandidate(const Misprediction& found, std::uint32_t po
     if (offer.samples == 0) return;
     const double density =
         offer.density * samples_[point] + points_.otherDensity(point, found.direction);
-    candidates_.push_back({point, density, offer.visible});
+    candidates_.push_back({point, density, offer.visible, point == found.finder});
 }
 
-/// Removes the candidates that the direction does not contradict; the others keep their order.
+/// Removes the candidates that the direction does not contradict, by a ray for each that is not
+/// known; the others keep their order.
 template <Integrand I>
 void NeighborReuse<I>::keepMispredicted(const Misprediction& found, const Scene& scene,
                                         std::span<Estimate> estimates) {
@@ -253,13 +263,15 @@ void NeighborReuse<I>::keepMispredicted(const Misprediction& found, const Scene&
         for (int i = 0; i < queued; ++i) {
             const Candidate& c = queue[static_cast<std::size_t>(i)];
             ++estimates[c.point].reused;
-            if ((visible >> i & 1u) == (c.visible ? 1u : 0u)) candidates_[kept++] = c;
+            if ((visible >> i & 1u) != (c.visible ? 1u : 0u)) continue;
+            candidates_[kept] = c;
+            candidates_[kept++].isKnown = true;
         }
         queued = 0;
     };
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
         const Candidate c = candidates_[i];
-        if (c.point == found.finder) {
+        if (c.isKnown) {
             if (queued > 0) flush();
             candidates_[kept++] = c;
             continue;

@@ -7,8 +7,8 @@
 
 #include "render/cached/cluster_sampler.h"
 #include "render/cached/point_clusters.h"
-#include "render/cached/region_builder.h"
 #include "render/cached/sample_tracer.h"
+#include "render/regions/region_builder.h"
 
 namespace shadowcache {
 
@@ -84,6 +84,7 @@ private:
         std::uint32_t point;
         double density;  ///< of all its samples, along the direction
         bool visible;    ///< what would contradict its prediction
+        bool isKnown;    ///< to be mispredicted: it found the direction, or a ray told
     };
 
     /// What a misprediction contributes to a point; `density`, of all that may find it, is negative
@@ -128,7 +129,7 @@ private:
     std::vector<Offered> offered_;              ///< by cluster, for one misprediction
     std::vector<std::uint32_t> offeredNumber_;  ///< number of the misprediction that it is of
     std::uint32_t foundNumber_ = 0;
-    std::vector<Candidate> candidates_;
+    std::vector<Candidate> candidates_, ownGroup_;
     std::vector<float> pixelReceived_;  ///< of one misprediction [luminance]
 };
 

@@ -5,7 +5,8 @@
 
 #include "common/cache/shadow_cache.h"
 #include "common/predict/pooled_visibility.h"
-#include "render/estimators/estimator.h"
+#include "common/trace/scene.h"
+#include "render/estimators/shading_point.h"
 
 namespace shadowcache {
 

@@ -14,22 +14,22 @@ namespace {
 /// hides the sky.
 SHADOWCACHE_TUNED(float, kNormalWeight, 2);
 /// What a spacing of height over the mean plane counts beside a spacing of distance.
-SHADOWCACHE_TUNED(float, kHeightWeight, 3);
+constexpr float kHeightWeight = 3;
 
 /// Greatest extent of a cluster of many points, in spacings.
-SHADOWCACHE_TUNED(float, kFineExtent, 0.35f);
+constexpr float kFineExtent = 0.35f;
 /// Greatest extent of a cluster of few points: there a set-up costs more than a looser fit.
 SHADOWCACHE_TUNED(float, kCoarseExtent, 1.4f);
 /// Most points of a cluster that counts as one of few.
-SHADOWCACHE_TUNED(std::uint32_t, kFewPoints, 32);
+constexpr std::uint32_t kFewPoints = 32;
 /// Pixels whose camera rays count as few points, whatever their number: where a cluster has fewer
 /// points than a pixel, its samples hardly pay for the set-up.
-SHADOWCACHE_TUNED(std::uint32_t, kFewPixels, 2);
+constexpr std::uint32_t kFewPixels = 2;
 /// Most samples of the points of such a cluster: more pay for a set-up of their own.
 SHADOWCACHE_TUNED(std::uint32_t, kFewSamples, 128);
 
 /// Normals whose mean is longer than this have a plane in common.
-SHADOWCACHE_TUNED(float, kPlanar, 0.8f);
+constexpr float kPlanar = 0.8f;
 
 }  // namespace
 

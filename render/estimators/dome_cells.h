@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "render/estimators/estimator.h"
+#include "render/estimators/shading_point.h"
 
 namespace shadowcache {
 

@@ -74,8 +74,20 @@ private:
 };
 
 struct DomeWorkspace final : Workspace {
+    const DomeCells* cells = nullptr;  ///< of the frame; null without a pilot
     std::vector<float> cosines, weights;
     TileChoice choice;
+};
+
+/// What a pilot learned of a frame.
+struct DomePlan final : EstimatorPlan {
+    DomePlan(std::span<const ShadingPoint> points, std::span<const TileRay> traced,
+             std::span<const std::uint8_t> counts, std::size_t tiles)
+        : cells(points, traced, counts, kPilotRays, tiles) {
+        for (const std::uint8_t count : counts) rays += count;
+    }
+
+    DomeCells cells;
 };
 
 /// Learns the cells of a frame.
@@ -91,7 +103,8 @@ public:
                                                    static_cast<double>(kMostPlaces)));
     }
 
-    std::uint64_t run(std::span<const ShadingPoint> points, int, double) override {
+    std::unique_ptr<const EstimatorPlan> plan(std::span<const ShadingPoint> points, int,
+                                              double) const override {
         std::vector<TileRay> rays(points.size() * kPilotRays);
         std::vector<std::uint8_t> counts(points.size(), 0);
         parallelFor(points.size(), 64, [&](const Chunk& chunk) {
@@ -99,14 +112,8 @@ public:
             for (std::size_t i = chunk.begin; i < chunk.end; ++i)
                 counts[i] = trace(points[i], w, &rays[i * kPilotRays]);
         });
-        cells_.emplace(points, rays, counts, kPilotRays, tiles_.size());
-        std::uint64_t sum = 0;
-        for (const std::uint8_t count : counts) sum += count;
-        return sum;
+        return std::make_unique<DomePlan>(points, rays, counts, tiles_.size());
     }
-
-    /// Null before the first frame's pilot.
-    const DomeCells* cells() const { return cells_ ? &*cells_ : nullptr; }
 
 private:
     /// Sends rays to the tiles, more of them to bright ones and to those above.
@@ -144,7 +151,6 @@ private:
 
     const EstimatorContext& context_;
     const LightTiles& tiles_;
-    std::optional<DomeCells> cells_;
 };
 
 class Dome final : public PointEstimator {
@@ -162,7 +168,15 @@ public:
     std::unique_ptr<Workspace> makeWorkspace() const override {
         return std::make_unique<DomeWorkspace>();
     }
-    FramePilot* pilot() override { return &pilot_; }
+    const FramePilot* pilot() const override { return &pilot_; }
+
+    using PointEstimator::estimate;
+    void estimate(const PointBatch& batch, Workspace& workspace,
+                  std::span<Estimate> estimates) const override {
+        static_cast<DomeWorkspace&>(workspace).cells =
+            batch.plan ? &static_cast<const DomePlan&>(*batch.plan).cells : nullptr;
+        PointEstimator::estimate(batch, workspace, estimates);
+    }
 
 private:
     /// The samples of a pixel take turns: one in kCosinePeriod is in proportion to the cosine, the
@@ -203,8 +217,8 @@ private:
         float* learned = w.weights.data();
         const float* light = tiles_.light().data();
         for (std::size_t t = 0; t < count; ++t) plain[t] *= light[t];
-        if (!pilot_.cells()) return w.choice.set(w.cosines);
-        const float* visibility = pilot_.cells()->visibility(point).data();
+        if (!w.cells) return w.choice.set(w.cosines);
+        const float* visibility = w.cells->visibility(point).data();
         for (std::size_t t = 0; t < count; ++t) learned[t] = plain[t] * std::sqrt(visibility[t]);
         const float learnedSum = sumOf(w.weights);
         if (!(learnedSum > 0)) return w.choice.set(w.cosines);

@@ -2,14 +2,13 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "common/shot/camera.h"
 #include "common/surface/surface.h"
 #include "render/bounces/bounce_task.h"
 #include "render/estimators/estimator.h"
-#include "render/frame/antialiasing.h"
+#include "render/frame/frame_plan.h"
 #include "render/frame/options.h"
 
 namespace shadowcache {
@@ -34,15 +33,14 @@ struct RenderStats {
 
 /// A frame to render.
 struct FrameRequest {
-    Estimator& estimator;
+    const Estimator& estimator;
     Camera camera;
     int number;
     RenderOptions options;
     /// Camera rays asked for of the pixels of each tile that the region touches, 1 ..
     /// options.cameraRays, in the order of Tiles::touching; empty: options.cameraRays everywhere.
     std::vector<int> tileRays = {};
-    /// From runPilot(); none: each pixel has just the camera rays that are asked for.
-    std::optional<AntialiasingRule> antialiasing = {};
+    FramePlan plan = {};  ///< by planFrame()
 
     int raysOfTile(std::size_t tile) const {
         return tileRays.empty() ? options.cameraRays : tileRays[tile];

@@ -8,10 +8,6 @@
 
 namespace shadowcache {
 
-/// Lets the estimator's pilot look at the frame before it is rendered, through a few of its pixels,
-/// and decides with what it predicts there where pixels get more camera rays.
-void runPilot(FrameRequest& frame, RenderStats& stats);
-
 /// Renders one frame: what surfaces reflect of the environment, and emit; the sky where nothing is
 /// hit. The same bits for any number of threads, and for a crop as for the whole frame. Shows
 /// progress; Ctrl-C ends it with Error.

@@ -1,3 +1,5 @@
+#include "render/frame/pilot.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,7 +13,6 @@
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
-#include "render/frame/integrator.h"
 #include "render/frame/tile_loop.h"
 #include "render/frame/tile_renderer.h"
 
@@ -69,11 +70,11 @@ std::vector<FilmPosition> pilotPlaces(const FrameRequest& frame, std::size_t cou
 
 }  // namespace
 
-void runPilot(FrameRequest& frame, RenderStats& stats) {
+FramePlan planFrame(const FrameRequest& frame, RenderStats& stats) {
     const RenderOptions& options = frame.options;
-    frame.antialiasing.reset();
-    FramePilot* pilot = frame.estimator.pilot();
-    if (options.samples == 0 || !pilot) return;
+    FramePlan plan;
+    const FramePilot* pilot = frame.estimator.pilot();
+    if (options.samples == 0 || !pilot) return plan;
     const auto start = std::chrono::steady_clock::now();
     const TileRenderer renderer(frame);
     const std::size_t places = pilot->places(static_cast<std::uint64_t>(options.width) *
@@ -98,21 +99,22 @@ void runPilot(FrameRequest& frame, RenderStats& stats) {
     std::vector<ShadingPoint> points;
     for (const std::optional<ShadingPoint>& point : seen)
         if (point) points.push_back(*point);
-    stats.shadowRays +=
-        pilot->run(points, options.samples,
-                   spread ? spread->cameraError / std::pow(kJudgedCameraRays, kStratification) : 0);
+    plan.estimator = pilot->plan(
+        points, options.samples,
+        spread ? spread->cameraError / std::pow(kJudgedCameraRays, kStratification) : 0);
+    stats.shadowRays += plan.estimator->rays;
     stats.cameraRays += places;
-    const LightPrediction* prediction = frame.estimator.prediction();
-    if (spread && prediction->predictedError())
-        frame.antialiasing = makeAntialiasingRule(
+    if (spread && plan.estimator->predictedError)
+        plan.antialiasing = makeAntialiasingRule(
             *spread,
-            *prediction->predictedError() * static_cast<double>(points.size()) /
+            *plan.estimator->predictedError * static_cast<double>(points.size()) /
                 static_cast<double>(std::max<std::size_t>(places, 1)),
             std::min(options.cameraRays, options.passRays), options.samples);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.seconds += seconds;
     stats.setupSeconds += seconds;
+    return plan;
 }
 
 }  // namespace shadowcache

@@ -39,7 +39,7 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     pixel.depth *= scale;
     pixel.openness *= scale;
     // Errors of camera rays are independent.
-    pixel.expectedNoise = std::sqrt(pixel.expectedNoise) * scale;
+    pixel.expectedNoise = std::sqrt(sum.expectedVariance) * scale;
     pixel.items *= scale;
     pixel.regions *= scale;
     pixel.misses *= scale;

@@ -32,7 +32,8 @@ int spreadRunLength(int passRays);
 
 /// What a pixel's camera rays add up to so far.
 struct PixelSum {
-    Pixel sum;                    ///< `variance` of each ray's own samples, `expectedNoise` squared
+    Pixel sum;                    ///< `variance` of each ray's own samples
+    float expectedVariance = 0;   ///< square of CacheInsight::expectedNoise
     RunSpread color, irradiance;  ///< of the luminance
     int cameraRays = 0;
     int rayFactor = 1;      ///< camera rays for each that is asked for

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "common/base/hash.h"
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
+#include "render/frame/pilot.h"
 #include "render/frame/tiles.h"
 
 namespace shadowcache {
@@ -138,14 +140,14 @@ double measuredError(std::span<const Pixel> pixels, const Rgb& luminanceWeights)
     return error / static_cast<double>(pixels.size());
 }
 
-double planForError(FrameRequest& frame, double target, RenderStats& stats) {
+TargetPlan planForError(FrameRequest frame, double target, RenderStats& stats) {
     const std::uint64_t seed = frame.options.seed;
     std::vector<std::size_t> all(Tiles(frame.options).touching(frame.options.region()).size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     frame.tileRays.clear();
     frame.options.cameraRays = kTargetPilotRays;
     frame.options.seed = seed ^ kPilotSeed;
-    runPilot(frame, stats);
+    frame.plan = planFrame(frame, stats);
     const auto tiles = renderSomeTiles(frame, all, stats);
     std::vector<Pixel> pixels;
     for (const auto& tile : tiles) pixels.insert(pixels.end(), tile.begin(), tile.end());
@@ -162,8 +164,8 @@ double planForError(FrameRequest& frame, double target, RenderStats& stats) {
     frame.tileRays = shareOut(errors, target / correction.plan);
     frame.options.cameraRays = std::ranges::max(frame.tileRays);
     frame.options.seed = seed;
-    runPilot(frame, stats);
-    return correction.estimated;
+    frame.plan = planFrame(frame, stats);
+    return {std::move(frame), correction.estimated};
 }
 
 }  // namespace shadowcache

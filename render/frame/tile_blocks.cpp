@@ -59,7 +59,7 @@ BlockRenderer::BlockRenderer(const FrameRequest& frame, const TileRenderer& rend
     : frame_(frame),
       renderer_(renderer),
       workspaces_(workspaces),
-      bounces_(frame.estimator, bounceOptionsOf(frame.options)) {}
+      bounces_(frame.estimator, frame.plan.estimator.get(), bounceOptionsOf(frame.options)) {}
 
 int BlockRenderer::raysOf(const TileBlocks::Tile& tile, int first, int count) const {
     // What is planned tile by tile leaves out those that are not asked for.

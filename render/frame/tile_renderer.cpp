@@ -19,12 +19,12 @@ constexpr int kBatchSamples = 1 << 21;
 /// A pixel has one camera ray that decides how many it gets for so many that are asked for.
 SHADOWCACHE_TUNED(int, kRaysOfSpreadRay, 8);
 
-void addInsight(const CacheInsight& insight, Pixel& pixel) {
-    pixel.openness += insight.openness;
-    pixel.expectedNoise += insight.expectedNoise * insight.expectedNoise;
-    pixel.items += static_cast<float>(insight.items);
-    pixel.regions += static_cast<float>(insight.regions);
-    pixel.misses += insight.items == 0 ? 1.0f : 0.0f;
+void addInsight(const CacheInsight& insight, PixelSum& pixel) {
+    pixel.expectedVariance += insight.expectedNoise * insight.expectedNoise;
+    pixel.sum.openness += insight.openness;
+    pixel.sum.items += static_cast<float>(insight.items);
+    pixel.sum.regions += static_cast<float>(insight.regions);
+    pixel.sum.misses += insight.items == 0 ? 1.0f : 0.0f;
 }
 
 int fewestRays(const FrameRequest& request) {
@@ -42,21 +42,15 @@ TileRenderer::TileRenderer(const FrameRequest& request)
       options_(request.options),
       filter_(options_.filter, options_.filterWidth),
       runLength_(spreadRunLength(std::min(fewestRays(request), options_.passRays))),
-      antialiasing_(request.antialiasing) {}
+      plan_(request.plan) {}
 
 View TileRenderer::look(const FilmPosition& at) const {
     return lookThrough(camera_, context_.scene, at);
 }
 
-ShadingPoint TileRenderer::shadingPoint(const View& view, std::uint64_t seed, int filmX,
-                                        int filmY) const {
-    return {rayStartOf(context_.scene, view),
-            worldPosition(context_.scene, view.hit),
-            view.shadingNormal(),
-            view.geometricNormal(),
-            seed,
-            filmX,
-            filmY};
+SetPlace TileRenderer::placeOf(const View& view) const {
+    return {rayStartOf(context_.scene, view), worldPosition(context_.scene, view.hit),
+            view.shadingNormal(), view.geometricNormal()};
 }
 
 float TileRenderer::irradianceScale(double radiance, const Rgb& albedo) const {
@@ -84,7 +78,7 @@ void TileRenderer::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_
         }
         const FilmPosition at{(place.x + (0.5 + dx)) / options_.width,
                               (place.y + (0.5 + dy)) / options_.height};
-        scratch.rays.push_back({pixel, first + k, k, at, {Vec3f(camera_.direction(at)), {}}, 0});
+        scratch.rays.push_back({pixel, first + k, k, at, {Vec3f(camera_.direction(at)), {}}});
     }
 }
 
@@ -113,17 +107,18 @@ std::optional<ShadingPoint> TileRenderer::pilotPoint(const FilmPosition& at, std
     if (!view.hit.found) return {};
     const FilmPlace pixel{static_cast<int>(at.x * options_.width),
                           static_cast<int>(at.y * options_.height)};
-    ShadingPoint point = shadingPoint(view, seed, pixel.x, pixel.y);
+    const SetPlace place = placeOf(view);
+    BatchSlot slot{.seed = seed, .filmX = pixel.x, .filmY = pixel.y};
     if (floor) {
         const double scale =
             predictSpreads(std::span(&pixel, 1), kMostSpreadRays, scratch, workspace)
                 .front()
                 .errorScale(*floor);
         const Rgb albedo =
-            diffuseAlbedo(surfaceOf(view.hit, options_.plain), -point.normal.dot(view.direction));
-        point.errorScale = irradianceScale(scale, albedo);
+            diffuseAlbedo(surfaceOf(view.hit, options_.plain), -place.normal.dot(view.direction));
+        slot.errorScale = irradianceScale(scale, albedo);
     }
-    return point;
+    return ShadingPoint{place, slot};
 }
 
 std::vector<PredictedSpread> TileRenderer::predictSpreads(std::span<const FilmPlace> places,
@@ -153,7 +148,7 @@ Rgb TileRenderer::predictRadiance(const View& view, const FilmPlace& place,
     const Surface surface = surfaceOf(view.hit, options_.plain);
     if (surface.unlit) return surface.emission;
     // Gloss as if it were diffuse.
-    const ShadingPoint point = shadingPoint(view, 0, place.x, place.y);
+    const ShadingPoint point{placeOf(view), {.filmX = place.x, .filmY = place.y}};
     Rgb irradiance = estimator_.prediction()->predict(point, workspace);
     if (options_.bounces != 0 && context_.solve) {
         const ItemTable& items = context_.solve->items();
@@ -171,8 +166,8 @@ void TileRenderer::planPixels(std::span<const FilmPlace> places, TileScratch& sc
     const std::vector<PredictedSpread> around =
         withNeighbors(places, predictSpreads(places, count, scratch, workspace));
     for (std::size_t i = 0; i < sums.size(); ++i) {
-        sums[i].rayFactor = rayFactorOf(around[i], *antialiasing_);
-        sums[i].errorScale = around[i].errorScale(antialiasing_->floor);
+        sums[i].rayFactor = rayFactorOf(around[i], *plan_.antialiasing);
+        sums[i].errorScale = around[i].errorScale(plan_.antialiasing->floor);
     }
 }
 
@@ -193,7 +188,7 @@ void TileRenderer::addCameraRays(std::span<const FilmPlace> places, int first, i
                                  TileScratch& scratch, Workspace& workspace,
                                  std::span<PixelSum> sums) const {
     if (places.empty()) return;
-    if (antialiasing_ && first == 0) planPixels(places, scratch, workspace, sums);
+    if (plan_.antialiasing && first == 0) planPixels(places, scratch, workspace, sums);
     forEachBatch(
         places.size(), first, count, [&](std::size_t p, std::size_t some, int k, int rays) {
             lightBatch(places.subspan(p, some), k, rays, scratch, workspace, sums.subspan(p, some));
@@ -207,7 +202,7 @@ void TileRenderer::lightCameraRays(std::span<const FilmPlace> places, int first,
                                    std::vector<TileBatch>& batches) const {
     batches.clear();
     if (places.empty()) return;
-    if (antialiasing_ && first == 0) planPixels(places, scratch, workspace, sums);
+    if (plan_.antialiasing && first == 0) planPixels(places, scratch, workspace, sums);
     forEachBatch(places.size(), first, count,
                  [&](std::size_t p, std::size_t some, int k, int rays) {
                      TileBatch& batch = batches.emplace_back(TileBatch{p, some, {}});
@@ -237,7 +232,8 @@ PointBatch TileRenderer::batchOf(std::span<const ShadingPoint> points, std::size
             static_cast<std::uint32_t>(count),
             static_cast<std::uint32_t>(options_.cameraRays) *
                 static_cast<std::uint32_t>(options_.samples),
-            options_.preview};
+            options_.preview,
+            plan_.estimator.get()};
 }
 
 void TileRenderer::lightBatch(std::span<const FilmPlace> places, int first, int count,
@@ -268,7 +264,10 @@ void TileRenderer::addBatch(const TileScratch& scratch, Workspace& workspace,
             addToPixel(scratch, i, ray.view.hit, workspace, sum);
             ++i;
         } else {
-            sum.color.add(ray.skyLuminance, runLength_);
+            sum.sum.color += ray.sky;
+            sum.sum.emission += ray.sky;
+            sum.sum.predicted += ray.sky;
+            sum.color.add(static_cast<double>(context_.environment.luminance(ray.sky)), runLength_);
             sum.irradiance.add(0, runLength_);
         }
     }
@@ -289,25 +288,25 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
     scratch.places.clear();
     for (TileScratch::Ray& ray : scratch.rays) {
         if (!ray.view.hit.found) {
-            const Rgb radiance = context_.environment.radiance(ray.view.direction);
-            ray.skyLuminance = static_cast<double>(context_.environment.luminance(radiance));
-            sums[ray.pixel].sum.color += radiance;
-            sums[ray.pixel].sum.emission += radiance;
-            sums[ray.pixel].sum.predicted += radiance;
+            ray.sky = context_.environment.radiance(ray.view.direction);
             continue;
         }
-        const auto [x, y] = places[ray.pixel];
-        TileScratch::Place& place = scratch.places.emplace_back();
-        place.point = shadingPoint(ray.view, scratch.seeds[ray.pixel], x, y);
-        place.point.cameraRay = static_cast<std::uint32_t>(ray.number);
-        place.point.row = static_cast<std::uint32_t>(ray.row / sums[ray.pixel].rayFactor);
-        place.point.pixel = ray.pixel;
-        place.point.share = 1.0f / static_cast<float>(sums[ray.pixel].rayFactor);
-        place.surface = surfaceOf(ray.view.hit, options_.plain);
-        place.diffuseAlbedo =
-            diffuseAlbedo(place.surface, -place.point.normal.dot(ray.view.direction));
-        place.point.errorScale = irradianceScale(sums[ray.pixel].errorScale, place.diffuseAlbedo);
-        if (place.surface.glossy) place.toViewer = -ray.view.direction;
+        const SetPlace at = placeOf(ray.view);
+        const Surface surface = surfaceOf(ray.view.hit, options_.plain);
+        const Rgb albedo = diffuseAlbedo(surface, -at.normal.dot(ray.view.direction));
+        const PixelSum& pixel = sums[ray.pixel];
+        const BatchSlot slot{.seed = scratch.seeds[ray.pixel],
+                             .filmX = places[ray.pixel].x,
+                             .filmY = places[ray.pixel].y,
+                             .cameraRay = static_cast<std::uint32_t>(ray.number),
+                             .row = static_cast<std::uint32_t>(ray.row / pixel.rayFactor),
+                             .pixel = ray.pixel,
+                             .errorScale = irradianceScale(pixel.errorScale, albedo),
+                             .sampleFraction = 1.0f / static_cast<float>(pixel.rayFactor)};
+        scratch.places.push_back({.point = {at, slot},
+                                  .surface = surface,
+                                  .toViewer = surface.glossy ? -ray.view.direction : Vec3f(0, 0, 0),
+                                  .diffuseAlbedo = albedo});
     }
 }
 
@@ -377,7 +376,9 @@ void TileRenderer::addToPixel(const TileScratch& scratch, std::size_t number, co
     pixel.irradiance.add(static_cast<double>(environment.luminance(e.irradiance)), runLength_);
     ++pixel.hits;
     if (options_.insight && estimator_.insights())
-        addInsight(estimator_.insights()->insight(point, options_.samples, workspace), sum);
+        addInsight(estimator_.insights()->insight(point, options_.samples, plan_.estimator.get(),
+                                                  workspace),
+                   pixel);
 }
 
 void TileRenderer::renderTile(std::span<const FilmPlace> places, int cameraRays,

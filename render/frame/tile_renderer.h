@@ -22,8 +22,8 @@ struct TileScratch {
         int number = 0;           ///< of the pixel's camera rays
         int row = 0;              ///< and of those in the batch
         FilmPosition at;
-        View view;  ///< no hit: the sky
-        double skyLuminance = 0;
+        View view;         ///< no hit: the sky
+        Rgb sky{0, 0, 0};  ///< its radiance, if it is seen
     };
     /// What one of them meets on the set.
     struct Place {
@@ -31,8 +31,9 @@ struct TileScratch {
         Surface surface;
         Vec3f toViewer;  ///< of glossy surfaces
         Rgb diffuseAlbedo;
-        std::optional<std::uint32_t> diffuse;  ///< number in `points`; none: nothing is diffuse
-        std::optional<std::uint32_t> glossy;   ///< number in `glossyPoints`
+        std::optional<std::uint32_t> diffuse =
+            {};                                    ///< number in `points`; none: nothing is diffuse
+        std::optional<std::uint32_t> glossy = {};  ///< number in `glossyPoints`
     };
     std::vector<std::uint32_t> columns, rows;  ///< Sobol' words of a pixel's camera rays
     std::vector<std::uint64_t> seeds;          ///< of what lights a pixel
@@ -63,7 +64,7 @@ public:
     View look(const FilmPosition& at) const;
 
     /// The place that a camera ray met.
-    ShadingPoint shadingPoint(const View& view, std::uint64_t seed, int filmX, int filmY) const;
+    SetPlace placeOf(const View& view) const;
 
     /// A place that a pilot looks at, through a place of the film; nothing where that shows the
     /// sky.
@@ -140,7 +141,7 @@ private:
     const RenderOptions& options_;
     const PixelFilter filter_;
     const int runLength_;
-    const std::optional<AntialiasingRule> antialiasing_;
+    const FramePlan& plan_;
     const CameraSampleObserver* observer_ = nullptr;
     FilmPlace observed_{-1, -1};  ///< pixel that the observer sees
 };

@@ -19,6 +19,7 @@
 #include "common/shot/frames.h"
 #include "common/shot/view.h"
 #include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
 #include "scenes/sets.h"
 #include "tests/support/test_scenes.h"
 
@@ -125,7 +126,7 @@ Film picture(const ShadowCache& cache, int frame, RenderStats& stats) {
     options.height = 180;
     options.samples = 1;
     FrameRequest request{*estimator, cameraOf(frame), frame, options};
-    runPilot(request, stats);
+    request.plan = planFrame(request, stats);
     return render(request, stats);
 }
 

@@ -11,6 +11,7 @@
 #include "common/image/radiance.h"
 #include "common/import/load_mesh.h"
 #include "common/mesh/mesh_fingerprint.h"
+#include "render/frame/pilot.h"
 #include "render/table/estimator_table.h"
 
 namespace shadowcache::bench {
@@ -138,8 +139,8 @@ Rendered renderAs(const EstimatorContext& context, const Set& set, const std::st
     const Camera camera = cameraAtFrame(set.cameras, frame);
     const std::clock_t start = std::clock();
     FrameRequest request{*made, camera, frame, options};
-    runPilot(request, rendered.stats);
-    if (sameRays && request.antialiasing) request.antialiasing->most = 1;
+    request.plan = planFrame(request, rendered.stats);
+    if (sameRays && request.plan.antialiasing) request.plan.antialiasing->most = 1;
     rendered.image = colorImage(render(request, rendered.stats));
     rendered.processorSeconds =
         static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / threadCount();

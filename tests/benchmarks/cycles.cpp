@@ -10,6 +10,7 @@
 #include "common/base/error.h"
 #include "common/image/radiance.h"
 #include "render/frame/film.h"
+#include "render/frame/pilot.h"
 #include "render/table/estimator_table.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/support/statistics.h"
@@ -47,7 +48,7 @@ Film renderFilm(const EstimatorContext& context, const Set& set, const std::stri
     options.filter = FilterKind::box;
     RenderStats stats;
     FrameRequest request{*made, cameraAtFrame(set.cameras, frame), frame, options};
-    runPilot(request, stats);
+    request.plan = planFrame(request, stats);
     return render(request, stats);
 }
 

@@ -56,9 +56,9 @@ std::vector<ShadingPoint> places(const Set& set, const Settings& settings) {
 }
 
 /// Variance of estimates at a point, over the squared brightness (no less than `darkest`).
-double relativeVariance(const Estimator& estimator, const ShadingPoint& point, int samples,
-                        double darkest) {
-    const auto estimates = test::runEstimator(estimator, point, samples, kEstimates);
+double relativeVariance(const Estimator& estimator, const EstimatorPlan& plan,
+                        const ShadingPoint& point, int samples, double darkest) {
+    const auto estimates = test::runEstimator(estimator, point, samples, kEstimates, &plan);
     const double mean = estimates.mean(1);
     return estimates.sampleVariance(1) / (mean * mean + darkest * darkest);
 }
@@ -81,15 +81,16 @@ void oracle(const Settings& settings) {
             double bright = 0;
             for (const ShadingPoint& p : points)
                 bright += test::runEstimator(*made, p, 256, 1).mean(1) / kPlaces;
-            made->pilot()->run(points, settings.samples, 0);
+            const auto plan = made->pilot()->plan(points, settings.samples, 0);
             double ours = 0, best = 0;
             for (const ShadingPoint& p : points) {
-                ours += relativeVariance(*made, p, settings.samples, 0.1 * bright) / kPlaces;
+                ours += relativeVariance(*made, *plan, p, settings.samples, 0.1 * bright) / kPlaces;
                 const test::TestCache traced = cacheAt(*set->scene, p, bake);
                 const auto there =
                     findEstimator("cache").make({*set->scene, *environment, &traced.cache(), {}});
-                there->pilot()->run({&p, 1}, settings.samples, 0);
-                best += relativeVariance(*there, p, settings.samples, 0.1 * bright) / kPlaces;
+                const auto planThere = there->pilot()->plan({&p, 1}, settings.samples, 0);
+                best += relativeVariance(*there, *planThere, p, settings.samples, 0.1 * bright) /
+                        kPlaces;
             }
             std::printf("%-9s %-13s %12.4g %12.4g %7.2f\n", name.c_str(), map.c_str(), ours, best,
                         ours / best);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "render/frame/pilot.h"
 #include "render/frame/progressive.h"
 #include "tests/support/plain_set.h"
 #include "tests/support/statistics.h"
@@ -131,9 +132,9 @@ protected:
         FrameRequest frame{*estimator, camera_, 1, options_};
         RenderStats stats;
         frame.options.seed = 1000;
-        runPilot(frame, stats);
-        EXPECT_TRUE(frame.antialiasing);
-        if (!adaptive) frame.antialiasing->most = 1;
+        frame.plan = planFrame(frame, stats);
+        EXPECT_TRUE(frame.plan.antialiasing);
+        if (!adaptive) frame.plan.antialiasing->most = 1;
         std::vector<Film> all;
         for (frame.options.seed = 1; static_cast<int>(all.size()) < count; ++frame.options.seed)
             all.push_back(render(frame, stats));
@@ -147,7 +148,7 @@ protected:
         FrameRequest frame{*estimator, camera_, 1, options_};
         RenderStats stats;
         frame.options.seed = 1000;
-        runPilot(frame, stats);
+        frame.plan = planFrame(frame, stats);
         frame.options.seed = 1;
         return work(frame, stats);
     }

@@ -15,6 +15,7 @@
 #include "render/bounces/bounce_light.h"
 #include "render/bounces/item_looks.h"
 #include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
 #include "render/frame/progressive.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/brute_force_paths.h"
@@ -96,7 +97,7 @@ protected:
         const KnownLight direct({*scene_, environment, nullptr}, static_cast<float>(kPi * hole()));
         BounceOptions options{.most = bounces};
         options.plain.albedo = Rgb(albedo);
-        const BounceLight light(direct, options);
+        const BounceLight light(direct, nullptr, options);
         std::vector<double> means;
         for (int seed = 1; seed <= seeds; ++seed) {
             std::vector<ShadingPoint> points;
@@ -200,7 +201,7 @@ protected:
         FrameRequest frame{*estimator, camera(), 1, wanted};
         RenderStats stats;
         frame.options.seed = 1000;
-        runPilot(frame, stats);
+        frame.plan = planFrame(frame, stats);
         test::Estimates found;
         for (int seed = 1; seed <= count; ++seed) {
             frame.options.seed = static_cast<std::uint64_t>(seed);
@@ -364,7 +365,7 @@ protected:
         const auto estimator = findEstimator("cache").make(context, {});
         FrameRequest frame{*estimator, camera(), 1, options};
         RenderStats stats;
-        runPilot(frame, stats);
+        frame.plan = planFrame(frame, stats);
         if (!passes_) return render(frame, stats);
         return renderProgressive(frame, stats, {}).film;
     }
@@ -416,7 +417,7 @@ TEST_F(RoomInParts, ReplaysItsPixels) {
     const auto estimator = findEstimator("cache").make(context, {});
     FrameRequest frame{*estimator, camera(), 1, options()};
     RenderStats stats;
-    runPilot(frame, stats);
+    frame.plan = planFrame(frame, stats);
     int seen = 0;
     const Pixel pixel = renderPixel(frame, 41, 30, [&](const CameraSample&) { ++seen; });
     EXPECT_GE(seen, options().cameraRays);

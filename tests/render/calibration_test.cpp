@@ -1,4 +1,4 @@
-#include "render/cached/calibration.h"
+#include "render/regions/calibration.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/predict/horizon.h"
-#include "render/cached/sample_budget.h"
+#include "render/regions/sample_budget.h"
 
 namespace shadowcache {
 namespace {

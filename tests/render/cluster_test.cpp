@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "render/cached/cluster_sampler.h"
-#include "render/cached/cosine_integrand.h"
 #include "render/cached/point_clusters.h"
+#include "render/regions/cosine_integrand.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
 
@@ -59,7 +59,7 @@ protected:
         const PointBatch batch{points_, 1, kPoints / 4, 4};
         std::vector<double> wanted;
         for (const ShadingPoint& point : points_)
-            wanted.push_back(share * static_cast<double>(point.share));
+            wanted.push_back(share * static_cast<double>(point.sampleFraction));
         roundCounts(wanted, toUnit(hashWords(seed)), counts_);
         return sampler_.draw(batch, members_, counts_, distribution_, Sequence::sobol);
     }
@@ -167,14 +167,14 @@ TEST_F(Cluster, PointsGetPartsOfTheirShares) {
         std::array<double, kPoints> sum{};
         double total = 0;
         for (std::size_t i = 0; i < points_.size(); ++i) {
-            points_[i].share = i % 3 == 0 ? 0.25f : 1;
-            total += share * static_cast<double>(points_[i].share);
+            points_[i].sampleFraction = i % 3 == 0 ? 0.25f : 1;
+            total += share * static_cast<double>(points_[i].sampleFraction);
         }
         for (int k = 0; k < kDraws; ++k) {
             draw(share, static_cast<std::uint64_t>(k));
             double all = 0;
             for (std::size_t i = 0; i < counts_.size(); ++i) {
-                const double part = share * static_cast<double>(points_[i].share);
+                const double part = share * static_cast<double>(points_[i].sampleFraction);
                 EXPECT_LT(std::abs(counts_[i].drawn - part), 1);
                 EXPECT_EQ(counts_[i].divisor, part < 1 ? part : counts_[i].drawn);
                 EXPECT_EQ(counts_[i].expected, part);
@@ -184,7 +184,7 @@ TEST_F(Cluster, PointsGetPartsOfTheirShares) {
             EXPECT_LT(std::abs(all - total), 1);
         }
         for (std::size_t i = 0; i < points_.size(); ++i)
-            EXPECT_NEAR(sum[i] / kDraws, share * static_cast<double>(points_[i].share),
+            EXPECT_NEAR(sum[i] / kDraws, share * static_cast<double>(points_[i].sampleFraction),
                         6 * 0.5 / std::sqrt(kDraws));
     }
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
 #include "tests/support/lit_floor.h"
 #include "tests/support/statistics.h"
 
@@ -47,7 +48,7 @@ public:
         RenderOptions& options = frame.options;
         RenderStats stats;
         options.seed = 1000;
-        if (withPilot) runPilot(frame, stats);
+        if (withPilot) frame.plan = planFrame(frame, stats);
         std::vector<double> ratios;
         for (options.seed = 1; static_cast<int>(ratios.size()) < count; ++options.seed) {
             double found = 0, truth = 0;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
 #include "tests/support/lit_floor.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
@@ -32,7 +33,7 @@ std::vector<Film> films(Estimator& estimator, RenderOptions options, int count) 
     RenderStats stats;
     options.seed = 1000;
     FrameRequest frame{estimator, View::camera(), 1, options};
-    runPilot(frame, stats);
+    frame.plan = planFrame(frame, stats);
     std::vector<Film> all;
     for (frame.options.seed = 1; static_cast<int>(all.size()) < count; ++frame.options.seed)
         all.push_back(render(frame, stats));
@@ -294,7 +295,7 @@ TEST(DefaultPathFilm, LeavesNoNoiseInFullLight) {
         const auto estimator = findEstimator("cache").make(context);
         RenderStats stats;
         FrameRequest frame{*estimator, View::camera(), 1, effort(4, 4)};
-        if (withPilot) runPilot(frame, stats);
+        if (withPilot) frame.plan = planFrame(frame, stats);
         const Film film = render(frame, stats);
         const auto [least, most] = std::ranges::minmax_element(
             film.pixels, {}, [](const Pixel& pixel) { return pixel.irradiance.y; });
@@ -316,7 +317,7 @@ TEST(DefaultPathPixel, ThePilotLowersTheNoiseOfWrongCounts) {
             RenderOptions& options = frame.options;
             options.seed = 1000;
             RenderStats stats;
-            if (withPilot) runPilot(frame, stats);
+            if (withPilot) frame.plan = planFrame(frame, stats);
             options.width = options.height = 1;
             std::vector<Film> pixels;
             for (options.seed = 1; options.seed <= 400; ++options.seed)

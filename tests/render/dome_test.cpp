@@ -159,10 +159,11 @@ protected:
     }
 };
 
-double meanVariance(const Estimator& estimator, std::span<const ShadingPoint> points) {
+double meanVariance(const Estimator& estimator, std::span<const ShadingPoint> points,
+                    const EstimatorPlan* plan = nullptr) {
     double sum = 0;
     for (const ShadingPoint& point : points)
-        sum += test::runEstimator(estimator, point, 16, 60).sampleVariance(1);
+        sum += test::runEstimator(estimator, point, 16, 60, plan).sampleVariance(1);
     return sum / static_cast<double>(points.size());
 }
 
@@ -191,13 +192,14 @@ TEST(DomeLightInARoom, HasLessNoiseOnceItHasLearned) {
     const std::span<const ShadingPoint> some = std::span(places).first(60);
     const auto dome = findEstimator("dome").make({room, environment, nullptr, {}});
     const double before = meanVariance(*dome, some);
-    EXPECT_GT(dome->pilot()->run(places, 16, 0), 10000u);
-    EXPECT_LT(meanVariance(*dome, some), 0.5 * before);
+    const auto learned = dome->pilot()->plan(places, 16, 0);
+    EXPECT_GT(learned->rays, 10000u);
+    EXPECT_LT(meanVariance(*dome, some, learned.get()), 0.5 * before);
 
     std::vector<ShadingPoint> wrong = places;
     for (ShadingPoint& place : wrong) place.rayOrigin.y -= 0.01f;
-    dome->pilot()->run(wrong, 16, 0);
-    EXPECT_GT(meanVariance(*dome, some), 0.8 * before);
+    const auto misled = dome->pilot()->plan(wrong, 16, 0);
+    EXPECT_GT(meanVariance(*dome, some, misled.get()), 0.8 * before);
 }
 
 // Each lie is told by rays that start elsewhere. Control: the same estimates must not agree with
@@ -221,12 +223,12 @@ TEST_F(DomeLight, IsUnbiasedWhateverItHasLearned) {
             place.rayOrigin += lie.offset;
             place.normal *= lie.normal;
         }
-        if (lie.normal != 0) dome->pilot()->run(told, 16, 0);
+        const auto plan = lie.normal != 0 ? dome->pilot()->plan(told, 16, 0) : nullptr;
         for (const Vec3f& place : places) {
             const ShadingPoint point = test::pointAlong(scene_, place, {0, -1, 0});
             const Rgb truth = test::tracedIrradiance(scene_, point, map_, 160);
             for (const auto& [samples, count] : {std::pair(1, 40000), std::pair(16, 6000)}) {
-                const auto estimates = test::runEstimator(*dome, point, samples, count);
+                const auto estimates = test::runEstimator(*dome, point, samples, count, plan.get());
                 EXPECT_GT(test::agreementPValue(estimates, truth), level)
                     << lie.name << " at " << place << ", " << samples << " samples";
                 if (samples > 1) {

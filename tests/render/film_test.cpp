@@ -12,6 +12,7 @@
 #include "common/random/sequence.h"
 #include "render/frame/compare.h"
 #include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
 #include "render/frame/pixel_filter.h"
 #include "render/frame/pixel_sum.h"
 #include "render/frame/progressive.h"
@@ -282,7 +283,7 @@ protected:
         observer.stop = [&] { return complete >= passes; };
         observer.onPass = [&](const Film&, int) { ++complete; };
         FrameRequest frame{*made, camera_, 1, options_};
-        runPilot(frame, stats);
+        frame.plan = planFrame(frame, stats);
         return renderProgressive(frame, stats, observer);
     }
     Film atOnce(const std::string& name) {
@@ -290,7 +291,7 @@ protected:
             findEstimator(name).make({scene_, environment_, &cache_->cache(), sequence_});
         RenderStats stats;
         FrameRequest frame{*made, camera_, 1, options_};
-        runPilot(frame, stats);
+        frame.plan = planFrame(frame, stats);
         return shadowcache::render(frame, stats);
     }
 
@@ -333,8 +334,8 @@ TEST_F(Progressive, TargetErrorIsMet) {
             double error = 0, told = 0, cameraRays = 0;
             for (options_.seed = 1; options_.seed <= kSeeds; ++options_.seed) {
                 RenderStats stats;
-                FrameRequest frame{*made, camera_, 1, options_};
-                const double correction = planForError(frame, target, stats);
+                const auto [frame, correction] =
+                    planForError(FrameRequest{*made, camera_, 1, options_}, target, stats);
                 const Film film = shadowcache::render(frame, stats);
                 error += relativeError(colorImage(film), reference).mean / kSeeds;
                 told += correction * measuredError(film.pixels, environment_.luminanceWeights()) /

@@ -10,6 +10,7 @@
 #include "common/base/parallel.h"
 #include "render/frame/compare.h"
 #include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
 #include "render/frame/progressive.h"
 #include "tests/support/test_scenes.h"
 
@@ -43,8 +44,8 @@ protected:
         const auto estimator = findEstimator("cache").make(world_.context());
         FrameRequest frame = request(*estimator);
         RenderStats stats;
-        runPilot(frame, stats);
-        if (sameRays_ && frame.antialiasing) frame.antialiasing->most = 1;
+        frame.plan = planFrame(frame, stats);
+        if (sameRays_ && frame.plan.antialiasing) frame.plan.antialiasing->most = 1;
         return shadowcache::render(frame, stats);
     }
     Film withoutFilter(int samples) {
@@ -143,7 +144,7 @@ TEST_F(FilteredPreview, PassesAndThreadsChangeNoBit) {
     const auto estimator = findEstimator("cache").make(world_.context());
     FrameRequest frame = request(*estimator);
     RenderStats stats;
-    runPilot(frame, stats);
+    frame.plan = planFrame(frame, stats);
     ProgressiveObserver observer;
     int passes = 0;
     observer.onPass = [&](const Film& film, int) {

@@ -9,6 +9,7 @@
 
 #include "common/mesh/placed_mesh.h"
 #include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
 #include "tests/support/glossy_reference.h"
 #include "tests/support/lit_floor.h"
 #include "tests/support/statistics.h"
@@ -64,7 +65,7 @@ protected:
         RenderOptions& options = frame.options;
         RenderStats stats;
         options.seed = 1000;
-        runPilot(frame, stats);
+        frame.plan = planFrame(frame, stats);
         test::Estimates found;
         for (options.seed = 1; found.color[0].size() < static_cast<std::size_t>(count);
              ++options.seed) {

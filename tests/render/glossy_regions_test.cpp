@@ -9,10 +9,10 @@
 
 #include "common/math/direction_mesh.h"
 #include "render/cached/cluster_sampler.h"
-#include "render/cached/lobe_integrand.h"
 #include "render/cached/lobe_light.h"
-#include "render/cached/lobe_match.h"
 #include "render/cached/place_lookup.h"
+#include "render/regions/lobe_integrand.h"
+#include "render/regions/lobe_match.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
 

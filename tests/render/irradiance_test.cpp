@@ -171,7 +171,7 @@ TEST(PolygonIrradiance, MatchesInfiniteShapes) {
     EXPECT_NEAR(ceiling(kNear, kEnd), kPi / 2 * (sine(kEnd) - sine(kNear)), 1e-5);
     TriangleMesh mesh;
     test::addSphere(mesh, {0, 3, 0}, 1, 200);
-    const ShadingPoint point{{0, 0, 0}, origin, {0, 1, 0}, {0, 1, 0}, 0};
+    const ShadingPoint point{{{0, 0, 0}, origin, {0, 1, 0}, {0, 1, 0}}, {}};
     // An inscribed body hides less, by the order of an angle of its facets squared.
     EXPECT_NEAR(test::hiddenByConvex(mesh, 0, mesh.triangles.size(), point), kPi / 9, 1e-4);
 }

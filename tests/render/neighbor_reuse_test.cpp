@@ -117,7 +117,7 @@ std::vector<Rgb> byShares(const Estimator& estimator, std::span<const ShadingPoi
                           int samples, Workspace& workspace) {
     std::vector<ShadingPoint> shared(points.begin(), points.end());
     for (std::size_t i = 0; i < shared.size(); ++i)
-        shared[i].share = (i % 2 == 0 ? 1.5f : 0.5f) / static_cast<float>(samples);
+        shared[i].sampleFraction = (i % 2 == 0 ? 1.5f : 0.5f) / static_cast<float>(samples);
     return light(estimator, shared, samples, workspace);
 }
 
@@ -284,7 +284,7 @@ PixelSums sumPixels(const std::string& name, const Told& told, int samples, int 
     for (std::uint32_t i = 0; i < kPoints; ++i) {
         points[i].cameraRay = i / kSide;
         points[i].row = points[i].cameraRay / raysOfRow;
-        points[i].share = i % 2 == 0 ? 1.0f : 1.0f / static_cast<float>(raysOfRow);
+        points[i].sampleFraction = i % 2 == 0 ? 1.0f : 1.0f / static_cast<float>(raysOfRow);
         points[i].pixel = (i + i / kSide) % kSide;
         points[i].errorScale = points[i].pixel < kSide / 2 ? kDark : bright;
     }
@@ -367,7 +367,7 @@ double noiseOfExtraRays(std::uint32_t raysOfRow) {
         point.pixel = extra ? 0 : 1 + (i - kExtraRays) / 2;
         point.cameraRay = extra ? i : i % 2;
         point.row = extra ? i / raysOfRow : i % 2;
-        point.share = extra ? 0.25f : 1.0f;
+        point.sampleFraction = extra ? 0.25f : 1.0f;
         point.errorScale = 100;  // too bright for reuse by all rows
     }
     test::Estimates pixel;

@@ -1,8 +1,11 @@
 // Where a frame's pilot looks. Part of film_test.
 
+#include "render/frame/pilot.h"
+
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,15 +19,16 @@ namespace {
 class Looker final : public PointEstimator, public FramePilot {
 public:
     using PointEstimator::PointEstimator;
-    FramePilot* pilot() override { return this; }
+    const FramePilot* pilot() const override { return this; }
 
-    std::vector<ShadingPoint> seen;
+    mutable std::vector<ShadingPoint> seen;
 
 private:
     std::size_t places(std::uint64_t) const override { return 1024; }
-    std::uint64_t run(std::span<const ShadingPoint> points, int, double) override {
+    std::unique_ptr<const EstimatorPlan> plan(std::span<const ShadingPoint> points, int,
+                                              double) const override {
         seen.assign(points.begin(), points.end());
-        return 0;
+        return std::make_unique<EstimatorPlan>();
     }
     Rgb prepare(const ShadingPoint&, const SampleSlice&, Workspace&) const override {
         return Rgb(0, 0, 0);
@@ -35,7 +39,7 @@ TEST(Pilot, LooksEvenlyOverTheFilm) {
     const TriangleMesh mesh = test::floorMesh();
     const Scene scene(mesh);
     const Environment environment = test::environmentOf(test::noiseMap(64, 32, 5));
-    Looker looker({scene, environment, nullptr});
+    const Looker looker({scene, environment, nullptr});
     RenderOptions options;
     options.width = options.height = 32;
     FrameRequest frame{looker, lookAt({0, 0.1, 0.05}, {0, 0, 0}, {0, 0, 1}, 0.9), 1, options};
@@ -43,7 +47,7 @@ TEST(Pilot, LooksEvenlyOverTheFilm) {
     // As many places as pixels: one in each.
     const auto pixels = [&](std::uint64_t seed) {
         frame.options.seed = seed;
-        runPilot(frame, stats);
+        frame.plan = planFrame(frame, stats);
         std::vector<int> visits(1024);
         for (const ShadingPoint& point : looker.seen)
             ++visits[static_cast<std::size_t>(point.filmY * 32 + point.filmX)];

@@ -1,6 +1,6 @@
 // What a plan draws, and the density that estimates divide by: one distribution.
 
-#include "render/cached/region_distribution.h"
+#include "render/regions/region_distribution.h"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 
 #include "common/math/direction_mesh.h"
 #include "common/random/sequence.h"
-#include "render/cached/cosine_integrand.h"
-#include "render/cached/lobe_integrand.h"
 #include "render/cached/lobe_light.h"
 #include "render/cached/place_lookup.h"
+#include "render/regions/cosine_integrand.h"
+#include "render/regions/lobe_integrand.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
 

@@ -106,10 +106,10 @@ std::vector<WrongCache> wrongCaches() {
 }
 
 /// Lets the estimator calibrate the cache, with numbers that no estimate uses.
-void runPilot(Estimator& estimator, const ShadingPoint& point) {
+std::unique_ptr<const EstimatorPlan> planOf(const Estimator& estimator, const ShadingPoint& point) {
     std::vector<ShadingPoint> points(200, point);
     for (std::size_t i = 0; i < points.size(); ++i) points[i].seed = hashWords(i, 1000);
-    if (FramePilot* pilot = estimator.pilot()) pilot->run(points, 64, 0);
+    return estimator.pilot() ? estimator.pilot()->plan(points, 64, 0) : nullptr;
 }
 
 class WrongCaches : public testing::TestWithParam<std::size_t> {};
@@ -140,9 +140,10 @@ TEST_P(WrongCaches, ChangeNoMean) {
         for (const Vec3f& place : places) {
             const ShadingPoint point = test::pointAlong(scene, place, {0, -1, 0});
             const Rgb truth = test::tracedIrradiance(scene, point, map, 320);
-            runPilot(*estimator, point);
+            const auto plan = planOf(*estimator, point);
             for (const auto& [samples, count] : {std::pair(4, 12000), std::pair(64, 600)}) {
-                const auto estimates = test::runEstimator(*estimator, point, samples, count);
+                const auto estimates =
+                    test::runEstimator(*estimator, point, samples, count, plan.get());
                 const double error = std::sqrt(estimates.sampleVariance(1) / count);
                 EXPECT_GT(test::agreementPValue(estimates, truth), level)
                     << name << " at " << place << ", " << samples << " samples: mean "
@@ -156,10 +157,11 @@ TEST_P(WrongCaches, ChangeNoMean) {
 }
 
 /// Variance of one estimate of 64 samples, averaged over `points`.
-double meanVariance(const Estimator& estimator, std::span<const ShadingPoint> points) {
+double meanVariance(const Estimator& estimator, std::span<const ShadingPoint> points,
+                    const EstimatorPlan* plan = nullptr) {
     double sum = 0;
     for (const ShadingPoint& point : points)
-        sum += test::runEstimator(estimator, point, 64, 40).sampleVariance(1);
+        sum += test::runEstimator(estimator, point, 64, 40, plan).sampleVariance(1);
     return sum / static_cast<double>(points.size());
 }
 
@@ -186,8 +188,9 @@ TEST(CalibratedWrongCache, CostsAtMostTwiceTheNoiseOfMis) {
         const auto estimator =
             findEstimator("cache").make({scene, environment, &cache.cache(), {}});
         worstWithoutPilot = std::max(worstWithoutPilot, meanVariance(*estimator, points));
-        EXPECT_GT(estimator->pilot()->run(points, 64, 0), 0u);
-        const double variance = meanVariance(*estimator, points);
+        const auto plan = estimator->pilot()->plan(points, 64, 0);
+        EXPECT_GT(plan->rays, 0u);
+        const double variance = meanVariance(*estimator, points, plan.get());
         EXPECT_LT(std::sqrt(variance / mis), 2) << chosen.name;
         worst = std::max(worst, variance);
     }

@@ -245,7 +245,7 @@ def cases_of(constant):
         return SPECIAL[constant.name]
     if constant.file == "render/frame/target_error.cpp":
         return ["target"]
-    if constant.file.startswith("render/cached/lobe"):
+    if constant.file.startswith(("render/regions/lobe", "render/cached/lobe")):
         return ["glossy"]
     if constant.file.startswith("bake/"):
         return ["bake"]

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "render/frame/pilot.h"
 #include "render/table/estimator_table.h"
 
 namespace shadowcache::test {
@@ -48,7 +49,7 @@ ShotLight renderShot(const EstimatorContext& context, const std::string& estimat
     ShotLight shot;
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         FrameRequest frame{*made, cameras[i], numbers[i], options};
-        runPilot(frame, stats);
+        frame.plan = planFrame(frame, stats);
         const Film film = render(frame, stats);
         shot.emplace_back();
         for (const Pixel& p : film.pixels)

@@ -3,6 +3,7 @@
 #include "bake/core/baker.h"
 #include "common/base/parallel.h"
 #include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/test_scenes.h"
 
@@ -48,7 +49,7 @@ inline Film renderPlain(const ShadowCache& cache, int threads, int samples = 4) 
     options.insight = true;
     RenderStats stats;
     FrameRequest frame{*estimator, camera, 1, options};
-    runPilot(frame, stats);
+    frame.plan = planFrame(frame, stats);
     return render(frame, stats);
 }
 

@@ -86,8 +86,9 @@ ShadingPoint pointAlong(const Scene& scene, const Vec3f& from, const Vec3f& dire
     if (!hit.found) throw Error("test: the ray meets nothing");
     const View view{direction, hit};
     const Vec3f side = view.geometricNormal();
-    return {scene.rayOrigin(hit.position, hit.triangle, side),
-            scene.mesh().origin + Vec3d(hit.position), view.shadingNormal(), side, 0};
+    return {{scene.rayOrigin(hit.position, hit.triangle, side),
+             scene.mesh().origin + Vec3d(hit.position), view.shadingNormal(), side},
+            {}};
 }
 
 Image constantMap(const Rgb& radiance) {
@@ -238,13 +239,13 @@ double Estimates::sampleVariance(int channel) const {
 }
 
 Estimates runEstimator(const Estimator& estimator, const ShadingPoint& point, int samples,
-                       int count) {
+                       int count, const EstimatorPlan* plan) {
     Estimates estimates;
     const auto workspace = estimator.makeWorkspace();
     ShadingPoint at = point;
     for (int i = 1; i <= count; ++i) {
         at.seed = hashWords(static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(samples));
-        const Estimate e = estimator.estimate(at, samples, *workspace);
+        const Estimate e = estimator.estimate(at, samples, *workspace, plan);
         for (int c = 0; c < 3; ++c)
             estimates.color[static_cast<std::size_t>(c)].push_back(
                 static_cast<double>(e.irradiance[c]));

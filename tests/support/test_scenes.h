@@ -107,7 +107,7 @@ struct Estimates {
     double sampleVariance(int channel) const;
 };
 Estimates runEstimator(const Estimator& estimator, const ShadingPoint& point, int samples,
-                       int count);
+                       int count, const EstimatorPlan* plan = nullptr);
 
 /// p-value that the estimates have the mean `truth`, the least of the three colours times three; a
 /// difference that float arithmetic explains does not count.

@@ -3,9 +3,9 @@
 #include <span>
 
 #include "common/base/tuned.h"
-#include "render/cached/region_builder.h"
-#include "render/cached/sampling_plan.h"
-#include "render/estimators/estimator.h"
+#include "render/estimators/shading_point.h"
+#include "render/regions/region_builder.h"
+#include "render/regions/sampling_plan.h"
 
 namespace shadowcache {
 

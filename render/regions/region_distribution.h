@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/light/environment.h"
-#include "render/cached/sampling_plan.h"
+#include "render/regions/sampling_plan.h"
 
 namespace shadowcache {
 

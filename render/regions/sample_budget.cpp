@@ -1,4 +1,4 @@
-#include "render/cached/sample_budget.h"
+#include "render/regions/sample_budget.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 /// Fewest samples of a point, in means: a place predicted quiet may be mispredicted.
 SHADOWCACHE_TUNED(double, kLeastBudget, 0.25);
 /// Most samples of a point, in means.
-SHADOWCACHE_TUNED(double, kMostBudget, 16);
+constexpr double kMostBudget = 16;
 
 double need(const PredictedNoise& noise) {
     return noise.deviation / noise.scale;

@@ -1,4 +1,4 @@
-#include "render/cached/sampling_plan.h"
+#include "render/regions/sampling_plan.h"
 
 #include <algorithm>
 #include <cmath>

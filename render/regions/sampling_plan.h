@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "common/base/tuned.h"
-#include "render/cached/regions.h"
+#include "render/regions/regions.h"
 
 namespace shadowcache {
 
@@ -34,7 +34,7 @@ struct Brightness {
 
 /// Brightness::unsureShare with the uniform budget, which gives no more samples to places that turn
 /// out dark.
-inline SHADOWCACHE_TUNED(double, kUnsureShareUniform, 0.2);
+inline constexpr double kUnsureShareUniform = 0.2;
 
 /// Whatever number of samples is asked for, the same regions are reused as with so many: what is
 /// not reused then falls as all the noise does.
@@ -42,7 +42,7 @@ inline SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 
 /// Samples of the irradiance drawn in proportion to the light alone, for each that follows the
 /// counts: bounds what light can weigh that was predicted occluded.
-inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.2);
+inline constexpr double kDefensiveShare = 0.2;
 
 /// Samples of the irradiance drawn in proportion to the light that is almost surely seen, for each
 /// that follows the counts: bounds what that light can weigh where a near wall hides it.

@@ -1,4 +1,4 @@
-#include "render/cached/region_distribution.h"
+#include "render/regions/region_distribution.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "render/cached/cache_insight.h"
+#include "render/cached/openness_meter.h"
 
 namespace shadowcache {
 

@@ -1,4 +1,4 @@
-#include "render/cached/cosine_integrand.h"
+#include "render/regions/cosine_integrand.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +14,10 @@ namespace {
 
 /// Mean square, over the tilts of a cluster's normals, of what they change of a cosine, as a share
 /// of the widest tilt's square.
-SHADOWCACHE_TUNED(float, kTiltMoment, 0.1f);
+constexpr float kTiltMoment = 0.1f;
 
 /// Least height over the horizon at which the share of a tilt in the cosine is evaluated.
-SHADOWCACHE_TUNED(float, kLeastTiltHeight, 0.05f);
+constexpr float kLeastTiltHeight = 0.05f;
 
 /// Half of the time that the sixteen regions of a split cell take, in those of a sample: a
 /// deviation lower by a part p saves as much as 2 p of the samples.

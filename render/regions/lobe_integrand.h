@@ -4,10 +4,10 @@
 
 #include "common/base/tuned.h"
 #include "common/surface/surface.h"
-#include "render/cached/quadratic_cells.h"
-#include "render/cached/region_builder.h"
-#include "render/cached/sampling_plan.h"
-#include "render/estimators/estimator.h"
+#include "render/estimators/shading_point.h"
+#include "render/regions/quadratic_cells.h"
+#include "render/regions/region_builder.h"
+#include "render/regions/sampling_plan.h"
 
 namespace shadowcache {
 

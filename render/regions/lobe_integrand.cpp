@@ -1,4 +1,4 @@
-#include "render/cached/lobe_integrand.h"
+#include "render/regions/lobe_integrand.h"
 
 #include <algorithm>
 #include <cmath>

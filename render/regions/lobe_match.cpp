@@ -1,8 +1,7 @@
-#include "render/cached/lobe_match.h"
+#include "render/regions/lobe_match.h"
 
 #include <algorithm>
 
-#include "common/base/tuned.h"
 #include "common/predict/lanes.h"
 
 namespace shadowcache {
@@ -10,7 +9,7 @@ namespace shadowcache {
 namespace {
 
 /// Misfit from which on a lobe is none of the cluster's.
-SHADOWCACHE_TUNED(float, kWorstMatch, 0.5f);
+constexpr float kWorstMatch = 0.5f;
 
 float sumOfProducts(const float* a, const float* b) {
     alignas(64) float product[GlossyLobe::kLanes];

@@ -1,4 +1,4 @@
-#include "render/cached/calibration.h"
+#include "render/regions/calibration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,11 @@ namespace shadowcache {
 namespace {
 
 /// Weight of the counts' own prediction beside the measured share, in rays.
-SHADOWCACHE_TUNED(double, kCalibrationPrior, 2);
+constexpr double kCalibrationPrior = 2;
 
 /// Least error of the visibility that is corrected: below it nothing is to be gained, and what the
 /// counts call fully visible or fully occluded stays free of noise.
-SHADOWCACHE_TUNED(double, kLeastCorrection, 0.02);
+constexpr double kLeastCorrection = 0.02;
 
 /// Standard errors that a measured share must be off by to count as the cache's fault.
 SHADOWCACHE_TUNED(double, kCorrectionErrors, 4);

@@ -5,7 +5,7 @@
 
 #include "common/base/tuned.h"
 #include "common/cache/cache_header.h"
-#include "render/cached/calibration.h"
+#include "render/regions/calibration.h"
 
 namespace shadowcache {
 

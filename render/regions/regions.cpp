@@ -1,9 +1,9 @@
-#include "render/cached/regions.h"
+#include "render/regions/regions.h"
 
 #include <cmath>
 
 #include "common/predict/lanes.h"
-#include "render/cached/cell_visibility.h"
+#include "render/regions/cell_visibility.h"
 
 namespace shadowcache {
 

@@ -1,4 +1,4 @@
-#include "render/cached/quadratic_cells.h"
+#include "render/regions/quadratic_cells.h"
 
 #include "common/base/parallel.h"
 

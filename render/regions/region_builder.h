@@ -8,8 +8,8 @@
 #include "common/predict/cell_splits.h"
 #include "common/predict/lanes.h"
 #include "common/predict/pooled_visibility.h"
-#include "render/cached/cell_visibility.h"
-#include "render/cached/regions.h"
+#include "render/regions/cell_visibility.h"
+#include "render/regions/regions.h"
 
 namespace shadowcache {
 

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "render/estimators/frame_pilot.h"
+#include "render/frame/antialiasing.h"
+
+namespace shadowcache {
+
+/// All that is decided of a frame before any of its pixels. As it is made: what holds without a
+/// pilot.
+struct FramePlan {
+    /// By the estimator's pilot; null: none looked at the frame. Copies of a request share it.
+    std::shared_ptr<const EstimatorPlan> estimator = {};
+    /// None: each pixel has just the camera rays that are asked for.
+    std::optional<AntialiasingRule> antialiasing = {};
+};
+
+}  // namespace shadowcache
