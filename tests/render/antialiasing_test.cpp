@@ -172,7 +172,11 @@ protected:
             }
             std::vector<Estimate> estimates(points.size());
             const auto workspace = frame.estimator.makeWorkspace();
-            frame.estimator.estimate({points, frame.options.samples, 256}, *workspace, estimates);
+            frame.estimator.estimate({.points = points,
+                                      .samples = frame.options.samples,
+                                      .pixels = 256,
+                                      .plan = frame.plan.estimator.get()},
+                                     *workspace, estimates);
             double rays = 0;
             for (const Estimate& e : estimates) rays += e.rays;
             return rays;
