@@ -17,6 +17,7 @@
 #include "common/base/parallel.h"
 #include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
+#include "common/cli/options.h"
 #include "common/image/png.h"
 
 namespace shadowcache {

@@ -12,6 +12,7 @@
 #include "common/base/option_checks.h"
 #include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
+#include "common/cli/options.h"
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;

@@ -13,7 +13,8 @@
 #include "common/base/report_failure.h"
 #include "common/base/text_streams.h"
 #include "common/cli/command_line.h"
-#include "common/import/mesh_options.h"
+#include "common/cli/options.h"
+#include "common/command/shot_arguments.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/frames.h"
 #include "render/farm/farm_files.h"
@@ -22,36 +23,20 @@ namespace shadowcache {
 namespace {
 
 struct Arguments {
-    std::vector<std::filesystem::path> files;
-    std::string up = "y", camera, frames, size, pictures, bakeWith, scheduler;
-    double scale = 1, fps = 24;
-    std::vector<std::string> dynamic;
+    ShotArguments shot;
+    std::string pictures, bakeWith;
+    const FarmScheduler* scheduler = nullptr;
     FarmJob job;
     std::filesystem::path folder;
     int threads = 0;
-    std::optional<int> setFrame;
-    bool allowExternal = false;
 };
 
 void define(CLI::App& app, Arguments& a) {
     const std::string shot = "Shot";
-    addSetOptions(app, a.files, a.up, a.scale, a.setFrame, a.allowExternal, shot);
-    app.add_option("--camera", a.camera,
-                   "Camera file (JSON), or the name of a camera in a glTF set")
-        ->required()
-        ->group(shot);
-    app.add_option("--frames", a.frames, "Frames of the shot: A, A-B or A-BxSTEP, joined by commas")
-        ->required()
-        ->group(shot);
-    app.add_option("--fps", a.fps, "Frames per second of a glTF set's animations")
-        ->capture_default_str()
-        ->group(shot);
-    app.add_option("--size", a.size, "Size of the pictures in pixels: WxH [960x540]")->group(shot);
-    app.add_option("--dynamic", a.dynamic,
-                   "FILE or FILE@TRACK.json: a moving object, as shadowcache-render has it")
-        ->take_all()
-        ->allow_extra_args(false)
-        ->group(shot);
+    addSetOptions(app, a.shot, shot, shot);
+    addShotOptions(app, a.shot, shot);
+    app.get_option("--camera")->required();
+    app.get_option("--frames")->required();
     const std::string work = "Work";
     app.add_option("--bake-shards", a.job.shards, "Tasks of the bake, 1 to 10000")
         ->capture_default_str()
@@ -64,9 +49,10 @@ void define(CLI::App& app, Arguments& a) {
     const std::string output = "Output";
     std::vector<std::string> names;
     for (const FarmScheduler& scheduler : farmSchedulers()) names.emplace_back(scheduler.name);
-    app.add_option("--for", a.scheduler, "What runs the job: a scheduler")
+    addWordOption(
+        app, "--for", names, [&a](std::size_t i) { a.scheduler = &farmSchedulers()[i]; },
+        "What runs the job: a scheduler")
         ->required()
-        ->check(CLI::IsMember(names))
         ->group(output);
     app.add_option("-o,--output", a.folder,
                    "Folder of the job, on a disk that all machines share, for scripts, logs, the "
@@ -109,35 +95,40 @@ void refuseOurOptions(const std::vector<std::string>& words, const char* where) 
                             ": set by shadowcache-farm itself, expected other options");
 }
 
-FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
-    requireScale(a.scale);
-    requireRange("fps", a.fps, 1e-3, 1e6);
-    FarmJob job = a.job;
-    for (const auto& file : a.files) job.set.push_back(file.string());
-    job.sources = a.files;
-    CameraOptions camera;
-    camera.name = a.camera;
-    if (camera.isFile()) job.sources.emplace_back(a.camera);
+/// The words that bake and render have in common.
+std::vector<std::string> commonWords(const ShotArguments& shot) {
+    meshOptionsOf(shot);  // refuses what is out of range
+    sizeOf(shot);
+    std::vector<std::string> words;
+    for (const auto& file : shot.files) words.push_back(file.string());
     const auto add = [&](const char* option, const std::string& value) {
-        job.set.insert(job.set.end(), {option, value});
+        words.insert(words.end(), {option, value});
     };
-    if (a.up != "y") add("--up", a.up);
-    if (a.scale != 1) add("--scale", numberText(a.scale));
-    if (a.setFrame) add("--set-frame", std::to_string(*a.setFrame));
-    if (a.allowExternal) job.set.emplace_back("--allow-external");
-    add("--camera", a.camera);
-    if (a.fps != 24) add("--fps", numberText(a.fps));
-    if (!a.size.empty()) {
-        parsePair("--size", a.size, "WxH, as in 960x540");
-        add("--size", a.size);
-    }
-    for (const std::string& moving : a.dynamic) add("--dynamic", moving);
+    const ShotArguments standard;
+    if (shot.zUp) add("--up", "z");
+    if (shot.scale != standard.scale) add("--scale", numberText(shot.scale));
+    if (shot.setFrame) add("--set-frame", std::to_string(*shot.setFrame));
+    if (shot.allowExternal) words.emplace_back("--allow-external");
+    add("--camera", shot.camera);
+    if (shot.fps != standard.fps) add("--fps", numberText(shot.fps));
+    if (shot.size != standard.size) add("--size", shot.size);
+    for (const std::string& moving : shot.dynamic) add("--dynamic", moving);
+    return words;
+}
+
+FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
+    FarmJob job = a.job;
+    job.set = commonWords(a.shot);
+    job.sources = a.shot.files;
+    CameraOptions camera;
+    camera.name = a.shot.camera;
+    if (camera.isFile()) job.sources.emplace_back(a.shot.camera);
     TextReader words(a.bakeWith);
     for (std::string word; words >> word;) job.bakeOnly.push_back(word);
     refuseOurOptions(job.bakeOnly, "--bake-with");
     refuseOurOptions(forRenderer, "--");
     job.renderOnly = std::move(forRenderer);
-    job.frames = parseFrames(a.frames);
+    job.frames = parseFrames(a.shot.frames);
     job.pictures = a.pictures;
     if (!a.pictures.empty()) {
         requireExtension(a.pictures, ".exr");
@@ -154,13 +145,11 @@ void run(const Arguments& a, std::vector<std::string> forRenderer) {
     place.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
     place.threads = a.threads;
     const FarmPlan plan = makePlan(jobOf(a, std::move(forRenderer)), place);
-    const auto& all = farmSchedulers();
-    const auto scheduler = std::ranges::find(all, a.scheduler, &FarmScheduler::name);
-    writeFarm(plan, *scheduler);
+    writeFarm(plan, *a.scheduler);
     for (const FarmStep& step : plan.steps)
         std::printf("%s: %zu task%s\n", step.name.c_str(), step.values.size(),
                     step.values.size() == 1 ? "" : "s");
-    std::printf("-> %s: %s\n", a.folder.c_str(), scheduler->submit);
+    std::printf("-> %s: %s\n", a.folder.c_str(), a.scheduler->submit);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "common/base/exit_status.h"
 #include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
+#include "common/cli/options.h"
 #include "scenes/sets.h"
 
 /// Writes one of the bundled sets: shadowcache-make-set courtyard|scatter -o FILE
@@ -13,13 +14,14 @@ int main(int argc, char** argv) try {
     CLI::App app("Writes a bundled set (+Y up, metres) and a camera that moves through it.",
                  "shadowcache-make-set");
     shadowcache::beginCommandLine(app);
-    std::string name;
+    bool scatter = false;
     std::string output;
     std::string camera;
     std::int64_t triangles = 1'000'000;
-    app.add_option("set", name, "courtyard or scatter")
-        ->required()
-        ->check(CLI::IsMember({"courtyard", "scatter"}));
+    shadowcache::addWordOption(
+        app, "set", {"courtyard", "scatter"}, [&](std::size_t i) { scatter = i == 1; },
+        "courtyard or scatter")
+        ->required();
     app.add_option("-o,--output", output,
                    "the set: .ply, or, for the courtyard, .glb, with materials")
         ->required();
@@ -33,7 +35,7 @@ int main(int argc, char** argv) try {
     if (const auto status = shadowcache::parseCommandLine(app, argc, argv)) return *status;
 
     const bool glb = std::filesystem::path(output).extension() == ".glb";
-    if (name == "scatter") {
+    if (scatter) {
         if (glb) throw shadowcache::Error(output + ": the scattered set is written as PLY only");
         scenes::writeScatter(output, triangles);
         if (!camera.empty())

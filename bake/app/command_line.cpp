@@ -1,29 +1,28 @@
 #include "bake/app/command_line.h"
 
 #include <CLI/CLI.hpp>
-#include <regex>
+#include <charconv>
 
 #include "common/base/error.h"
 #include "common/cli/command_line.h"
+#include "common/cli/options.h"
+#include "common/command/shot_arguments.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// The shot's options as the command line has them.
-struct ShotArguments {
-    std::string size = "960x540";
-    std::vector<std::string> dynamic;
-};
-
 /// "K/N" -> shard K - 1 of N.
 void parseShard(const std::string& text, BakeOptions& options) {
-    static const std::regex wanted(R"((\d{1,8})/(\d{1,8}))");
-    std::smatch match;
-    if (!std::regex_match(text, match, wanted))
-        throw Error("--shard " + text + ": expected K/N, as in 2/8");
-    options.shard = std::stoi(match[1]) - 1;
-    options.shards = std::stoi(match[2]);
+    const char* const end = text.data() + text.size();
+    int part = 0;
+    const auto [slash, first] = std::from_chars(text.data(), end, part);
+    if (first == std::errc() && slash != end && *slash == '/') {
+        const auto [stop, second] = std::from_chars(slash + 1, end, options.shards);
+        options.shard = part - 1;
+        if (second == std::errc() && stop == end && part >= 0 && options.shards >= 0) return;
+    }
+    throw Error("--shard " + text + ": expected K/N, as in 2/8");
 }
 
 void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform, bool& noTransport) {
@@ -46,10 +45,8 @@ void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform, 
     app.add_flag("--no-transport", noTransport,
                  "Leave out which items the rays of each item met, which bounced light uses")
         ->group(group);
-    app.add_option("--seed", job.bake.seed,
-                   "Random seed; caches of different seeds merge into a better one")
-        ->check(notIn64Bits)
-        ->capture_default_str()
+    addSeedOption(app, job.bake.seed,
+                  "Random seed; caches of different seeds merge into a better one")
         ->group(group);
     app.add_option("--shard", shard,
                    "Bake part K of N of the set; shadowcache-merge joins the parts")
@@ -57,36 +54,17 @@ void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform, 
 }
 
 void defineShot(CLI::App& app, BakeJob& job, ShotArguments& shot) {
-    const std::string group = "Shot";
-    auto* camera = app.add_option("--camera", job.shot.camera.name,
-                                  "Bake only what the pictures of this camera look up: a camera "
-                                  "file (JSON), or the name of a camera in a glTF set")
-                       ->group(group);
-    app.add_option("--frames", job.shot.frames,
-                   "Frames of the shot: A, A-B or A-BxSTEP, joined by commas")
-        ->needs(camera)
-        ->capture_default_str()
-        ->group(group);
-    app.add_option("--size", shot.size, "Size of its pictures in pixels: WxH")
-        ->needs(camera)
-        ->capture_default_str()
-        ->group(group);
+    const std::string group = "Shot: bake only what its pictures look up";
+    addShotOptions(app, shot, group);
+    auto* camera = app.get_option("--camera");
+    for (const char* name : {"--frames", "--fps", "--size", "--dynamic"})
+        app.get_option(name)->needs(camera);
+    app.get_option("--frames")->default_str(job.shot.frames);
     app.add_option("--margin", job.shot.margin,
                    "Voxels to bake around those that are looked up, 0 to 64, for cameras that may "
                    "still move")
         ->needs(camera)
         ->capture_default_str()
-        ->group(group);
-    app.add_option("--fps", job.shot.fps, "Frames per second of a glTF set's animations")
-        ->needs(camera)
-        ->capture_default_str()
-        ->group(group);
-    app.add_option("--dynamic", shot.dynamic,
-                   "FILE or FILE@TRACK.json: a moving object of the shot, as shadowcache-render "
-                   "has it; not baked")
-        ->take_all()
-        ->allow_extra_args(false)
-        ->needs(camera)
         ->group(group);
     auto* only = app.add_flag("--lookups-only", job.lookupsOnly,
                               "Write what the pictures look up to OUTPUT (.lookups), and no cache")
@@ -150,12 +128,11 @@ constexpr const char* kFooter =
 std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     CLI::App app("Bakes the visibility of a static set into a sparse OpenVDB file.",
                  "shadowcache-bake");
-    std::string up = "y", shard, memory;
-    bool uniform = false, noTransport = false, allowExternal = false;
-    std::optional<int> setFrame;
+    std::string shard, memory;
+    bool uniform = false, noTransport = false;
     ShotArguments shot;
     beginCommandLine(app);
-    addSetOptions(app, job.files, up, job.mesh.scale, setFrame, allowExternal, "Set");
+    addSetOptions(app, shot, "Set", "Set");
     defineBake(app, job, shard, uniform, noTransport);
     defineShot(app, job, shot);
     defineOutput(app, job, memory);
@@ -167,12 +144,14 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     job.bake.adaptive = !uniform;
     job.bake.transport = !noTransport;
     if (!shard.empty()) parseShard(shard, job.bake);
-    job.shot.size = parsePair("--size", shot.size, "WxH, as in 960x540");
-    for (const std::string& text : shot.dynamic) job.shot.dynamic.push_back(parseDynamic(text));
+    job.files = shot.files;
+    job.mesh = meshOptionsOf(shot, job.mesh);
+    job.shot.camera.name = shot.camera;
+    if (!shot.frames.empty()) job.shot.frames = shot.frames;
+    job.shot.fps = shot.fps;
+    job.shot.size = sizeOf(shot);
+    job.shot.dynamic = dynamicFilesOf(shot);
     if (!memory.empty()) job.memory = parseSize("--memory", memory);
-    job.mesh.zUp = up == "z";
-    job.mesh.stillAt = timeOf(setFrame, job.shot.fps);
-    if (allowExternal) job.mesh.references = References::anywhere;
     job.settings = settingsOf(app);
     return std::nullopt;
 }

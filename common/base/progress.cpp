@@ -31,11 +31,6 @@ std::int64_t intervalOf(ProgressStyle style) {
 
 }  // namespace
 
-const std::vector<std::string>& progressStyleNames() {
-    static const std::vector<std::string> names{"none", "bar", "lines", "json"};
-    return names;
-}
-
 void setProgressStyle(ProgressStyle style, std::optional<std::int64_t> milliseconds) {
     chosenStyle = style;
     chosenInterval = milliseconds;

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "common/base/interrupt.h"
+#include "common/base/named.h"
 
 namespace shadowcache {
 
@@ -19,8 +19,11 @@ enum class ProgressStyle {
     json    ///< {"task":"bake","done":4,"total":10,"seconds":8.0,"left":12.0} a line, for programs
 };
 
-/// As --progress has them, in the order of ProgressStyle.
-const std::vector<std::string>& progressStyleNames();
+/// As --progress has them.
+inline constexpr Named<ProgressStyle> kProgressStyles[] = {{"none", ProgressStyle::none},
+                                                           {"bar", ProgressStyle::bar},
+                                                           {"lines", ProgressStyle::lines},
+                                                           {"json", ProgressStyle::json}};
 
 /// Chooses the style of all progress from here on; without a call it is a bar on a terminal, lines
 /// elsewhere.

@@ -2,16 +2,16 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <regex>
+#include <filesystem>
+#include <iterator>
 
 #include "common/base/atomic_file.h"
 #include "common/base/exit_status.h"
 #include "common/base/option_checks.h"
-#include "common/base/progress.h"
 #include "common/base/report_failure.h"
 #include "common/base/suggestion.h"
 #include "common/base/text_streams.h"
@@ -66,9 +66,44 @@ private:
     static constexpr char kNoText = '\1';
 };
 
+/// Shows options of some groups, and of all where it is asked for all.
+class ShortHelp final : public CLI::Formatter {
+public:
+    explicit ShortHelp(std::vector<std::string> groups) : groups_(std::move(groups)) {}
+
+    std::string make_help(const CLI::App* app, std::string name,
+                          CLI::AppFormatMode mode) const override {
+        if (mode == CLI::AppFormatMode::All) return Formatter::make_help(app, name, mode);
+        std::string text = make_description(app);
+        text += make_usage(app, std::move(name));
+        text += make_positionals(app);
+        std::size_t others = 0;
+        for (const std::string& group : app->get_groups()) {
+            const auto options = app->get_options([&](const CLI::Option* option) {
+                return option->get_group() == group && option->nonpositional();
+            });
+            if (group.empty() || options.empty()) continue;
+            if (std::ranges::find(groups_, group) == groups_.end())
+                others += options.size();
+            else
+                text += make_group(group, false, options) + "\n";
+        }
+        text += "--help-all shows " + std::to_string(others) + " more options.\n\n";
+        return text + make_footer(app);
+    }
+
+private:
+    std::vector<std::string> groups_;
+};
+
 void printAndEnd(const std::string& text) {
     std::fputs(text.c_str(), stdout);
     throw CLI::Success();
+}
+
+template <class Kind>
+bool isA(const CLI::ParseError& error) {
+    return dynamic_cast<const Kind*>(&error) != nullptr;
 }
 
 /// The first word of the command line or the settings file that is no option; empty if there is
@@ -78,8 +113,7 @@ std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
     for (const std::string& word : left)
         if (word.starts_with("-") && word.size() > 1) return word.substr(0, word.find('='));
     // Behind an unknown option its value may have been taken for something else.
-    const bool extras = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
-    return extras && !left.empty() ? left.front() : "";
+    return isA<CLI::ExtrasError>(error) && !left.empty() ? left.front() : "";
 }
 
 /// The long option nearest to a mistyped one, with dashes if those were typed; empty if none is
@@ -94,68 +128,53 @@ std::string meantOption(const CLI::App& app, const std::string& word) {
     return name.empty() ? "" : (dashes > 0 ? "--" : "") + name;
 }
 
-/// What stands between literals: of "A1B2" with {"A", "B", ""} it is {"1", "2"}; empty if the text
-/// is not of that form. The first and the last literal begin and end the text. Texts hold what a
-/// user typed, of any length: std::regex would overflow the stack.
-std::vector<std::string> partsBetween(std::string_view text,
-                                      const std::vector<std::string_view>& literals) {
-    if (!text.starts_with(literals.front()) || !text.ends_with(literals.back())) return {};
-    std::vector<std::string> parts;
-    std::size_t at = literals.front().size();
-    for (std::size_t i = 1; i < literals.size(); ++i) {
-        const bool last = i + 1 == literals.size();
-        const std::size_t end =
-            last ? text.size() - literals[i].size() : text.find(literals[i], at);
-        if (end == text.npos || end < at) return {};
-        parts.emplace_back(text.substr(at, end - at));
-        at = end + literals[i].size();
-    }
-    return parts;
-}
-
-/// CLI11's message in the form of ours: "--OPTION VALUE: expected ...".
-std::string messageOf(const CLI::App& app, const CLI::ParseError& error) {
-    const std::string text = error.what();
-    const auto match = [&](const std::vector<std::string_view>& literals) {
-        auto parts = partsBetween(text, literals);
-        // The first is an option's name.
-        if (!parts.empty() && parts[0].find(' ') != std::string::npos) parts.clear();
-        return parts;
-    };
-    if (const auto m = match({"Could not convert: ", " = ", ""}); !m.empty()) {
-        const CLI::Option* option = app.get_option_no_throw(m[0]);
-        const bool whole = option && option->get_type_name().find("INT") != std::string::npos;
-        return m[0] + " " + m[1].substr(m[1].rfind(',') + 1) + ": expected a " +
-               (whole ? "whole " : "") + "number";
-    }
-    if (const auto m = match({"", ": ", " not in {", "}"}); !m.empty()) {
-        std::vector<std::string> choices;
-        std::string listed;
-        TextReader list(m[2]);
-        for (std::string choice; std::getline(list, choice, ',');) {
-            listed += (listed.empty() ? "" : ", ") + choice;
-            choices.push_back(choice);
+/// "--OPTION VALUE: expected a number" of the option whose value is none; empty if there is none.
+std::string wrongNumber(CLI::App& app) {
+    for (CLI::Option* option : app.get_options([](CLI::Option*) { return true; })) {
+        if (option->count() == 0) continue;
+        try {
+            option->run_callback();
+        } catch (const CLI::ConversionError&) {
+            const bool flag = option->get_items_expected_max() == 0;
+            const bool whole = option->get_type_name().find("INT") != std::string::npos;
+            return option->get_name() + " " + option->results().back() + ": expected " +
+                   (flag    ? "true or false"
+                    : whole ? "a whole number"
+                            : "a number");
         }
-        return m[0] + " " + m[1] + ": expected one of " + listed +
-               (m[1].size() > 1 ? suggestion(m[1], choices) : "");
     }
-    if (const auto m = match({"--", ": ", ", expected ", ""}); !m.empty())
-        return "--" + m[0] + " " + m[1] + ": expected " + m[2];
-    if (const auto m = match({"", ": 1 required ", " missing"}); !m.empty())
-        return m[0] + ": expected a value";
-    if (const auto m = match({"", " excludes ", ""}); !m.empty())
-        return m[0] + " cannot be combined with " + m[1];
-    if (const auto m = partsBetween(text, {"", " was not readable (missing?)"}); !m.empty())
-        return m[0] + ": cannot be read";
-    return text;
+    return "";
 }
 
-int reportWrongUsage(const CLI::App& app, const CLI::ParseError& error) {
+/// "--OPTION cannot be combined with --OTHER"; empty if no two options exclude each other.
+std::string excluded(const CLI::App& app) {
+    for (const CLI::Option* option : app.get_options())
+        for (const CLI::Option* other : option->get_excludes())
+            if (option->count() > 0 && other->count() > 0)
+                return option->get_name() + " cannot be combined with " + other->get_name();
+    return "";
+}
+
+/// The error in our form, where CLI11 says it in its own: "--OPTION VALUE: expected ...".
+///
+/// @param last  word of the command line
+std::string messageOf(CLI::App& app, const CLI::ParseError& error, const std::string& last) {
+    std::string text;
+    if (isA<CLI::ConversionError>(error)) text = wrongNumber(app);
+    if (isA<CLI::ExcludesError>(error)) text = excluded(app);
+    if (isA<CLI::FileError>(error))
+        text = app.get_config_ptr()->results().back() + ": cannot be read";
+    if (isA<CLI::ArgumentMismatch>(error) && app.get_option_no_throw(last) != nullptr)
+        text = last + ": expected a value";
+    return text.empty() ? error.what() : text;
+}
+
+int reportWrongUsage(CLI::App& app, const CLI::ParseError& error, const std::string& last) {
     const std::string word = unknownWord(app, error);
     const std::string meant = word.empty() ? "" : meantOption(app, word);
     const std::string cause =
         word.empty()
-            ? messageOf(app, error)
+            ? messageOf(app, error, last)
             : word + ": no such option" + (meant.empty() ? "" : ", did you mean " + meant + "?");
     std::fprintf(stderr, "%s: %s\nRun with --help for more information.\n", app.get_name().c_str(),
                  oneLine(cause).c_str());
@@ -181,48 +200,9 @@ void beginCommandLine(CLI::App& app) {
     app.config_formatter(std::make_shared<SettingsFormat>());
 }
 
-void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std::string& up,
-                   double& scale, std::optional<int>& setFrame, bool& allowExternal,
-                   const std::string& group) {
-    app.add_option("SET", files,
-                   "Geometry files (glTF, OBJ, PLY, STL, OFF, OM); several files form one set")
-        ->required()
-        ->take_all();
-    app.add_option("--up", up, "Up axis of the files: y or z")
-        ->check(CLI::IsMember({"y", "z"}))
-        ->capture_default_str()
-        ->group(group);
-    app.add_option("--scale", scale, "Metres per unit of the files, above 0")
-        ->capture_default_str()
-        ->group(group);
-    app.add_option(
-           "--set-frame", setFrame,
-           "Frame of glTF files in whose pose all of the set stands still [none: what moves "
-           "is rendered in each frame and not baked]")
-        ->group(group);
-    app.add_flag("--allow-external", allowExternal,
-                 "Let glTF and OBJ files name files outside of their folders")
-        ->group(group);
-}
-
-void addThreadsOption(CLI::App& app, int& threads, const std::string& group) {
-    app.add_option("--threads", threads, "Threads; 0: one per core")
-        ->capture_default_str()
-        ->group(group);
-}
-
-void addProgressOption(CLI::App& app, const std::string& group) {
-    const auto choose = [](const std::string& name) {
-        const auto& names = progressStyleNames();
-        setProgressStyle(
-            static_cast<ProgressStyle>(std::ranges::find(names, name) - names.begin()));
-    };
-    app.add_option_function<std::string>(
-           "--progress", choose,
-           "Progress on standard error: none, bar, lines (every ten seconds) or json (one object a "
-           "second) [bar on a terminal, lines elsewhere]")
-        ->check(CLI::IsMember(progressStyleNames()))
-        ->group(group);
+void showInHelp(CLI::App& app, std::vector<std::string> groups) {
+    app.set_help_all_flag("--help-all", "Print all options and exit");
+    app.formatter(std::make_shared<ShortHelp>(std::move(groups)));
 }
 
 std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
@@ -250,7 +230,7 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
     } catch (const CLI::Success& e) {
         return app.exit(e);
     } catch (const CLI::ParseError& e) {
-        return reportWrongUsage(app, e);
+        return reportWrongUsage(app, e, argv[argc - 1]);
     }
     if (!written.empty()) {
         requireExtension(written, ".toml");
@@ -261,35 +241,32 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
 }
 
 std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted) {
-    static const std::regex pair(R"((\d{1,5})[x,](\d{1,5}))");
-    std::smatch match;
-    if (!std::regex_match(text, match, pair))
-        throw Error(std::string(option) + " " + text + ": expected " + wanted);
-    return {std::stoi(match[1]), std::stoi(match[2])};
+    std::array<int, 2> pair{};
+    const char* const end = text.data() + text.size();
+    const auto [middle, first] = std::from_chars(text.data(), end, pair[0]);
+    if (first == std::errc() && middle != end && (*middle == 'x' || *middle == ',')) {
+        const auto [stop, second] = std::from_chars(middle + 1, end, pair[1]);
+        if (second == std::errc() && stop == end && pair[0] >= 0 && pair[1] >= 0) return pair;
+    }
+    throw Error(std::string(option) + " " + text + ": expected " + wanted);
 }
 
 std::uint64_t parseSize(const char* option, const std::string& text) {
-    static const std::regex size(R"((\d{1,15}(?:\.\d{1,15})?)([KMGT]?)(?:i?B)?)",
-                                 std::regex::icase);
-    std::smatch match;
     double bytes = 0;
-    if (std::regex_match(text, match, size)) {
-        const std::string unit = match[2];
-        const std::size_t power =
-            unit.empty() ? 0 : 1 + std::string("KMGT").find(static_cast<char>(unit[0] & ~0x20));
-        bytes = std::stod(match[1]) * std::pow(1024.0, static_cast<double>(power));
+    const char* const end = text.data() + text.size();
+    const char* const unit = std::from_chars(text.data(), end, bytes, std::chars_format::fixed).ptr;
+    std::string rest(unit, end);
+    std::ranges::transform(rest, rest.begin(), [](unsigned char c) { return std::toupper(c); });
+    const std::string units = "KMGT";
+    const std::size_t power = rest.empty() ? units.npos : units.find(rest[0]);
+    if (power != units.npos) {
+        bytes *= std::pow(1024.0, static_cast<double>(power + 1));
+        rest.erase(0, 1);
     }
-    if (!(bytes >= 1 && bytes <= 0x1p62))
+    if (!(bytes >= 1 && bytes <= 0x1p62) || (rest != "" && rest != "B" && rest != "IB"))
         throw Error(std::string(option) + " " + text +
                     ": expected a size in bytes, as in 4G, 1.5G or 512M");
     return static_cast<std::uint64_t>(bytes);
-}
-
-std::string notIn64Bits(const std::string& text) {
-    if (text.starts_with("-")) return text + ", expected 0 or more";
-    errno = 0;
-    std::strtoull(text.c_str(), nullptr, 10);
-    return errno == ERANGE ? text + ", expected below 2^64" : "";
 }
 
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app) {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,28 +10,21 @@
 
 namespace CLI {  // NOLINT(readability-identifier-naming)
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace shadowcache {
 
 // What the programs' command lines share: --version, settings files, man page, completion, and
 // error messages that suggest the option nearest to a mistyped one. Each program defines its own
-// options.
+// options, with those of options.h among them.
 
 /// Call before the options are defined. Of an option given twice the last value counts, so that
 /// scripts can append to a command line.
 void beginCommandLine(CLI::App& app);
 
-/// Defines SET, --up, --scale, --set-frame and --allow-external, which say what a set is read from.
-void addSetOptions(CLI::App& app, std::vector<std::filesystem::path>& files, std::string& up,
-                   double& scale, std::optional<int>& setFrame, bool& allowExternal,
-                   const std::string& group);
-
-/// Defines --threads.
-void addThreadsOption(CLI::App& app, int& threads, const std::string& group);
-
-/// Defines --progress, which takes effect as it is parsed.
-void addProgressOption(CLI::App& app, const std::string& group);
+/// Divides the help: --help shows the options of these groups, --help-all those of all groups.
+void showInHelp(CLI::App& app, std::vector<std::string> groups);
 
 /// Parses the command line once all options are defined; writes the settings file if requested.
 ///
@@ -52,10 +44,6 @@ std::uint64_t parseSize(const char* option, const std::string& text);
 ///
 /// @throws Error "OPTION TEXT: expected WANTED"
 std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted);
-
-/// Error text for a number that 64 bits without a sign do not hold, else empty; for
-/// CLI::Option::check, as CLI11 would convert -1 and 2^64 to 2^64 - 1.
-std::string notIn64Bits(const std::string& text);
 
 /// Every option's name and value as given or defaulted, except those that do not affect the
 /// result.

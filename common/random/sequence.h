@@ -4,12 +4,19 @@
 #include <span>
 
 #include "common/base/hash.h"
+#include "common/base/named.h"
 
 namespace shadowcache {
 
 /// Where numbers in [0, 1) come from: Owen-scrambled Sobol' points; hashes; or Hammersley points
 /// with the radical inverse of Larcher and Pillichshammer, randomised by XOR or by a shift.
 enum class Sequence { sobol, random, larcherXor, larcherShift };
+
+/// As --sequence has them.
+inline constexpr Named<Sequence> kSequences[] = {{"sobol", Sequence::sobol},
+                                                 {"random", Sequence::random},
+                                                 {"larcher-xor", Sequence::larcherXor},
+                                                 {"larcher-shift", Sequence::larcherShift}};
 
 /// Dimensions that owenSobol offers.
 inline constexpr int kSobolDimensions = 4;

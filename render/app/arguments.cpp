@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <regex>
+#include <vector>
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
@@ -21,8 +22,9 @@ constexpr double kLeastTargetError = 1e-14;
 /// Samples of a camera ray where --target-error chooses the camera rays.
 constexpr int kTargetErrorSamples = 4;
 
-/// Camera rays of a pixel of a preview, with one sample each.
-constexpr int kPreviewCameraRays = 4;
+/// Shadow rays of a pixel: of a picture that is delivered, and of a preview.
+constexpr int kStandardRays = 64;
+constexpr int kPreviewRays = 4;
 
 /// "A,B,C" -> finite numbers, as many as `count`.
 std::vector<double> parseNumbers(const char* option, const std::string& text, std::size_t count,
@@ -48,11 +50,18 @@ Vec3d parseVector(const char* option, const std::string& text, const char* wante
 
 /// "X,Y,WxH".
 FilmRectangle parseCrop(const std::string& text) {
-    static const std::regex crop(R"((\d{1,5}),(\d{1,5}),(\d{1,5})x(\d{1,5}))");
-    std::smatch match;
-    if (!std::regex_match(text, match, crop))
-        throw Error("--crop " + text + ": expected X,Y,WxH, as in 100,50,320x180");
-    return {std::stoi(match[1]), std::stoi(match[2]), std::stoi(match[3]), std::stoi(match[4])};
+    std::array<int, 4> numbers{};
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const auto [stop, error] = std::from_chars(at, end, numbers[i]);
+        const char wanted = ",,x"[i];
+        if (error != std::errc() || numbers[i] < 0 || (wanted == 0) != (stop == end) ||
+            (stop != end && *stop != wanted))
+            throw Error("--crop " + text + ": expected X,Y,WxH, as in 100,50,320x180");
+        at = stop + 1;
+    }
+    return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
 /// A number of bounces, or "unlimited".
@@ -88,16 +97,25 @@ Gloss parseMaterial(const std::string& text) {
     return gloss;
 }
 
-std::ptrdiff_t placeOf(const std::string& name, const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), name) - names.begin();
+/// The camera rays of a pixel, and the samples of each.
+void chooseRays(const Arguments& arguments, RenderOptions& render) {
+    if (arguments.targetError) {
+        render.cameraRays = 1;
+        render.samples = arguments.samples.value_or(kTargetErrorSamples);
+    } else if (arguments.samples || arguments.cameraRays) {
+        render.cameraRays = arguments.cameraRays.value_or(1);
+        render.samples = arguments.samples.value_or(1);
+    } else {
+        const int rays = arguments.spp.value_or(arguments.preview ? kPreviewRays : kStandardRays);
+        requireRange("spp", rays, arguments.preview ? 0 : 1, kMostCameraRays);
+        render.cameraRays = std::max(1, rays);
+        render.samples = std::min(1, rays);
+    }
+    // Without samples the prediction remains, and nothing to filter.
+    render.preview = arguments.preview && render.samples > 0;
 }
 
 }  // namespace
-
-const std::vector<std::string>& sequenceNames() {
-    static const std::vector<std::string> names{"sobol", "random", "larcher-xor", "larcher-shift"};
-    return names;
-}
 
 RenderJob jobOf(const Arguments& arguments) {
     RenderJob job = arguments.job;
@@ -105,7 +123,11 @@ RenderJob jobOf(const Arguments& arguments) {
         job.camera.eye = parseVector("--eye", arguments.eye, "X,Y,Z");
         job.camera.lookAt = parseVector("--look-at", arguments.target, "X,Y,Z");
     }
-    job.mesh.shadingNormals = arguments.normals == "shading";
+    job.files = arguments.shot.files;
+    job.mesh = meshOptionsOf(arguments.shot, job.mesh);
+    job.camera.name = arguments.shot.camera;
+    job.fps = arguments.shot.fps;
+    job.dynamic = dynamicFilesOf(arguments.shot);
     if (!(job.mesh.smoothDegrees >= 0 && job.mesh.smoothDegrees <= 180))
         throw Error("--smooth " + std::to_string(job.mesh.smoothDegrees) +
                     ": expected an angle from 0 to 180 degrees");
@@ -113,37 +135,27 @@ RenderJob jobOf(const Arguments& arguments) {
         throw Error(
             "--smooth makes shading normals, --normals geometric has none: expected one of them");
     if (!arguments.memory.empty()) job.memory = parseSize("--memory", arguments.memory);
-    for (const std::string& text : arguments.dynamic) job.dynamic.push_back(parseDynamic(text));
-    job.framesGiven = !arguments.frames.empty();
-    if (job.framesGiven) job.frames = parseFrames(arguments.frames);
+    job.framesGiven = !arguments.shot.frames.empty();
+    if (job.framesGiven) job.frames = parseFrames(arguments.shot.frames);
     if (!arguments.shotFrames.empty())
         job.shotFrames = parseFrames(arguments.shotFrames, "--shot-frames");
-    const auto [width, height] = parsePair("--size", arguments.size, "WxH, as in 960x540");
+    const auto [width, height] = sizeOf(arguments.shot);
     job.render.width = width;
     job.render.height = height;
     if (!arguments.crop.empty()) job.render.crop = parseCrop(arguments.crop);
-    job.render.filter = static_cast<FilterKind>(placeOf(arguments.filter, filterNames()));
     if (arguments.targetError) {
         requireRange("target-error", *arguments.targetError, kLeastTargetError, 1e6);
         job.targetError = *arguments.targetError;
-        if (!arguments.samplesGiven) job.render.samples = kTargetErrorSamples;
     }
-    if (job.render.preview) {
-        if (!arguments.samplesGiven) job.render.samples = 1;
-        if (!arguments.cameraRaysGiven) job.render.cameraRays = kPreviewCameraRays;
-    }
-    if (arguments.spp) {
-        requireRange("spp", *arguments.spp, 1, kMostCameraRays);
-        job.render.cameraRays = *arguments.spp;
-        job.render.samples = 1;
-    }
+    chooseRays(arguments, job.render);
+    if (const std::string name = estimatorOf(job).name; arguments.preview && name != "cache")
+        throw Error("--preview: expected --estimator cache, found " + name);
     const bool grey = arguments.albedo.find(',') == std::string::npos;
     job.render.plain.albedo =
         Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])
                  : parseVector("--albedo", arguments.albedo, "one value, or R,G,B"));
     job.render.bounces = arguments.bounces.empty() ? estimatorOf(job).standardBounces()
                                                    : parseBounces(arguments.bounces);
-    job.mesh.gloss = arguments.surfaces == "glossy";
     if (!arguments.material.empty()) job.render.plain.gloss = parseMaterial(arguments.material);
     if (!arguments.material.empty() && !job.mesh.gloss)
         throw Error(
@@ -151,16 +163,10 @@ RenderJob jobOf(const Arguments& arguments) {
             "expected one of them");
     if (!arguments.debug.empty())
         job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
-    job.mesh.zUp = arguments.up == "z";
-    job.mesh.stillAt = timeOf(arguments.setFrame, job.fps);
-    if (arguments.allowExternal) job.mesh.references = References::anywhere;
-    job.sequence = static_cast<Sequence>(placeOf(arguments.sequence, sequenceNames()));
-    job.estimatorOptions.paper.exactConvolution = arguments.convolution == "exact";
     const auto [pixelWidth, pixelHeight] =
         parsePair("--pixel-map", arguments.pixelMap, "WxH, as in 200x100");
     job.estimatorOptions.pixel.width = pixelWidth;
     job.estimatorOptions.pixel.height = pixelHeight;
-    job.estimatorOptions.cache.adaptive = arguments.budget == "adaptive";
     job.estimatorOptions.paper.minLevel =
         std::min(job.estimatorOptions.paper.minLevel, job.estimatorOptions.paper.maxLevel);
     return job;

@@ -2,8 +2,8 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "common/command/shot_arguments.h"
 #include "render/app/job.h"
 
 namespace shadowcache {
@@ -12,21 +12,15 @@ namespace shadowcache {
 /// jobOf() reads.
 struct Arguments {
     RenderJob job;
-    std::string up = "y", frames, shotFrames, size = "960x540", sequence = "sobol",
-                budget = "adaptive", normals = "shading", albedo = "0.5", surfaces = "glossy",
-                material, memory, crop, filter = "blackman-harris", bounces;
-    std::string eye, target, debug, convolution = "table", pixelMap = "200x100";
-    std::vector<std::string> dynamic;
-    bool samplesGiven = false, cameraRaysGiven = false;
-    std::optional<int> spp;  ///< shadow rays a pixel, in place of camera rays and samples
-    std::optional<double> targetError;  ///< relMSE of a frame
-    std::optional<int> setFrame;  ///< of glTF files, in whose pose all of the set stands still
-    bool allowExternal = false;   ///< files of glTF sets outside of their folders
-    bool list = false;            ///< print what the set has, do not render
+    ShotArguments shot;
+    std::string shotFrames, albedo = "0.5", material, memory, crop, bounces;
+    std::string eye, target, debug, pixelMap = "200x100";
+    bool preview = false;
+    std::optional<int> spp;                  ///< shadow rays a pixel
+    std::optional<int> cameraRays, samples;  ///< in place of `spp`
+    std::optional<double> targetError;       ///< relMSE of a frame
+    bool list = false;                       ///< print what the set has, do not render
 };
-
-/// As --sequence has them, in the order of Sequence.
-const std::vector<std::string>& sequenceNames();
 
 /// The job, its texts read. @throws Error naming the option, the text and the form wanted
 RenderJob jobOf(const Arguments& arguments);

@@ -19,7 +19,7 @@ namespace shadowcache {
 /// One run of shadowcache-render, as its command line asks.
 struct RenderJob {
     std::vector<std::filesystem::path> files;
-    MeshOptions mesh;
+    MeshOptions mesh{.shadingNormals = true, .gloss = true};
 
     std::vector<DynamicFile> dynamic;
 

@@ -76,8 +76,6 @@ const EstimatorEntry& validate(const RenderJob& job) {
     if (job.render.samples < entry.minSamples)
         throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
                     " expected at least " + std::to_string(entry.minSamples));
-    if (job.render.preview && name != "cache")
-        throw Error("--preview: expected --estimator cache, found " + name);
     if (job.render.bounces != 0 && entry.inOrder)
         throw Error("--bounces: a pixel of --estimator " + name +
                     " depends on the pixels before it; expected --bounces 0");

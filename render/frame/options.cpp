@@ -14,11 +14,6 @@ constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 // Their numbers have 32 bits.
 constexpr std::int64_t kMostPixelSamples = std::int64_t{1} << 31;
 
-const std::vector<std::string>& filterNames() {
-    static const std::vector<std::string> names{"box", "gaussian", "blackman-harris"};
-    return names;
-}
-
 void validate(const RenderOptions& options) {
     requireRange("size (width)", options.width, 1, 65536);
     requireRange("size (height)", options.height, 1, 65536);
@@ -34,8 +29,6 @@ void validate(const RenderOptions& options) {
     if (std::int64_t{width} * height > kMaxPixels)
         throw Error(size + ": expected at most " + std::to_string(kMaxPixels) + " pixels");
     requireRange("samples", options.samples, 0, kMostSamples);
-    if (options.preview && options.samples == 0)
-        throw Error("--preview with --samples 0: expected at least 1, or --samples 0 alone");
     requireRange("camera-rays", options.cameraRays, 1, kMostCameraRays);
     if (std::int64_t{options.cameraRays} * options.samples > kMostPixelSamples)
         throw Error("--camera-rays " + std::to_string(options.cameraRays) + " with --samples " +

@@ -2,9 +2,8 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <vector>
 
+#include "common/base/named.h"
 #include "common/mesh/looks.h"
 #include "render/bounces/bounce_task.h"
 
@@ -15,6 +14,11 @@ inline constexpr int kMostCameraRays = 65536;
 
 /// How the light that reaches a pixel is weighted around its centre.
 enum class FilterKind { box, gaussian, blackmanHarris };
+
+/// As --filter has them.
+inline constexpr Named<FilterKind> kFilters[] = {{"box", FilterKind::box},
+                                                 {"gaussian", FilterKind::gaussian},
+                                                 {"blackman-harris", FilterKind::blackmanHarris}};
 
 /// Pixels of a film; x and y are those of the upper left one.
 struct FilmRectangle {
@@ -35,7 +39,7 @@ struct RenderOptions {
     float clampIndirect = 0;    ///< BounceOptions::clamp
     bool sharedBounces = true;  ///< BounceOptions::shared
     std::uint64_t seed = 1;
-    bool preview = false;  ///< filter what the estimate adds to the prediction: biased
+    bool preview = false;  ///< filter what the samples add to the prediction: biased
     bool insight =
         false;          ///< keep what the cache predicts at each place, for the AOVs that show it
     PlainLook plain{};  ///< of what has no material and no vertex colours
@@ -43,9 +47,6 @@ struct RenderOptions {
     /// What is rendered of the frame.
     FilmRectangle region() const { return crop.value_or(FilmRectangle{0, 0, width, height}); }
 };
-
-/// Names of the filters, in the order of FilterKind.
-const std::vector<std::string>& filterNames();
 
 /// @throws Error naming the option, the value and the range allowed
 void validate(const RenderOptions& options);

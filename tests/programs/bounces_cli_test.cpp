@@ -50,15 +50,15 @@ TEST_F(BouncesCli, AreFourUnlessOthersAreAskedFor) {
 TEST_F(BouncesCli, ArePredictedByTheTransportInTheCache) {
     bake();
     const auto predicted =
-        runWell("render", still("--cache set.vdb --samples 0 --bounces 4 -o preview.exr"));
+        runWell("render", still("--cache set.vdb --preview --samples 0 --bounces 4 -o preview.exr"));
     EXPECT_NE(predicted.out.find(" 0.0 M shadow rays in"), std::string::npos) << predicted.out;
-    runWell("render", still("--cache set.vdb --samples 0 --bounces 0 -o direct.exr"));
+    runWell("render", still("--cache set.vdb --preview --samples 0 --bounces 0 -o direct.exr"));
     EXPECT_GT(light("preview.exr"), 1.005 * light("direct.exr"));
     runWell("bake", "set.obj -o bare.vdb --spacing 0.25 --level 3 --no-transport");
     const auto unpredicted =
         runWell("render", still("--cache bare.vdb --bounces 4 -o unpredicted.exr"));
     EXPECT_NE(unpredicted.out.find("holds no transport"), std::string::npos) << unpredicted.out;
-    expectRefusal(run("render", still("--cache bare.vdb --samples 0 --bounces 4 -o new.exr")),
+    expectRefusal(run("render", still("--cache bare.vdb --preview --samples 0 --bounces 4 -o new.exr")),
                   "render", "bare.vdb", "--no-transport");
 }
 

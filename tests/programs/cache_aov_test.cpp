@@ -75,7 +75,7 @@ TEST_F(CacheAov, MoreSamplesExpectLessNoise) {
     EXPECT_GT(few, 0);
     // Each run has a pilot of its own, whose corrections depend on no number of samples.
     EXPECT_NEAR(few / mean(channel("b.exr", "expected_noise.Y")), 2, 0.01);
-    run("render", still(options + "-o c.exr --samples 0"));
+    run("render", still(options + "-o c.exr --preview --samples 0"));
     EXPECT_EQ(mean(channel("c.exr", "expected_noise.Y")), 0) << "a preview has none";
 }
 

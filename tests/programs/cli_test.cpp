@@ -138,7 +138,7 @@ TEST_F(Cli, BiasIsSaid) {
     for (const char* name : {"mis", "pixel", "paper-image", "cache"})
         EXPECT_EQ(biasOf(std::string("--triangles 100 --estimator ") + name), "none") << name;
     for (const char* name : {"pixel-printed", "preconvolved", "ambient-occlusion",
-                             "ambient-occlusion-cached", "lights", "cache --samples 0"})
+                             "ambient-occlusion-cached", "lights", "cache --preview --samples 0"})
         EXPECT_NE(biasOf(std::string("--estimator ") + name), "none") << name;
 }
 

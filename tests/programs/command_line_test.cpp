@@ -45,8 +45,43 @@ TEST_F(CommandLine, HelpIsGroupedAndHasExamples) {
         EXPECT_EQ(help.find("--man-page"), std::string::npos) << "hidden";
     }
     const std::string help = runWell("render", "--help").out;
-    for (const char* group : {"Scene:", "Camera:", "Estimator:", "Output:"})
+    for (const char* group : {"Set and light:", "Camera:", "Quality:", "Output:"})
         EXPECT_NE(help.find(group), std::string::npos) << group;
+}
+
+TEST_F(CommandLine, HelpShowsWhatAShotNeedsAndHelpAllEverything) {
+    const std::string help = runWell("render", "--help").out;
+    const std::string all = runWell("render", "--help-all").out;
+    for (const char* option : {"--env ", "--camera ", "--spp ", "--cache ", "--preview "})
+        EXPECT_NE(help.find(option), std::string::npos) << option;
+    for (const char* option :
+         {"\n  --estimator ", "\n  --triangles ", "\n  --lights ", "\n  --pass-rays "}) {
+        EXPECT_EQ(help.find(option), std::string::npos) << option;
+        EXPECT_NE(all.find(option), std::string::npos) << option;
+    }
+    const auto options = [](const std::string& text) {
+        std::istringstream lines(text);
+        int count = 0;
+        for (std::string line; std::getline(lines, line);) count += line.starts_with("  -") ? 1 : 0;
+        return count;
+    };
+    EXPECT_LE(options(help), 30);
+    const int more = options(all) - options(help);
+    EXPECT_NE(help.find("--help-all shows " + std::to_string(more) + " more"), std::string::npos);
+}
+
+TEST_F(CommandLine, SixtyFourShadowRaysUnlessSaidOtherwise) {
+    const std::string view = "set.obj --env map.exr --eye 1,1.5,2 --look-at 0,0.3,0 --size 6x4 ";
+    const auto rays = [&](const std::string& options) {
+        runWell("render", view + options + " -o a.exr");
+        const auto metadata = readExr(path("a.exr")).metadata;
+        return metadata.at("shadowcache:camera-rays") + "x" + metadata.at("shadowcache:samples");
+    };
+    EXPECT_EQ(rays(""), "64x1");
+    EXPECT_EQ(rays("--spp 16"), "16x1");
+    EXPECT_EQ(rays("--samples 16"), "1x16");
+    EXPECT_EQ(rays("--camera-rays 16"), "16x1");
+    EXPECT_EQ(rays("--camera-rays 2 --samples 16"), "2x16");
 }
 
 TEST_F(CommandLine, NamesTheOptionThatWasMeant) {
@@ -100,6 +135,23 @@ TEST_F(CommandLine, WrongUsageNamesTheProgramAndTheOption) {
         EXPECT_TRUE(result.err.starts_with("shadowcache-render: ")) << result.err;
         EXPECT_NE(result.err.find(line.substr(0, line.find(' '))), std::string::npos) << result.err;
         EXPECT_EQ(std::ranges::count(result.err, '\n'), 2) << "the cause, and --help";
+    }
+    const std::pair<const char*, const char*> causes[]{
+        {"--samples many", "--samples many: expected a whole number"},
+        {"--exposure x1", "--exposure x1: expected a number"},
+        {"--seed -1", "--seed -1: expected a whole number from 0 to below 2^64"},
+        {"--seed 18446744073709551616", "expected a whole number from 0 to below 2^64"},
+        {"--up x", "--up x: expected one of y, z"},
+        {"--filter gausian", "expected one of box, gaussian, blackman-harris, did you mean"},
+        {"--aov depth,norml", "--aov norml: expected one of "},
+        {"--spp 4", "--spp cannot be combined with --samples"},
+        {"--seed", "--seed: expected a value"},
+        {"--png=maybe", "--png maybe: expected true or false"},
+        {"--config none.toml", "none.toml: cannot be read"}};
+    for (const auto& [line, cause] : causes) {
+        const ProgramRun result = run("render", still("-o a.exr " + std::string(line)));
+        EXPECT_EQ(result.status, 2) << line;
+        EXPECT_NE(result.err.find(cause), std::string::npos) << line << ": " << result.err;
     }
     const ProgramRun missing = run("bake", "set.obj");
     EXPECT_TRUE(missing.err.starts_with("shadowcache-bake: --output")) << missing.err;

@@ -14,7 +14,7 @@ using OptionKinds = CliTest;
 
 TEST_F(OptionKinds, AreSaidForAllOptions) {
     for (const Subject& subject : subjects())
-        formsOf(subject, runWell(subject.program, "--help").out);
+        formsOf(subject, runWell(subject.program, helpOf(subject)).out);
 }
 
 /// The control.

@@ -61,7 +61,8 @@ TEST_P(OptionNumbers, AreInRangeOrRefused) {
     const auto& [subject, part] = GetParam();
     bake("--rays 1");
     int tried = 0, done = 0, options = 0;
-    for (const auto& [option, forms] : formsOf(subject, run(subject.program, "--help").out)) {
+    for (const auto& [option, forms] :
+         formsOf(subject, run(subject.program, helpOf(subject)).out)) {
         if (options++ % subject.parts != part) continue;
         for (const std::string& form : forms)
             for (const std::string& number : extremeNumbers()) {

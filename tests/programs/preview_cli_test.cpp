@@ -41,6 +41,10 @@ TEST_F(PreviewCli, ChoosesItsRaysAndSaysThatItIsBiased) {
     EXPECT_TRUE(same(preview, picture("--preview --camera-rays 4 --samples 1")));
     EXPECT_TRUE(same(preview, picture("--preview --spp 4")));
     EXPECT_FALSE(same(preview, picture("--preview --camera-rays 1")));
+    const ExrFile prediction = picture("--preview --spp 0");
+    EXPECT_NE(prediction.metadata.at("shadowcache:bias").find("no rays"), std::string::npos);
+    EXPECT_TRUE(same(prediction, picture("--preview --camera-rays 1 --samples 0")));
+    EXPECT_TRUE(same(prediction, picture("--samples 0")));
     // Control: the estimate of the same rays has noise and no bias.
     const ExrFile estimate = picture("--spp 4");
     EXPECT_EQ(estimate.metadata.at("shadowcache:bias"), "none");
@@ -58,7 +62,7 @@ TEST_F(PreviewCli, IsNearerToAReferenceThanItsEstimate) {
     };
     const double preview = error("--preview");
     EXPECT_LT(preview, error("--spp 4"));
-    EXPECT_LT(preview, error("--camera-rays 4 --samples 0"));
+    EXPECT_LT(preview, error("--preview --camera-rays 4 --samples 0"));
     EXPECT_LT(error("--preview --spp 64"), 0.5 * preview);
 }
 
@@ -75,7 +79,7 @@ TEST_F(PreviewCli, RefusesWhatItCannotKeep) {
     const auto refuses = [&](const std::string& options, const std::string& word) {
         expectRefusal(run("render", view(options + " -o no.exr")), "render", word);
     };
-    refuses("--preview --samples 0", "--preview with --samples 0");
+    refuses("--preview --spp -1", "expected 0 to");
     refuses("--preview --estimator mis", "--estimator cache, found mis");
     // Wrong usage ends with another status.
     for (const char* other : {"--target-error 0.1", "--debug 3,3"}) {

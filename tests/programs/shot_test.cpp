@@ -209,7 +209,7 @@ TEST_F(ShotTest, ACacheOfOtherSidesIsStale) {
     runWell("bake", "b_ss.gltf -o one.vdb --spacing 0.5 --level 1 --rays 1");
     const std::string line =
         "b_ds.gltf --cache one.vdb --env 1,1,1 --eye 1,3,1.001 --look-at 1,0,1 --size 9x5 "
-        "--samples 0 -o a.exr ";
+        "--preview --spp 0 -o a.exr ";
     expectRefusal(run("render", line), "render", "one.vdb", "baked for another set");
     const ProgramRun stale = run("render", line + "--stale-ok");
     EXPECT_EQ(stale.status, 0);

@@ -157,7 +157,7 @@ class Bench:
         if name in VIEWS:
             self.starts[name] = statistics.median(
                 self.run("render/shadowcache-render", [*self.scene(view), "-o", self.path(f"start-{name}.exr"),
-                                                       "--samples", 0, "--size", "8x8"])[0] for _ in range(3))
+                                                       "--preview", "--samples", 0, "--size", "8x8"])[0] for _ in range(3))
 
 
 def pictures(views, arguments, **more):
@@ -183,7 +183,7 @@ def baked(bench, values, seed):
             cache = bench.work / f"{bench.number}.vdb"
         seconds, stats = bench.bake(set_, width, cache, values)
         cost = {"cost": seconds, "rays": stats["rays"]["bake"], "bytes": stats["cache"]["bytes"]}
-        shown = bench.picture(view, ["--samples", 0, "--camera-rays", 16], None, cache)
+        shown = bench.picture(view, ["--preview", "--samples", 0, "--camera-rays", 16], None, cache)
         result[f"{view}, preview"] = {"error": shown["error"], **cost}
         if view == "scatter":
             drawn = bench.picture(view, [*LIGHT, "--seed", seed], None, cache)
@@ -221,7 +221,7 @@ ALL = tuple(VIEWS)
 CASES = {
     "render": (pictures(ALL, LIGHT), SEEDS),
     "uniform": (pictures(ALL, [*LIGHT, "--budget", "uniform"]), SEEDS),
-    "preview": (pictures(ALL, ["--samples", "0", "--camera-rays", "16"]), (1,)),
+    "preview": (pictures(ALL, ["--preview", "--samples", "0", "--camera-rays", "16"]), (1,)),
     "moving": (other("moving"), SEEDS),
     "glossy": (other("glossy"), BASE_SEEDS),
     "antialiased": (other("antialiased"), SEEDS),

@@ -64,6 +64,10 @@ std::vector<Subject> subjects() {
     };
 }
 
+std::string helpOf(const Subject& subject) {
+    return subject.program == "render" ? "--help-all" : "--help";
+}
+
 std::map<std::string, std::vector<std::string>> formsOf(const Subject& subject,
                                                         const std::string& help) {
     auto forms = subject.forms;

@@ -18,7 +18,10 @@ struct Subject {
 /// One subject for every program.
 std::vector<Subject> subjects();
 
-/// The forms in which a program's options hold numbers, by option, of all options that its --help
+/// The option that lists all options of a program.
+std::string helpOf(const Subject& subject);
+
+/// The forms in which a program's options hold numbers, by option, of all options that its help
 /// lists. Fails the test that asks if nothing says whether an option holds numbers.
 std::map<std::string, std::vector<std::string>> formsOf(const Subject& subject,
                                                         const std::string& help);
