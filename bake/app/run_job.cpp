@@ -6,6 +6,7 @@
 #include "bake/app/job_checkpoint.h"
 #include "bake/app/job_identity.h"
 #include "bake/core/cache_part.h"
+#include "bake/core/default_spacing.h"
 #include "bake/core/extend.h"
 #include "bake/core/surface_count.h"
 #include "bake/shot/lookup_file.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "bake/core/default_spacing.h"
 #include "bake/core/finished_items.h"
 #include "bake/core/hit_tracer.h"
 #include "bake/core/item_baker.h"

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-
-#include "common/mesh/mesh.h"
 
 namespace shadowcache {
 
@@ -24,13 +21,5 @@ struct BakeOptions {
 
 /// @throws Error naming the option, the value and the range allowed
 void validate(const BakeOptions& options);
-
-struct SurfaceCount;
-
-/// Spacing that gives a set of this surface and extent a sensible number of items, fewer in
-/// clutter.
-///
-/// @param count  receives the set's surface in such voxels, unless null
-double chooseSpacing(const TriangleMesh& mesh, SurfaceCount* count = nullptr);
 
 }  // namespace shadowcache

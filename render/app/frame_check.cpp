@@ -4,7 +4,8 @@
 #include <cstdio>
 
 #include "common/base/error.h"
-#include "common/cache/cache_items.h"
+#include "render/app/frame_metadata.h"
+#include "render/app/stale_cache.h"
 
 namespace shadowcache {
 
@@ -65,11 +66,6 @@ FrameState stateOfFrame(const RenderJob& job, const Metadata& metadata, int fram
         return !missing && written >= std::filesystem::last_write_time(files.front(), ignored);
     });
     return state == FrameState::done && !all ? FrameState::missing : state;
-}
-
-std::optional<std::uint64_t> cacheFingerprint(const RenderJob& job) {
-    if (job.cache.empty()) return std::nullopt;
-    return readHeader(job.cache).fingerprint;
 }
 
 bool allFramesDone(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,

@@ -14,9 +14,6 @@ namespace shadowcache {
 /// @param metadata  of frameMetadata()
 FrameState stateOfFrame(const RenderJob& job, const Metadata& metadata, int frame);
 
-/// The fingerprint of the job's cache, read from its header. @throws Error
-std::optional<std::uint64_t> cacheFingerprint(const RenderJob& job);
-
 /// Whether every frame exists as the job would render it. @throws Error
 bool allFramesDone(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
                    InputHashes& inputs);

@@ -6,7 +6,6 @@
 #include "common/image/exr.h"
 #include "common/image/image.h"
 #include "render/app/job.h"
-#include "render/app/resume.h"
 #include "render/frame/compare.h"
 #include "render/frame/film.h"
 #include "render/frame/integrator.h"
@@ -22,9 +21,6 @@ void validateOutputs(const RenderJob& job, const EstimatorEntry& entry);
 /// Refuses to write over what the run reads. @throws Error
 void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan);
 
-/// How a job's pictures are biased: "none", or the cause.
-std::string biasOf(const RenderJob& job, const EstimatorEntry& entry);
-
 /// Every file that a frame makes, the EXR first; with --png its pictures.
 std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame);
 
@@ -33,13 +29,6 @@ std::filesystem::path frameFile(const RenderJob& job, int frame);
 
 /// What messages call the frames' files: the file of a single frame, else the name with '####'.
 std::filesystem::path outputName(const RenderJob& job);
-
-/// All metadata of a frame's file but the time it took.
-///
-/// @param fingerprint  of the cache's set; none without a cache
-Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
-                       std::optional<std::uint64_t> fingerprint, const LightPlan::Light& light,
-                       int frame, InputHashes& inputs);
 
 /// Metadata of a frame's file: how it was made.
 struct FrameProgress {

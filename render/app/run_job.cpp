@@ -14,14 +14,15 @@
 #include "common/image/exr.h"
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_reader.h"
-#include "common/mesh/mesh_fingerprint.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/gltf_shot.h"
 #include "render/app/explain.h"
 #include "render/app/frame_check.h"
+#include "render/app/frame_metadata.h"
 #include "render/app/job_output.h"
 #include "render/app/memory_report.h"
 #include "render/app/pixel_report.h"
+#include "render/app/stale_cache.h"
 #include "render/bounces/item_looks.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
@@ -37,21 +38,6 @@ namespace {
 /// Share of the camera rays without cache items up to which the last line does not mention them:
 /// the bake of a shot leaves no more.
 constexpr double kFewWithoutItems = 1e-3;
-
-/// The cache, if it is of this set.
-std::unique_ptr<ShadowCache> openCache(const RenderJob& job, const TriangleMesh& mesh) {
-    if (job.cache.empty()) return nullptr;
-    auto cache = std::make_unique<ShadowCache>(job.cache, job.memory);
-    if (cache->header().fingerprint == fingerprint(mesh)) return cache;
-    if (!job.staleOk)
-        throwFileError(job.cache,
-                       "baked for another set (its fingerprint differs): bake this set, or use the "
-                       "cache with --stale-ok, which is unbiased but noisier");
-    std::fprintf(stderr,
-                 "shadowcache-render: warning: %s: baked for another set; unbiased, but noisier\n",
-                 job.cache.c_str());
-    return cache;
-}
 
 /// Refuses invalid options before the long work starts.
 ///
@@ -119,7 +105,7 @@ public:
         for (GltfShot& shot : shots) shot.dropData();
         if (!moving_->empty())
             std::printf("moving: %zu triangles, not in the cache\n", moving_->triangles());
-        cache_ = openCache(job_, mesh_);
+        cache_ = openCacheOfSet(job_, mesh_);
         const double loaded = secondsNow();
         scene_.emplace(mesh_);
         readBounces();

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "bake/core/options.h"
+#include "bake/core/default_spacing.h"
 #include "bake/core/placement.h"
 #include "bake/core/repeated_triangles.h"
 #include "bake/core/surface_count.h"

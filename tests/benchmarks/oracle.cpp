@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bake/core/default_spacing.h"
 #include "bake/core/item_baker.h"
 #include "common/random/sequence.h"
 #include "render/table/estimator_table.h"

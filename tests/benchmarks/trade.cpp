@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "bake/core/default_spacing.h"
 #include "common/base/process.h"
 #include "tests/benchmarks/bench.h"
 

@@ -1,4 +1,4 @@
-#include "render/farm/shell.h"
+#include "common/farm/shell.h"
 
 #include "common/base/version.h"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "render/farm/plan.h"
+#include "common/farm/plan.h"
 
 namespace shadowcache {
 

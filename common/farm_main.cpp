@@ -17,7 +17,7 @@
 #include "common/command/shot_arguments.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/frames.h"
-#include "render/farm/farm_files.h"
+#include "common/farm/farm_files.h"
 
 namespace shadowcache {
 namespace {

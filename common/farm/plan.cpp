@@ -1,4 +1,4 @@
-#include "render/farm/plan.h"
+#include "common/farm/plan.h"
 
 #include <algorithm>
 

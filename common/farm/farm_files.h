@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "render/farm/plan.h"
+#include "common/farm/plan.h"
 
 namespace shadowcache {
 

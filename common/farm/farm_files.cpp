@@ -1,9 +1,9 @@
-#include "render/farm/farm_files.h"
+#include "common/farm/farm_files.h"
 
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
-#include "render/farm/shell.h"
+#include "common/farm/shell.h"
 
 namespace shadowcache {
 

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "render/farm/farm_files.h"
+#include "common/farm/farm_files.h"
 
 namespace shadowcache {
 

@@ -1,5 +1,5 @@
-#include "render/farm/farm_files.h"
-#include "render/farm/shell.h"
+#include "common/farm/farm_files.h"
+#include "common/farm/shell.h"
 
 namespace shadowcache {
 

@@ -5,9 +5,9 @@
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
-#include "render/farm/farm_files.h"
-#include "render/farm/plan.h"
-#include "render/farm/shell.h"
+#include "common/farm/farm_files.h"
+#include "common/farm/plan.h"
+#include "common/farm/shell.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache {

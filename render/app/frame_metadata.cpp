@@ -1,0 +1,56 @@
+#include "render/app/frame_metadata.h"
+
+#include "common/base/text_streams.h"
+#include "common/base/version.h"
+
+namespace shadowcache {
+
+std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPlan::Light& light) {
+    std::vector<std::filesystem::path> inputs = job.files;
+    for (const DynamicFile& file : job.dynamic) {
+        inputs.push_back(file.mesh);
+        inputs.push_back(file.track);
+    }
+    for (const std::string& text : {job.cache.string(), job.camera.name, light.environment})
+        inputs.emplace_back(text);
+    return inputs;
+}
+
+std::string biasOf(const RenderJob& job, const EstimatorEntry& entry) {
+    if (job.render.preview) return "preview: what rays add to the prediction is filtered";
+    if (job.render.bounces != 0 && job.render.clampIndirect > 0)
+        return "clamp-indirect: bright light that bounces is cut";
+    return biasOf(entry, job.render.samples);
+}
+
+Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
+                       std::optional<std::uint64_t> fingerprint, const LightPlan::Light& light,
+                       int frame, InputHashes& inputs) {
+    Metadata metadata{{"shadowcache:version", kVersion}};
+    for (const auto& [name, value] : job.settings)
+        if (name != "env" && name != "env-rotate" && name != "spp" && name != "camera-rays" &&
+            name != "samples" && name != "bounces")
+            metadata.emplace_back("shadowcache:" + name, value);
+    // --spp, --preview, --target-error and --estimator choose these.
+    metadata.emplace_back("shadowcache:camera-rays", std::to_string(job.render.cameraRays));
+    metadata.emplace_back("shadowcache:bounces", job.render.bounces == kUnlimitedBounces
+                                                     ? "unlimited"
+                                                     : std::to_string(job.render.bounces));
+    metadata.emplace_back("shadowcache:samples", std::to_string(job.render.samples));
+    TextWriter angle;
+    angle.precision(17);
+    angle << light.rotation;
+    metadata.emplace_back("shadowcache:env", light.environment);
+    metadata.emplace_back("shadowcache:env-rotate", angle.str());
+    metadata.emplace_back("shadowcache:bias", biasOf(job, entry));
+    metadata.emplace_back("shadowcache:frame", std::to_string(frame));
+    metadata.emplace_back("shadowcache:inputs", inputs.of(inputsOf(job, light)));
+    if (fingerprint) {
+        TextWriter print;
+        print << std::hex << *fingerprint;
+        metadata.emplace_back("shadowcache:fingerprint", print.str());
+    }
+    return metadata;
+}
+
+}  // namespace shadowcache

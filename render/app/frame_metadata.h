@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/image/exr.h"
+#include "render/app/job.h"
+#include "render/app/resume.h"
+#include "render/shot/light_plan.h"
+
+namespace shadowcache {
+
+// Metadata of a frame's EXR: its settings and inputs, by which --resume and --check know it again.
+
+/// Files whose change makes a picture another one.
+std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPlan::Light& light);
+
+/// How a job's pictures are biased: "none", or the cause.
+std::string biasOf(const RenderJob& job, const EstimatorEntry& entry);
+
+/// All metadata of a frame's file but the time it took.
+///
+/// @param fingerprint  of the cache's set; none without a cache
+Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
+                       std::optional<std::uint64_t> fingerprint, const LightPlan::Light& light,
+                       int frame, InputHashes& inputs);
+
+}  // namespace shadowcache
