@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/base/tuned.h"
-
 namespace shadowcache {
 
 namespace {
 
 /// Least cosine between a piece's normal and the mean of a side that may have layers: rounded edges
 /// may, what folds back may not.
-SHADOWCACHE_TUNED(float, kLeastLayerAgreement, 0.6f);
+constexpr float kLeastLayerAgreement = 0.6f;
 /// Least distance of two layers, in spacings.
-SHADOWCACHE_TUNED(double, kLeastGap, 5e-3);
+constexpr double kLeastGap = 5e-3;
 /// Least area of a layer, in squares of the spacing: leaves of a tree are none.
-SHADOWCACHE_TUNED(double, kLeastLayerArea, 0.2);
+constexpr double kLeastLayerArea = 0.2;
 
 /// What a piece takes up along the side's normal.
 struct Extent {

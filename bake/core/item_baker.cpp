@@ -13,7 +13,7 @@ namespace {
 /// Rays into each region of the first refinement that decide whether its base cell is refined.
 SHADOWCACHE_TUNED(int, kTrialShots, 3);
 /// The same where no pilot ray of the item or of its neighbours disagreed.
-SHADOWCACHE_TUNED(int, kUnmixedShots, 1);
+constexpr int kUnmixedShots = 1;
 /// The same where some did, but too few rays of the item (kFewRays): a small opening may be there.
 SHADOWCACHE_TUNED(int, kSearchShots, 12);
 /// Rays of a base cell that must be visible, and as many occluded, for an analysis of its variance.

@@ -6,7 +6,6 @@
 
 #include "common/base/parallel.h"
 #include "common/base/progress.h"
-#include "common/base/tuned.h"
 #include "common/cache/lookup_weight.h"
 
 namespace shadowcache {
@@ -18,7 +17,7 @@ constexpr std::size_t kPlacesPerChunk = 4096;
 
 /// A side is wanted if one of its patches would have this share of the least weight that an item
 /// is used with: patches that are cut can weigh more than whole.
-SHADOWCACHE_TUNED(float, kShareOfLeast, 0.25f);
+constexpr float kShareOfLeast = 0.25f;
 
 using Bits = std::uint8_t;
 

@@ -18,7 +18,7 @@ SHADOWCACHE_TUNED(float, kChangeErrors, 1);
 SHADOWCACHE_TUNED(float, kRaysAlike, 3);
 
 /// Least area of a subpatch, in areas of the largest, if their rays are to count together.
-SHADOWCACHE_TUNED(float, kAlike, 0.7f);
+constexpr float kAlike = 0.7f;
 
 }  // namespace
 

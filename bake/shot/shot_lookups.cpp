@@ -11,7 +11,6 @@
 
 #include "common/base/parallel.h"
 #include "common/base/progress.h"
-#include "common/base/tuned.h"
 #include "common/cache/lookup_weight.h"
 #include "common/random/salts.h"
 #include "common/shot/view.h"
@@ -21,11 +20,11 @@ namespace shadowcache {
 namespace {
 
 /// Camera rays of the first round; each later one has twice as many as the one before.
-SHADOWCACHE_TUNED(int, kFirstRoundRays, 16384);
+constexpr int kFirstRoundRays = 16384;
 /// A round of whose rays a smaller share finds something new is the last.
-SHADOWCACHE_TUNED(double, kLeastNewShare, 5e-4);
+constexpr double kLeastNewShare = 5e-4;
 /// Camera rays of the last round, at most, as a multiple of the picture's pixels.
-SHADOWCACHE_TUNED(double, kMostRaysAPixel, 2);
+constexpr double kMostRaysAPixel = 2;
 
 /// How far beyond the film's edge pixel filters reach. [pixels]
 constexpr double kFilmBorder = 2;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "common/base/tuned.h"
 #include "common/cache/patch_code.h"
 #include "common/math/vec.h"
 
@@ -12,13 +11,13 @@ namespace shadowcache {
 
 /// Least cosine between the normals of a place and of an item that counts there: up to 60 degrees,
 /// the closer the more.
-inline SHADOWCACHE_TUNED(float, kMinAgreement, 0.5f);
+inline constexpr float kMinAgreement = 0.5f;
 
 /// Inverse of the distance from the plane of an item, in spacings, at which it counts a third.
-inline SHADOWCACHE_TUNED(float, kPlaneFalloff, 5);
+inline constexpr float kPlaneFalloff = 5;
 
 /// Least weight of an item, as a share of the weights of all items of a lookup.
-inline SHADOWCACHE_TUNED(float, kLeastItemShare, 0.03f);
+inline constexpr float kLeastItemShare = 0.03f;
 
 /// Cosine between the normals of a place and of an item, above the least that counts; 0 or below:
 /// the item does not count.

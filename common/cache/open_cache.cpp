@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "common/base/error.h"
-#include "common/base/tuned.h"
 #include "common/cache/cache_items.h"
 #include "common/cache/grid_leaves.h"
 #include "common/cache/lookup_weight.h"
@@ -70,7 +69,7 @@ void keepNearestLayers(FoundItems& items, std::size_t begin) {
 }
 
 /// A depth layer that lies this much nearer to the place, in spacings, is another one.
-SHADOWCACHE_TUNED(float, kSameLayer, 0.05f);
+constexpr float kSameLayer = 0.05f;
 
 /// Subpatches stand for the larger ones of their depth layer as far as they reach: at
 /// the rim of what was cut their weights fall to zero, and the larger ones' rise.

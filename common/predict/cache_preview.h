@@ -2,7 +2,6 @@
 
 #include <array>
 
-#include "common/base/tuned.h"
 #include "common/light/environment.h"
 #include "common/predict/cell_splits.h"
 #include "common/predict/pooled_visibility.h"
@@ -11,7 +10,7 @@ namespace shadowcache {
 
 /// Noise of a cell, as a share of the place's own light, from which on a preview splits it. In
 /// bright places that is more than samples need.
-inline SHADOWCACHE_TUNED(float, kLeastPreviewShare, 8e-3f);
+inline constexpr float kLeastPreviewShare = 8e-3f;
 
 /// Irradiance on a surface, and its rotational gradient. [Ward & Heckbert 1992]
 struct IrradianceWithGradient {

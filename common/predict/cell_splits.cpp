@@ -1,14 +1,12 @@
 #include "common/predict/cell_splits.h"
 
-#include "common/base/tuned.h"
-
 namespace shadowcache {
 
 namespace {
 
 /// Noise of a cell, as a share of the sky's luminance integral, from which on it is split: because
 /// it is partly occluded, or because on the horizon a quadratic replaces the clamped cosine.
-SHADOWCACHE_TUNED(float, kLeastNoise, 5e-4f);
+constexpr float kLeastNoise = 5e-4f;
 
 }  // namespace
 

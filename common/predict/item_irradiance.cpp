@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "common/base/tuned.h"
 #include "common/math/direction_mesh.h"
 
 namespace shadowcache {
@@ -10,17 +9,17 @@ namespace shadowcache {
 namespace {
 
 /// Logarithm to the base 2 of the number of sums that are kept.
-SHADOWCACHE_TUNED(int, kEntryBits, 14);
+constexpr int kEntryBits = 14;
 
 /// Square of the difference of two normals up to which the irradiance at one is extrapolated from
 /// the other: 26 degrees. Beyond that the horizon cuts other cells.
-SHADOWCACHE_TUNED(float, kMostTilt2, 0.2f);
+constexpr float kMostTilt2 = 0.2f;
 
 /// Square up to which normals count as equal: on flat surfaces no gradient is needed.
 constexpr float kLeastTilt2 = 1e-6f;
 
 /// Level of the direction cells whose centroids replace the item's normal beyond that.
-SHADOWCACHE_TUNED(int, kNormalLevel, 2);
+constexpr int kNormalLevel = 2;
 
 /// Unit vectors at the middles of those cells.
 const std::vector<Vec3f>& middles() {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/tuned.h"
 #include "common/math/direction_mesh.h"
 
 namespace shadowcache {
@@ -55,7 +54,7 @@ bool touches(const Cap& cap, const Vec3f& axis, float angle) {
 /// What was visible may be occluded now; what was occluded still is.
 void makeUncertain(PooledBlock& block, int i) {
     /// Share of what was visible that stays so where something moves in front.
-    static SHADOWCACHE_TUNED(float, kStillVisible, 0.75f);
+    static constexpr float kStillVisible = 0.75f;
     if (!(block.visible[i] > 0)) return;
     block.visible[i] *= kStillVisible;
     block.rays[i] = block.rays2[i] = 1;

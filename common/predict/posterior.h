@@ -1,11 +1,9 @@
 #pragma once
 
-#include "common/base/tuned.h"
-
 namespace shadowcache {
 
 /// How strongly a region's parent counts beside its own rays, in rays.
-inline SHADOWCACHE_TUNED(float, kRegionPrior, 0.5f);
+inline constexpr float kRegionPrior = 0.5f;
 
 /// Posterior mean of the visibility of a region in which `visible` of `rays` rays reached the sky,
 /// with the posterior of its parent as the prior. Neither 0 nor 1 unless the prior is.

@@ -23,7 +23,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 SHADOWCACHE_TUNED(std::size_t, kManyTriangles, 300000);
 
 /// Moving sets of more instances are one ball: every ball costs every shading point a little.
-SHADOWCACHE_TUNED(std::size_t, kMostBalls, 16);
+constexpr std::size_t kMostBalls = 16;
 
 /// Number of a ray, of which surfaces that blend make its chance to pass: the same ray, asked
 /// again, passes again.

@@ -10,7 +10,7 @@
 namespace shadowcache {
 
 /// Most camera rays of a pixel that decide how many it gets.
-inline SHADOWCACHE_TUNED(int, kMostSpreadRays, 4);
+inline constexpr int kMostSpreadRays = 4;
 
 /// Which pixels get more camera rays than asked for, and as many fewer samples with each: those
 /// whose camera rays are predicted to see such different things that more rays pay. Decided by

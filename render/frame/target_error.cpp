@@ -19,16 +19,16 @@ namespace {
 SHADOWCACHE_TUNED(int, kTargetPilotRays, 8);
 
 /// Least camera rays of a pixel: fewer leave jagged edges.
-SHADOWCACHE_TUNED(int, kLeastTargetRays, 4);
+constexpr int kLeastTargetRays = 4;
 
 /// Tiles of the frame for each tile of the check.
 SHADOWCACHE_TUNED(std::size_t, kTilesApart, 16);
 
 /// A tile's error counts as at least this share of the mean one: a few rays can miss what is rare.
-SHADOWCACHE_TUNED(double, kLeastTileShare, 0.1);
+constexpr double kLeastTileShare = 0.1;
 
 /// How far the check may move the plan.
-SHADOWCACHE_TUNED(double, kMostPlanCorrection, 8);
+constexpr double kMostPlanCorrection = 8;
 
 constexpr std::uint64_t kPilotSeed = 0x70696c6f74;
 

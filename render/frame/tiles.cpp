@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "common/base/hash.h"
-#include "common/base/tuned.h"
 #include "common/random/salts.h"
 
 namespace shadowcache {
@@ -12,11 +11,11 @@ namespace shadowcache {
 namespace {
 
 /// Side of a tile's square: its pixels read the same cache items, and share what they find.
-SHADOWCACHE_TUNED(int, kTile, 16);
+constexpr int kTile = 16;
 
 /// Pixels belong to a tile up to this far from its square: what a tile shares makes its errors
 /// alike, and straight borders would be seen.
-SHADOWCACHE_TUNED(int, kReach, 2);
+constexpr int kReach = 2;
 
 /// The bits of x and y in turns.
 std::uint32_t mortonCode(std::uint32_t x, std::uint32_t y) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "common/base/tuned.h"
 #include "common/cache/cache_items.h"
 #include "render/paper/paper_estimator.h"
 
@@ -13,7 +12,7 @@ namespace shadowcache {
 namespace {
 
 /// Side of the square of pixels that share an item.
-SHADOWCACHE_TUNED(int, kItemPixels, 4);
+constexpr int kItemPixels = 4;
 
 /// Counts of one item, by group of triangles.
 struct ImageItem {

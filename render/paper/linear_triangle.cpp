@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/tuned.h"
-
 namespace shadowcache {
 
 namespace {
 
 /// Least light at a corner of a triangle, of a mean of 1: the density must reach all of it.
-SHADOWCACHE_TUNED(double, kLeastCorner, 0.1);
+constexpr double kLeastCorner = 0.1;
 
 /// Vectors whose products with a direction w are its coordinates: w = sum of (dual_k . w) corner_k.
 std::array<Vec3d, 3> dualOf(const SphericalTriangle& t, double volume) noexcept {

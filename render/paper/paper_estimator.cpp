@@ -6,7 +6,6 @@
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
 #include "common/base/text_streams.h"
-#include "common/base/tuned.h"
 #include "render/estimators/full_precision.h"
 #include "render/estimators/hemisphere.h"
 #include "render/paper/spherical_polygon.h"
@@ -18,10 +17,10 @@ namespace {
 constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
 /// Least cosine, at a triangle's middle, that its least light is multiplied with.
-SHADOWCACHE_TUNED(double, kLeastFloorCosine, 0.05);
+constexpr double kLeastFloorCosine = 0.05;
 
 /// Least cosine at a corner of a triangle: on the horizon itself the density must not be zero.
-SHADOWCACHE_TUNED(double, kLeastCornerCosine, 1e-3);
+constexpr double kLeastCornerCosine = 1e-3;
 
 void addPiece(const PaperPiece& piece, PaperWorkspace& w) {
     if (!(piece.weight > 0) || !(piece.area > 0)) return;

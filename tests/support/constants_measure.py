@@ -220,6 +220,7 @@ def many(bench, values, seed):
 ALL = tuple(VIEWS)
 CASES = {
     "render": (pictures(ALL, LIGHT), SEEDS),
+    "filtered": (pictures(ALL, ["--preview"]), SEEDS),
     "uniform": (pictures(ALL, [*LIGHT, "--budget", "uniform"]), SEEDS),
     "preview": (pictures(ALL, ["--preview", "--samples", "0", "--camera-rays", "16"]), (1,)),
     "moving": (other("moving"), SEEDS),
@@ -232,12 +233,8 @@ CASES = {
     "spacing": (spacing, (1,)),
     "many": (many, (1,)),
 }
-SPECIAL = {"kUnsureShareUniform": ["uniform"], "kStillVisible": ["moving"], "kMostBalls": ["moving"],
-           "kItemPixels": ["paper-image"],
-           "kFewPixels": ["antialiased"], "kGlossyGroupPerFind": ["glossy"],
-           "kManyTriangles": ["many"], "kPatches": ["spacing"], "kMostItems": ["spacing"],
-           "kLeastNoise": ["render"], "kLeastPreviewShare": ["preview"], "kOrderLevel": ["render"],
-           "kTile": ["render"]}
+SPECIAL = {"kUnsureShareUniform": ["uniform"], "kFewPixels": ["antialiased"], "kGlossyGroupPerFind": ["glossy"],
+           "kManyTriangles": ["many"], "kMostItems": ["spacing"], "kOrderLevel": ["render"]}
 
 
 def cases_of(constant):
@@ -245,6 +242,8 @@ def cases_of(constant):
         return SPECIAL[constant.name]
     if constant.file == "render/frame/target_error.cpp":
         return ["target"]
+    if constant.file == "render/frame/residual_filter.cpp":
+        return ["filtered"]
     if constant.file.startswith(("render/regions/lobe", "render/cached/lobe")):
         return ["glossy"]
     if constant.file.startswith("bake/"):

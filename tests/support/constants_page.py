@@ -1,13 +1,12 @@
 """docs/constants.md: written from the sources and docs/benchmarks/constants.csv, and checked against them."""
 import csv
 import math
-import textwrap
 
 from constants_sources import FIGURES, SOURCE, constants
 
 PAGE = SOURCE / "docs/constants.md"
-WHAT = ["constant", "value", "meaning", "origin"]
-EFFECT = ["constant", "value tried", "error", "preview's error", "cost", "error × cost", "file"]
+WHAT = ["constant", "value", "what it does", "half", "twice", "chosen on"]
+NONE = "–"
 FIRST = "## `"
 
 
@@ -26,21 +25,21 @@ def mean(rows, column):
 
 
 def effects(constant, rows):
-    """The cells of its two lines."""
-    lines = []
+    """What half and twice the value cost: the last two cells but one."""
+    cells = []
     for tried in sorted({float(row["tried"]) for row in rows}):
         these = [row for row in rows if float(row["tried"]) == tried]
-        shown = [row for row in these if "preview" in row["case"]]
+        shown = [row for row in these if row["case"].startswith("preview") or row["case"].endswith("preview")]
         drawn = [row for row in these if row not in shown]
         error = mean(drawn, "error") if "many" not in these[0]["case"] else None
-        preview = mean(shown, "error")
-        cost = mean(drawn or shown, "cost")
-        product = (error if error is not None else preview if preview is not None else 1) * cost
-        size = mean(these, "bytes")
-        at = "" if all(float(r["value"]) == constant.value for r in these) else f" (for {these[0]['value']})"
-        lines.append([f"`{constant.name}`", f"{tried:g}{at}"] + [
-            "" if x is None else f"{x:.2f}" for x in (error, preview, cost, product, size)])
-    return lines
+        preview, size = mean(shown, "error"), mean(these, "bytes")
+        parts = [f"error {error:.2f}"] if error is not None else []
+        parts += [f"preview {preview:.2f}"] if preview is not None else []
+        parts.append(f"cost {mean(drawn or shown, 'cost'):.2f}")
+        parts += [f"file {size:.2f}"] if size is not None else []
+        old = "" if all(float(r["value"]) == constant.value for r in these) else f" (for {these[0]['value']})"
+        cells.append(", ".join(parts) + old)
+    return cells or [NONE, NONE]
 
 
 def table(header, rows):
@@ -56,15 +55,9 @@ def make(old, found, measured):
     for room in sorted({c.file.rsplit("/", 1)[0] for c in found}):
         here = [c for c in found if c.file.rsplit("/", 1)[0] == room]
         lines += [f"{FIRST}{room}`", ""]
-        lines += table(WHAT, [[f"`{c.name}`", c.text, c.comment.replace("|", "\\|"), origins.get(c.name, "")]
-                              for c in here])
+        lines += table(WHAT, [[f"`{c.name}`", c.text, c.comment.replace("|", "\\|"),
+                               *effects(c, measured.get(c.name, [])), origins.get(c.name, "")] for c in here])
         lines.append("")
-        tried = [line for c in here for line in effects(c, measured.get(c.name, []))]
-        if tried:
-            lines += [*table(EFFECT, tried), ""]
-        left = [f"`{c.name}`" for c in here if c.name not in measured]
-        if left:
-            lines += [*textwrap.wrap(f"Not measured: {', '.join(left)}.", 118, break_on_hyphens=False), ""]
     return "\n".join(lines)
 
 
@@ -73,7 +66,7 @@ def origins_of(page):
     for line in page.split("\n"):
         cells = [cell.strip() for cell in line.strip("|").split(" | ")]
         if len(cells) == len(WHAT) and cells[0].startswith("`k"):
-            origins[cells[0].strip("`")] = cells[3]
+            origins[cells[0].strip("`")] = cells[-1]
     return origins
 
 
@@ -120,7 +113,7 @@ def control():
     line = next(line for line in page.split("\n") if line.startswith(f"| `{found[0].name}`"))
     cells = line.split(" | ")
     shown = next(iter(measured))
-    effect = [x for x in page.split("\n") if x.startswith(f"| `{shown}`")][-1]
+    effect = next(x for x in page.split("\n") if x.startswith(f"| `{shown}`"))
 
     def changed(k, text):
         return page.replace(line, " | ".join([*cells[:k], text, *cells[k + 1:]]))
@@ -128,10 +121,10 @@ def control():
     planted = {
         "another value": (changed(1, "12345"), found, measured),
         "another meaning": (changed(2, "Nothing."), found, measured),
-        "no origin": (changed(3, " |"), found, measured),
+        "no origin": (changed(len(WHAT) - 1, " |"), found, measured),
         "a line that is missing": (page.replace(line + "\n", ""), found, measured),
         "a constant that is gone": (page, found[1:], measured),
-        "another figure": (page.replace(effect, effect.replace(".", ".9", 1)), found, measured),
+        "another figure": (page.replace(effect, effect.replace("cost ", "cost 9", 1)), found, measured),
         "figures of no constant": (page, found, {**measured, "kNone": measured[shown]}),
         "figures that are missing": (page, found, {k: v for k, v in measured.items() if k != shown}),
     }
