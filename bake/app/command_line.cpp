@@ -1,9 +1,9 @@
 #include "bake/app/command_line.h"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 
 #include "common/base/error.h"
+#include "common/base/take_text.h"
 #include "common/cli/command_line.h"
 #include "common/cli/options.h"
 #include "common/command/shot_arguments.h"
@@ -14,13 +14,12 @@ namespace {
 
 /// "K/N" -> shard K - 1 of N.
 void parseShard(const std::string& text, BakeOptions& options) {
-    const char* const end = text.data() + text.size();
+    std::string_view rest = text;
     int part = 0;
-    const auto [slash, first] = std::from_chars(text.data(), end, part);
-    if (first == std::errc() && slash != end && *slash == '/') {
-        const auto [stop, second] = std::from_chars(slash + 1, end, options.shards);
+    if (takeNumber(rest, part) && takeCharacter(rest, '/') && takeNumber(rest, options.shards) &&
+        rest.empty() && part >= 0 && options.shards >= 0) {
         options.shard = part - 1;
-        if (second == std::errc() && stop == end && part >= 0 && options.shards >= 0) return;
+        return;
     }
     throw Error("--shard " + text + ": expected K/N, as in 2/8");
 }

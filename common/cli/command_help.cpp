@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <regex>
 
 #include "common/base/text_streams.h"
 #include "common/base/version.h"
@@ -23,6 +22,12 @@ std::string roff(const std::string& text) {
     return out;
 }
 
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + by.size()))
+        text.replace(at, what.size(), by);
+    return text;
+}
+
 std::vector<const CLI::Option*> optionsOf(const CLI::App& app, const std::string& group) {
     return app.get_options([&](const CLI::Option* option) {
         return option->get_group() == group && option->nonpositional();
@@ -32,21 +37,17 @@ std::vector<const CLI::Option*> optionsOf(const CLI::App& app, const std::string
 std::string entry(const CLI::Option& option, bool positional) {
     CLI::Formatter formatter;
     // Long lists of choices may break after a comma.
-    const std::string type =
-        std::regex_replace(roff(formatter.make_option_opts(&option)), std::regex(","), ",\\:");
+    const std::string type = replaced(roff(formatter.make_option_opts(&option)), ",", ",\\:");
     return ".TP\n\\fB" + roff(formatter.make_option_name(&option, positional)) + "\\fR" + type +
            "\n" + roff(option.get_description()) + "\n";
 }
 
 /// The choices that stand in the name of an option's type as {a,b}; empty if it has none.
 std::string choicesOf(const CLI::Option& option) {
-    static const std::regex braces(R"(\{([^}]*)\})");
-    std::smatch match;
     const std::string type = option.get_type_name();
-    if (!std::regex_search(type, match, braces)) return "";
-    std::string words = match[1];
-    std::replace(words.begin(), words.end(), ',', ' ');
-    return words;
+    const std::size_t begin = type.find('{'), end = type.find('}', begin);
+    if (begin == type.npos || end == type.npos) return "";
+    return replaced(type.substr(begin + 1, end - begin - 1), ",", " ");
 }
 
 std::string namesOf(const CLI::Option& option, const char* between) {
@@ -83,8 +84,7 @@ std::string manPage(const CLI::App& app) {
         if (group != "Options") page += ".SS " + roff(group) + "\n";
         for (const CLI::Option* option : options) page += entry(*option, false);
     }
-    page += ".SH NOTES\n.nf\n" +
-            std::regex_replace(roff(app.get_footer()), std::regex("\n\\.br"), "") +
+    page += ".SH NOTES\n.nf\n" + replaced(roff(app.get_footer()), "\n.br", "") +
             "\n.fi\n.SH SEE ALSO\n";
     for (const std::string other : {"bake", "farm", "info", "merge", "render"})
         if (name != "shadowcache-" + other) page += ".BR shadowcache\\-" + other + " (1)\n";

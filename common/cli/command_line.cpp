@@ -14,6 +14,7 @@
 #include "common/base/option_checks.h"
 #include "common/base/report_failure.h"
 #include "common/base/suggestion.h"
+#include "common/base/take_text.h"
 #include "common/base/text_streams.h"
 #include "common/base/version.h"
 #include "common/cli/command_help.h"
@@ -242,12 +243,10 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
 
 std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted) {
     std::array<int, 2> pair{};
-    const char* const end = text.data() + text.size();
-    const auto [middle, first] = std::from_chars(text.data(), end, pair[0]);
-    if (first == std::errc() && middle != end && (*middle == 'x' || *middle == ',')) {
-        const auto [stop, second] = std::from_chars(middle + 1, end, pair[1]);
-        if (second == std::errc() && stop == end && pair[0] >= 0 && pair[1] >= 0) return pair;
-    }
+    std::string_view rest = text;
+    if (takeNumber(rest, pair[0]) && (takeCharacter(rest, 'x') || takeCharacter(rest, ',')) &&
+        takeNumber(rest, pair[1]) && rest.empty() && pair[0] >= 0 && pair[1] >= 0)
+        return pair;
     throw Error(std::string(option) + " " + text + ": expected " + wanted);
 }
 

@@ -1,3 +1,9 @@
+# shadowcache_compile_quickly(TARGET): in release builds with little optimisation, which takes two thirds of
+# the time that -O3 takes. For what is not hot.
+function(shadowcache_compile_quickly target)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # Flags that every target of ours shares.
 add_library(shadowcache_options INTERFACE)
 target_compile_features(shadowcache_options INTERFACE cxx_std_20)

@@ -1,12 +1,12 @@
 # The rooms of the house: each folder of common/, bake/ and render/ is one library with one purpose, and
 # says which rooms it may include. What these may include, it may include, too.
 
-# shadowcache_room(NAME SOURCES file... [MAY_INCLUDE room...] [PACKAGES target...] [HEADERS set])
+# shadowcache_room(NAME [COLD] SOURCES file... [MAY_INCLUDE room...] [PACKAGES target...] [HEADERS set])
 # The room in the folder NAME beside the caller becomes the library shadowcache_TOP_NAME. Rooms are named
 # TOP/NAME; PACKAGES are those of Debian that only this room sees. HEADERS is the set of precompiled headers
-# (precompiled.cmake), by default the one of all rooms.
+# (precompiled.cmake), by default the one of all rooms. COLD: nothing in it takes time when a program runs.
 function(shadowcache_room name)
-    cmake_parse_arguments(room "" "HEADERS" "SOURCES;MAY_INCLUDE;PACKAGES" ${ARGN})
+    cmake_parse_arguments(room "COLD" "HEADERS" "SOURCES;MAY_INCLUDE;PACKAGES" ${ARGN})
     cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}"
         OUTPUT_VARIABLE top)
     set(target shadowcache_${top}_${name})
@@ -19,6 +19,9 @@ function(shadowcache_room name)
             set(room_HEADERS shadowcache_room_headers)
         endif()
         shadowcache_share_headers(${target} ${room_HEADERS})
+        if(room_COLD)
+            shadowcache_compile_quickly(${target})
+        endif()
     else()
         add_library(${target} INTERFACE)
         set(scope INTERFACE)

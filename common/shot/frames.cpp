@@ -1,10 +1,12 @@
 #include "common/shot/frames.h"
 
 #include <cstdio>
-#include <regex>
+#include <cstdlib>
 #include <set>
+#include <string_view>
 
 #include "common/base/error.h"
+#include "common/base/take_text.h"
 #include "common/base/text_streams.h"
 
 namespace shadowcache {
@@ -17,39 +19,60 @@ struct NumberPlace {
     int digits = 1;                  ///< at least
 };
 
+bool isDigit(char c) {
+    return c >= '0' && c <= '9';
+}
+
 /// The last run of '#', or %d, %4d or %04d.
 NumberPlace numberPlace(const std::string& name) {
-    static const std::regex printfStyle(R"(%0?(\d?)d)");
     NumberPlace place;
-    std::smatch match;
     if (const std::size_t last = name.rfind('#'); last != std::string::npos) {
         const std::size_t before = name.find_last_not_of('#', last);
         place.at = before == std::string::npos ? 0 : before + 1;
         place.length = last + 1 - place.at;
         place.digits = static_cast<int>(place.length);
-    } else if (std::regex_search(name, match, printfStyle)) {
-        place.at = static_cast<std::size_t>(match.position(0));
-        place.length = static_cast<std::size_t>(match.length(0));
-        if (match[1].length() > 0) place.digits = std::stoi(match[1]);
+        return place;
+    }
+    for (std::size_t at = name.find('%'); at != std::string::npos; at = name.find('%', at + 1)) {
+        std::string_view rest = std::string_view(name).substr(at + 1);
+        takeCharacter(rest, '0');
+        const int digits = !rest.empty() && isDigit(rest[0]) ? rest[0] - '0' : -1;
+        if (digits >= 0) rest.remove_prefix(1);
+        if (!takeCharacter(rest, 'd')) continue;
+        place.at = at;
+        place.length = name.size() - rest.size() - at;
+        if (digits >= 0) place.digits = digits;
+        break;
     }
     return place;
 }
 
+/// A number of at most seven digits.
+bool takeFrame(std::string_view& text, int& frame) {
+    return takeNumber(text, frame) && std::abs(frame) < 10'000'000;
+}
+
 }  // namespace
 
+bool hasFrameNumber(const std::string& name) {
+    return numberPlace(name).length > 0;
+}
+
 std::vector<int> parseFrames(const std::string& text, const std::string& option) {
-    static const std::regex range(R"((-?\d{1,7})(?:-(-?\d{1,7})(?:x(\d{1,7}))?)?)");
     std::vector<int> frames;
     std::set<int> seen;
     TextReader parts(text);
     std::string part;
     while (std::getline(parts, part, ',')) {
-        std::smatch match;
-        const bool matched = std::regex_match(part, match, range);
-        const int first = matched ? std::stoi(match[1]) : 0;
-        const int last = matched && match[2].matched ? std::stoi(match[2]) : first;
-        const int step = matched && match[3].matched ? std::stoi(match[3]) : 1;
-        if (!matched || last < first || step < 1)
+        std::string_view rest = part;
+        int first = 0, step = 1;
+        bool read = takeFrame(rest, first);
+        int last = first;
+        if (read && takeCharacter(rest, '-')) {
+            read = takeFrame(rest, last);
+            if (takeCharacter(rest, 'x')) read &= takeFrame(rest, step);
+        }
+        if (!read || !rest.empty() || last < first || step < 1)
             throw Error(option + " " + text +
                         ": expected A, A-B or A-BxSTEP with A <= B, several joined by commas");
         for (int f = first; f <= last; f += step)

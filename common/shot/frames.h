@@ -10,6 +10,10 @@ namespace shadowcache {
 /// it is
 std::vector<int> parseFrames(const std::string& text, const std::string& option = "--frames");
 
+/// Whether the name of a file has a place for the number of a frame: a run of '#', or %d, %4d,
+/// %04d.
+bool hasFrameNumber(const std::string& name);
+
 /// Which frames a name of a file stands for.
 enum class FrameNames {
     unasked,  ///< a picture for which nobody gave a frame: a single '#' in its name is no number

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <vector>
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
+#include "common/base/take_text.h"
 #include "common/base/text_streams.h"
 #include "common/cli/command_line.h"
 #include "common/shot/frames.h"
@@ -50,26 +50,21 @@ Vec3d parseVector(const char* option, const std::string& text, const char* wante
 
 /// "X,Y,WxH".
 FilmRectangle parseCrop(const std::string& text) {
-    std::array<int, 4> numbers{};
-    const char* at = text.data();
-    const char* const end = at + text.size();
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        const auto [stop, error] = std::from_chars(at, end, numbers[i]);
-        const char wanted = ",,x"[i];
-        if (error != std::errc() || numbers[i] < 0 || (wanted == 0) != (stop == end) ||
-            (stop != end && *stop != wanted))
-            throw Error("--crop " + text + ": expected X,Y,WxH, as in 100,50,320x180");
-        at = stop + 1;
-    }
-    return {numbers[0], numbers[1], numbers[2], numbers[3]};
+    FilmRectangle crop;
+    std::string_view rest = text;
+    if (takeNumber(rest, crop.x) && takeCharacter(rest, ',') && takeNumber(rest, crop.y) &&
+        takeCharacter(rest, ',') && takeNumber(rest, crop.width) && takeCharacter(rest, 'x') &&
+        takeNumber(rest, crop.height) && rest.empty())
+        return crop;
+    throw Error("--crop " + text + ": expected X,Y,WxH, as in 100,50,320x180");
 }
 
 /// A number of bounces, or "unlimited".
 int parseBounces(const std::string& text) {
     if (text == "unlimited") return kUnlimitedBounces;
     int bounces = 0;
-    TextReader number(text);
-    if (!(number >> bounces) || !number.eof() || bounces < 0 || bounces > kMostBounces)
+    std::string_view rest = text;
+    if (!takeNumber(rest, bounces) || !rest.empty() || bounces < 0 || bounces > kMostBounces)
         throw Error("--bounces " + text + ": expected a number from 0 to " +
                     std::to_string(kMostBounces) + ", or unlimited");
     return bounces;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <regex>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
@@ -19,8 +18,7 @@ namespace {
 std::vector<std::string> environmentsOf(const std::string& text, std::span<const int> frames) {
     std::error_code ignored;
     if (parseRadiance(text) || std::filesystem::exists(text, ignored)) return {text};
-    static const std::regex sequence("#|%0?\\d?d");
-    if (std::regex_search(text, sequence)) {
+    if (hasFrameNumber(text)) {
         std::vector<std::string> all;
         for (const int frame : frames)
             all.push_back(framePath(text, frame, FrameNames::several).string());

@@ -26,9 +26,7 @@ VIEWS = {"sunrise": ("courtyard", 1.6, "sunrise", 120, 1), "interior": ("courtya
 SAMPLES, REFERENCE = 32, 1024
 LIGHT = ["--samples", SAMPLES]
 # A view with other options, which, and its samples.
-OTHERS = {"moving": ("sunrise", lambda bench: ["--dynamic", bench.path("ball.obj")], SAMPLES),
-          "glossy": ("interior", lambda bench: ["--material", "roughness=0.3,metallic=1"], SAMPLES),
-          "antialiased": ("scatter", lambda bench: ["--camera-rays", 64], 1)}
+OTHERS = {"glossy": ("interior", lambda bench: ["--material", "roughness=0.3,metallic=1"], SAMPLES)}
 SEEDS = (1,)
 BASE_SEEDS = (1, 2, 3, 4)  # where one picture's error says little
 COLUMNS = ["name", "value", "tried", "case", "error", "cost", "rays", "bytes"]
@@ -133,10 +131,6 @@ class Bench:
                         "--camera", self.path("scatter.json")])
         self.run(make, ["scatter", "--triangles", 400000, "-o", self.path("many.ply"),
                         "--camera", self.path("many.json")])
-        self.path("ball.obj").write_text(
-            "v 0 1.5 0\nv 1 .5 0\nv 0 .5 1\nv -1 .5 0\nv 0 .5 -1\nv 0 2.5 0\n"
-            + "".join(f"f {a} {b} {c}\n" for a, b, c in ((6, 2, 3), (6, 3, 4), (6, 4, 5), (6, 5, 2),
-                                                         (1, 3, 2), (1, 4, 3), (1, 5, 4), (1, 2, 5))))
         with ThreadPoolExecutor(self.jobs) as pool:
             list(pool.map(lambda s: self.path(f"{s}.vdb").exists()
                           or self.bake(s, 1.6, self.path(f"{s}.vdb")), ("courtyard", "scatter", "many")))
@@ -221,38 +215,25 @@ ALL = tuple(VIEWS)
 CASES = {
     "render": (pictures(ALL, LIGHT), SEEDS),
     "filtered": (pictures(ALL, ["--preview"]), SEEDS),
-    "uniform": (pictures(ALL, [*LIGHT, "--budget", "uniform"]), SEEDS),
-    "preview": (pictures(ALL, ["--preview", "--samples", "0", "--camera-rays", "16"]), (1,)),
-    "moving": (other("moving"), SEEDS),
     "glossy": (other("glossy"), BASE_SEEDS),
-    "antialiased": (other("antialiased"), SEEDS),
     "target": (pictures(ALL, ["--target-error", "0.05"]), SEEDS),
-    "paper": (pictures(ALL, ["--estimator", "paper", "--order", "1", *LIGHT]), (1,)),
-    "paper-image": (pictures(ALL, ["--estimator", "paper-image", *LIGHT]), (1,)),
     "bake": (baked, (1,)),
     "spacing": (spacing, (1,)),
     "many": (many, (1,)),
 }
-SPECIAL = {"kUnsureShareUniform": ["uniform"], "kFewPixels": ["antialiased"], "kGlossyGroupPerFind": ["glossy"],
-           "kManyTriangles": ["many"], "kMostItems": ["spacing"], "kOrderLevel": ["render"]}
+SPECIAL = {"kGlossyGroupPerFind": "glossy", "kManyTriangles": "many", "kMostItems": "spacing"}
 
 
-def cases_of(constant):
+def case_of(constant):
     if constant.name in SPECIAL:
         return SPECIAL[constant.name]
     if constant.file == "render/frame/target_error.cpp":
-        return ["target"]
+        return "target"
     if constant.file == "render/frame/residual_filter.cpp":
-        return ["filtered"]
+        return "filtered"
     if constant.file.startswith(("render/regions/lobe", "render/cached/lobe")):
-        return ["glossy"]
-    if constant.file.startswith("bake/"):
-        return ["bake"]
-    if constant.file.startswith("render/paper/"):
-        return ["paper"]
-    if constant.file == "common/predict/item_irradiance.cpp":
-        return ["preview"]
-    return ["render", "preview"] if constant.file.startswith("common/cache/") else ["render"]
+        return "glossy"
+    return "bake" if constant.file.startswith("bake/") else "render"
 
 
 def measure(build, work, jobs, names):
@@ -262,15 +243,15 @@ def measure(build, work, jobs, names):
         raise SystemExit(f"tests/constants: no tuned constant {', '.join(sorted(missing))}")
     bench = Bench(build, work, jobs)
     bench.prepare()
-    needed = sorted({case for c in chosen for case in cases_of(c)})
+    needed = sorted({case_of(c) for c in chosen})
     # The present values several times, in between the others, as processors do not always run alike.
     tasks = [(case, None, None, seed) for case in needed for seed in CASES[case][1]]
-    tried = [(case, c.name, int(v) if "int" in c.type or "size" in c.type else v, seed)
-             for c in chosen for case in cases_of(c) for v in c.steps() for seed in CASES[case][1]]
+    tried = [(case_of(c), c.name, int(v) if "int" in c.type or "size" in c.type else v, seed)
+             for c in chosen for v in c.steps() for seed in CASES[case_of(c)][1]]
     for i, task in enumerate(tried):
         if i % 40 == 20:
             tasks += [(case, None, None, seed) for case in needed for seed in CASES[case][1]
-                      if case in ("render", "preview")]
+                      if case == "render"]
         tasks.append(task)
     tasks += [("render", None, None, seed) for seed in BASE_SEEDS if seed not in SEEDS and "render" in needed]
 

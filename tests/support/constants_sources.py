@@ -7,7 +7,7 @@ SOURCE = Path(__file__).resolve().parents[2]
 FIGURES = SOURCE / "docs/benchmarks/constants.csv"
 MARK = re.compile(r"^[ \w]*SHADOWCACHE_TUNED\((?P<type>[\w:]+), (?P<name>k\w+), (?P<value>[^)]+)\);")
 # Shares and cosines whose distance to 1 is halved and doubled, as twice the value would be out of their range.
-NEAR_ONE = {"kMostlyVisible", "kGlossyMostlyVisible", "kPlanar", "kLeastCutAgreement"}
+NEAR_ONE = {"kMostlyVisible", "kLeastCutAgreement"}
 
 
 @dataclass
