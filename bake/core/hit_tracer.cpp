@@ -5,6 +5,7 @@
 
 #include "common/cache/cache_items.h"
 #include "common/cache/hit_code.h"
+#include "common/mesh/placed_mesh.h"
 #include "common/random/salts.h"
 
 namespace shadowcache {
@@ -32,6 +33,7 @@ int originTowards(const Patch& patch, const Vec3f& direction, std::size_t stratu
 std::uint16_t codeOf(const Hit& hit, const Vec3d& way, const Vec3f& direction) {
     const Vec3d d(direction), normal(hit.normal);
     const double across = normal.dot(d), nearest = way.dot(d);
+    if (across > 0 && !isDoubleSided(hit.scene->mesh(), hit.triangle)) return HitCode::kSky;
     const int front = sideOf(hit.normal);
     const double inPlane = across != 0 ? way.dot(normal) / across : nearest;
     return HitCode::of(std::clamp(inPlane, nearest - kMostShift, nearest + kMostShift),
@@ -64,7 +66,7 @@ std::uint64_t traceHits(const Scene& scene, const VoxelFrame& frame, const Vec3i
             rayOf[static_cast<std::size_t>(count++)] = k;
         }
         std::array<Hit, RayPacket::kSize> hits;
-        if (count > 0) scene.intersect(rays, count, hits.data());
+        if (count > 0) scene.meet(rays, count, hits.data());
         for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
             const Hit& hit = hits[i];
             const auto k = static_cast<std::size_t>(rayOf[i]);

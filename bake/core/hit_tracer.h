@@ -15,7 +15,7 @@ inline constexpr int kHitRays = 16;
 static_assert(kHitRays <= kMostHits && kHitRays % RayPacket::kSize == 0);
 
 /// Traces the hit rays of a patch, from its own origins, and appends what they met (HitCode). A ray
-/// goes on through holes and the backs of surfaces that are not double-sided, as a camera's does.
+/// passes holes, as a shadow ray does; backs of surfaces that are not double-sided stop it.
 /// What is appended depends on the set, the voxel, the patch and its seed alone.
 ///
 /// @return number of rays traced

@@ -48,7 +48,8 @@ private:
 /// What a ray met, as a cache keeps it: 16 bits.
 class HitCode {
 public:
-    /// The ray reached the sky.
+    /// The ray reached the sky, or the back of a surface that is not double-sided, which reflects
+    /// nothing.
     static constexpr std::uint16_t kSky = 0;
     /// Nothing is known: no point of the item's surface sees into the ray's direction.
     static constexpr std::uint16_t kUnknown = 1;

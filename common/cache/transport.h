@@ -10,7 +10,7 @@
 
 namespace shadowcache {
 
-/// Stands for the sky where a ray would have met an item.
+/// Stands for the sky where a ray would have met an item, and for backs that reflect nothing.
 inline constexpr std::uint32_t kSky = 0xffffffff;
 
 /// Which items the rays of each item met: light's ways through the set, whatever the light. The

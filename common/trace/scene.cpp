@@ -187,7 +187,8 @@ void Scene::meet(const RayPacket& rays, int count, Hit* hits) const noexcept {
 
 void Scene::nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept {
     QueryContext context(fromCamera);
-    context.base.flags = packetFlags(mesh_);
+    // Of light's rays not even neighbours stay together.
+    context.base.flags = fromCamera ? packetFlags(mesh_) : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     alignas(32) RTCRayHit8 query;
     fillRays(rays, blends_, query.ray);
     for (int i = 0; i < RayPacket::kSize; ++i)

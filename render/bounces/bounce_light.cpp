@@ -14,11 +14,18 @@ namespace shadowcache {
 
 namespace {
 
-/// Camera points that share what their rays meet: a test for visibility costs less than a path.
-SHADOWCACHE_TUNED(std::size_t, kPointGroup, 64);
+/// Camera points that share what their rays meet, each of another pixel: a pixel gains from as many
+/// groups as it has camera rays.
+SHADOWCACHE_TUNED(std::size_t, kPointGroup, 32);
+
+/// Rays of others that a pixel shares at least: groups are larger where it has few camera rays.
+SHADOWCACHE_TUNED(std::size_t, kPixelHits, 64);
 
 /// Vertices of paths that do. They are farther from each other.
 SHADOWCACHE_TUNED(std::size_t, kVertexGroup, 8);
+
+/// Groups of vertices that have one sequence of directions, about.
+SHADOWCACHE_TUNED(std::size_t, kGroupsOfCluster, 4);
 
 /// Vertices that a thread takes at a time.
 constexpr std::size_t kChunk = 4096;
@@ -40,6 +47,13 @@ int BounceLight::bouncesLeft(int bounce) const {
     return options_.most == kUnlimitedBounces ? kUnlimitedBounces : options_.most - bounce;
 }
 
+GroupSizes BounceLight::sizesAt(int bounce) const {
+    if (!options_.shared) return {1, 1, false};
+    if (bounce > 0) return {kVertexGroup, kGroupsOfCluster, false};
+    const auto rays = static_cast<std::size_t>(options_.raysOfPixel);
+    return {std::max(kPointGroup, kPixelHits / rays), rays, true};
+}
+
 void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
                          BounceCounts& counts) const {
     const EstimatorContext& context = estimator_.context();
@@ -52,15 +66,15 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
             startWithPrediction(bouncesLeft(bounce), level);
             decide(bouncesLeft(bounce), level);
         }
-        const std::size_t size = bounce == 0 ? kPointGroup : kVertexGroup;
-        groups.push_back(groupVertices(level, options_.shared ? size : 1));
-        if (bounce > 0) {
-            stratifyNumbers(groups.back(), level);
+        groups.push_back(groupVertices(level, sizesAt(bounce)));
+        // Alone, a pixel's camera points have a sequence of their own.
+        if (bounce > 0 || options_.shared) stratifyNumbers(groups.back(), level);
+        if (bounce > 0)
             counts.shadowRays +=
                 lightVertices(estimator_, plan_, groups.back(), workspaces_, level);
-        }
         if (bouncesLeft(bounce) == 0) break;
-        PathLevel next = nextLevel(context, options_.plain, level, counts.pathRays);
+        PathLevel next =
+            nextLevel(context, options_.plain, groups.back().order, level, counts.pathRays);
         counts.vertices += next.vertices.size();
         levels.push_back(std::move(next));
     }

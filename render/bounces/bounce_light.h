@@ -4,7 +4,7 @@
 
 #include "common/base/pool.h"
 #include "render/bounces/bounce_task.h"
-#include "render/bounces/path_vertex.h"
+#include "render/bounces/vertex_groups.h"
 
 namespace shadowcache {
 
@@ -38,6 +38,7 @@ private:
     void addBounced(std::span<const Rgb> found, const PathLevel& next, int bouncesLeft,
                     PathLevel& level) const;
     int bouncesLeft(int bounce) const;
+    GroupSizes sizesAt(int bounce) const;
     void clampLight(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;
 
     const Estimator& estimator_;

@@ -20,7 +20,8 @@ struct BounceOptions {
     float clamp = 0;    ///< luminance above which what bounces add to a camera ray is cut, which is
                         ///< biased; 0: it is not
     PlainLook plain{};  ///< of what has no material
-    bool shared = true;  ///< near vertices share what their rays meet; else brute force
+    bool shared = true;   ///< near vertices share what their rays meet; else brute force
+    int raysOfPixel = 1;  ///< camera rays of a pixel that are gathered together, about
 };
 
 /// A place that a camera ray met, whose light from other surfaces is wanted.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 
 #include "common/base/parallel.h"
 #include "common/mesh/placed_mesh.h"
@@ -32,7 +33,6 @@ public:
         : scene_(context.scene),
           plain_(plain),
           weights_(context.environment.luminanceWeights()),
-          items_(context.solve ? &context.solve->items() : nullptr),
           level_(level) {}
 
     /// A vertex that a ray met.
@@ -40,12 +40,12 @@ public:
         PathVertex vertex;
         std::uint32_t from;
         bool byLobe;
+        bool moves;
     };
 
-    void run(std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const auto from = static_cast<std::uint32_t>(i);
-            const PathVertex& v = level_.vertices[i];
+    void run(std::span<const std::uint32_t> vertices) {
+        for (const std::uint32_t from : vertices) {
+            const PathVertex& v = level_.vertices[from];
             if (v.sendsDiffuse) sendDiffuse(v, from);
             if (v.sendsLobe) sendLobe(v, from);
         }
@@ -97,12 +97,9 @@ private:
         v.albedo =
             surface.unlit ? Rgb(0, 0, 0) : diffuseAlbedo(surface, -v.normal.dot(ray.direction));
         v.emission = surface.emission;
-        v.seed = hashWords(from.seed,
-                           ray.ofLobe ? RenderSalt::bounceLobeChild : RenderSalt::bounceChild);
+        v.seed = v.pixelSeed = hashWords(
+            from.seed, ray.ofLobe ? RenderSalt::bounceLobeChild : RenderSalt::bounceChild);
         v.errorScale = from.errorScale;
-        // Items are of the set alone, not of what moves.
-        if (items_ && hit.scene == &scene_)
-            v.item = items_->itemAt(worldPosition(scene_, hit), v.geometricNormal);
         v.weight = from.weight * std::max(0.0f, ray.share.dot(weights_)) /
                    (ray.ofLobe ? from.lobeChance : from.diffuseChance);
         if (ray.ofLobe) v.throughLobe = ray.share;
@@ -110,16 +107,50 @@ private:
             v.lobe = static_cast<std::int32_t>(lobes.size());
             lobes.emplace_back(surface, v.normal, -ray.direction);
         }
-        met.push_back({v, ray.from, ray.ofLobe});
+        met.push_back({v, ray.from, ray.ofLobe, hit.scene != &scene_});
     }
 
     const Scene& scene_;
     const PlainLook& plain_;
     const Rgb weights_;
-    const ItemTable* const items_;
     const PathLevel& level_;
     std::vector<PathRay> rays_;
 };
+
+/// The voxels that are looked up together have this many bits of their coordinates in common.
+constexpr int kVoxelBits = 3;
+
+/// Sets the items of some vertices. Lookups go from place to place of the set, each of which is in
+/// the processor's cache then: rays that leave together meet places that are far apart.
+void findItems(const ItemTable& items, const Vec3d& origin, std::span<const std::uint32_t> vertices,
+               PathLevel& level) {
+    struct Lookup {
+        std::uint64_t place;
+        std::uint32_t vertex;
+        auto operator<=>(const Lookup&) const = default;
+    };
+    std::vector<Lookup> lookups(vertices.size());
+    const auto positionOf = [&](const PathVertex& v) { return origin + Vec3d(v.target); };
+    parallelFor(vertices.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            const Vec3d at = positionOf(level.vertices[vertices[i]]) / items.spacing();
+            std::uint64_t place = 0;
+            for (int k = 0; k < 3; ++k) {
+                // Beyond 2^20 places repeat, which costs time alone.
+                const auto voxel = static_cast<std::int64_t>(std::clamp(at[k], -1e15, 1e15));
+                place = place << 21 | (static_cast<std::uint64_t>(voxel >> kVoxelBits) & 0x1fffff);
+            }
+            lookups[i] = {place, vertices[i]};
+        }
+    });
+    std::ranges::sort(lookups);
+    parallelFor(lookups.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            PathVertex& v = level.vertices[lookups[i].vertex];
+            v.item = items.itemAt(positionOf(v), v.geometricNormal);
+        }
+    });
+}
 
 }  // namespace
 
@@ -136,6 +167,7 @@ PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& lumin
         v.geometricNormal = point.geometricNormal;
         v.albedo = receiver.diffuseAlbedo;
         v.seed = hashWords(point.seed, RenderSalt::bounceFirst, point.cameraRay);
+        v.pixelSeed = point.seed;
         v.errorScale = point.errorScale *
                        std::max(receiver.diffuseAlbedo.dot(luminanceWeights), 1e-6f) *
                        static_cast<float>(1 / kPi);
@@ -159,20 +191,21 @@ PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& lumin
     return level;
 }
 
-PathLevel nextLevel(const EstimatorContext& context, const PlainLook& plain, PathLevel& level,
-                    std::uint64_t& rays) {
-    std::vector<std::vector<Steps::Met>> met((level.vertices.size() + kVerticesOfChunk - 1) /
+PathLevel nextLevel(const EstimatorContext& context, const PlainLook& plain,
+                    std::span<const std::uint32_t> order, PathLevel& level, std::uint64_t& rays) {
+    std::vector<std::vector<Steps::Met>> met((order.size() + kVerticesOfChunk - 1) /
                                              kVerticesOfChunk);
     std::vector<std::vector<GlossyLobe>> lobes(met.size());
     std::vector<std::uint64_t> counts(met.size());
-    parallelFor(level.vertices.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
+    parallelFor(order.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
         Steps steps(context, plain, level);
-        steps.run(chunk.begin, chunk.end);
+        steps.run(order.subspan(chunk.begin, chunk.end - chunk.begin));
         counts[chunk.index] = steps.rayCount();
         met[chunk.index] = std::move(steps.met);
         lobes[chunk.index] = std::move(steps.lobes);
     });
     PathLevel next;
+    std::vector<std::uint32_t> ofSet;  // items are of the set alone, not of what moves
     for (std::size_t c = 0; c < met.size(); ++c) {
         rays += counts[c];
         const auto firstLobe = static_cast<std::int32_t>(next.lobes.size());
@@ -182,10 +215,12 @@ PathLevel nextLevel(const EstimatorContext& context, const PlainLook& plain, Pat
             PathVertex& from = level.vertices[found.from];
             (found.byLobe ? from.lobeChild : from.diffuseChild) =
                 static_cast<std::int32_t>(next.vertices.size());
+            if (!found.moves) ofSet.push_back(static_cast<std::uint32_t>(next.vertices.size()));
             next.vertices.push_back(found.vertex);
         }
         met[c] = {};
     }
+    if (context.solve) findItems(context.solve->items(), context.scene.mesh().origin, ofSet, next);
     return next;
 }
 

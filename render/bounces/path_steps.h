@@ -1,12 +1,14 @@
 #pragma once
 
+#include <span>
+
 #include "render/bounces/bounce_task.h"
 #include "render/bounces/path_vertex.h"
 
 namespace shadowcache {
 
-/// The first level: what camera rays met. Numbers of the diffuse rays are those of the camera rays
-/// in their pixel's sequence; a ray is sent with the probability of the point's fraction.
+/// The first level: what camera rays met. The diffuse rays of a pixel have numbers of one sequence;
+/// a ray is sent with the probability of the point's fraction.
 PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& luminanceWeights);
 
 /// Sends the rays that the vertices of a level decided to send, and makes the next level of what
@@ -15,8 +17,9 @@ PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& lumin
 /// reflect nothing.
 ///
 /// @param plain  of what has no material
+/// @param order  the vertices that send rays, near by near; may hold others
 /// @param rays   counts those that were traced
-PathLevel nextLevel(const EstimatorContext& context, const PlainLook& plain, PathLevel& level,
-                    std::uint64_t& rays);
+PathLevel nextLevel(const EstimatorContext& context, const PlainLook& plain,
+                    std::span<const std::uint32_t> order, PathLevel& level, std::uint64_t& rays);
 
 }  // namespace shadowcache

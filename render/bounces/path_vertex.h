@@ -21,6 +21,7 @@ struct PathVertex {
     Rgb albedo;             ///< of the diffuse part, as seen along the ray that met it
     Rgb emission;           ///< [radiance]
     std::uint64_t seed = 0;
+    std::uint64_t pixelSeed = 0;   ///< alike for all that one pixel's camera rays met; else its own
     std::uint32_t item = kNoItem;  ///< that predicts its irradiance
     float weight = 1;              ///< by which its radiance counts in its pixel, about [luminance]
     float errorScale = 0;      ///< luminance that errors of its pixel are relative to; 0: unknown

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <limits>
 
 #include "common/base/hash.h"
@@ -14,16 +15,20 @@ namespace shadowcache {
 
 namespace {
 
-/// Groups that a cluster is cut into, about.
-SHADOWCACHE_TUNED(std::size_t, kGroupsOfCluster, 4);
-
 /// Normals that differ by 1 are as far apart as places at this share of the set's extent.
 SHADOWCACHE_TUNED(float, kNormalExtent, 0.0625f);
 
-/// Clusters are split up to here by one thread, since all of a level are at hand.
+/// Up to so many parts each round halves all; then each part is one thread's.
 constexpr std::size_t kFewParts = 64;
 
-using Features = std::array<float, 6>;  ///< place and normal, to the same scale
+/// Clusters that a thread takes at a time.
+constexpr std::size_t kClustersOfChunk = 64;
+
+/// Place and normal of a vertex, to the same scale.
+struct Placed {
+    std::array<float, 6> at;
+    std::uint32_t number;
+};
 
 struct Range {
     std::uint32_t begin, end;
@@ -33,38 +38,44 @@ struct Range {
 /// Halves ranges of vertices at the median of the axis that they differ most along.
 class ClusterTree {
 public:
-    ClusterTree(const PathLevel& level, std::vector<std::uint32_t>& order) : order_(order) {
-        Vec3f low(std::numeric_limits<float>::max()), high(-low);
-        for (const std::uint32_t i : order) {
-            const Vec3f& p = level.vertices[i].target;
-            for (int k = 0; k < 3; ++k) {
-                low[k] = std::min(low[k], p[k]);
-                high[k] = std::max(high[k], p[k]);
-            }
+    explicit ClusterTree(const PathLevel& level) {
+        for (std::uint32_t i = 0; i < level.vertices.size(); ++i) {
+            const PathVertex& v = level.vertices[i];
+            if (!v.isLit && !v.sendsDiffuse && !v.sendsLobe) continue;
+            const Vec3f &p = v.target, &n = v.normal;
+            placed_.push_back({{p.x, p.y, p.z, n.x, n.y, n.z}, i});
         }
+        Vec3f low(std::numeric_limits<float>::max()), high(-low);
+        for (const Placed& p : placed_)
+            for (int k = 0; k < 3; ++k) {
+                low[k] = std::min(low[k], p.at[static_cast<std::size_t>(k)]);
+                high[k] = std::max(high[k], p.at[static_cast<std::size_t>(k)]);
+            }
         const float scale =
             1 / std::max(kNormalExtent * (high - low).length(), std::numeric_limits<float>::min());
-        features_.resize(level.vertices.size());
-        for (const std::uint32_t i : order) {
-            const PathVertex& v = level.vertices[i];
-            const Vec3f place = (v.target - low) * scale;
-            features_[i] = {place.x, place.y, place.z, v.normal.x, v.normal.y, v.normal.z};
-        }
+        for (Placed& p : placed_)
+            for (std::size_t k = 0; k < 3; ++k) p.at[k] *= scale;
     }
 
-    /// Splits `all` until no part has more than `most`; the parts in order.
-    std::vector<Range> split(std::size_t most) const {
-        std::vector<Range> parts{{0, static_cast<std::uint32_t>(order_.size())}};
+    bool empty() const { return placed_.empty(); }
+    /// The vertices of a part.
+    std::span<const Placed> of(const Range& part) const {
+        return std::span(placed_).subspan(part.begin, part.size());
+    }
+
+    /// Splits all until no part has more than `most`; the parts in order.
+    std::vector<Range> split(std::size_t most) {
+        std::vector<Range> parts{{0, static_cast<std::uint32_t>(placed_.size())}};
         while (parts.size() < kFewParts) {
+            std::vector<std::uint32_t> middles(parts.size());
+            parallelFor(parts.size(), 1, [&](const Chunk& chunk) {
+                for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                    middles[i] = parts[i].size() > most ? halve(parts[i]) : parts[i].end;
+            });
             std::vector<Range> halves;
-            for (const Range& part : parts) {
-                if (part.size() > most) {
-                    const std::uint32_t middle = halve(part);
-                    halves.push_back({part.begin, middle});
-                    halves.push_back({middle, part.end});
-                } else {
-                    halves.push_back(part);
-                }
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                halves.push_back({parts[i].begin, middles[i]});
+                if (middles[i] < parts[i].end) halves.push_back({middles[i], parts[i].end});
             }
             if (halves.size() == parts.size()) return parts;
             parts = std::move(halves);
@@ -81,7 +92,7 @@ public:
     }
 
 private:
-    void splitBelow(const Range& part, std::size_t most, std::vector<Range>& out) const {
+    void splitBelow(const Range& part, std::size_t most, std::vector<Range>& out) {
         if (part.size() <= most) {
             out.push_back(part);
             return;
@@ -91,77 +102,110 @@ private:
         splitBelow({middle, part.end}, most, out);
     }
 
-    std::uint32_t halve(const Range& part) const {
-        Features low, high;
-        low.fill(std::numeric_limits<float>::max());
-        high.fill(std::numeric_limits<float>::lowest());
-        for (std::uint32_t i = part.begin; i < part.end; ++i)
+    std::uint32_t halve(const Range& part) {
+        const auto some = std::span(placed_).subspan(part.begin, part.size());
+        std::array<float, 6> low = some.front().at, high = low;
+        for (const Placed& p : some)
             for (std::size_t k = 0; k < low.size(); ++k) {
-                low[k] = std::min(low[k], features_[order_[i]][k]);
-                high[k] = std::max(high[k], features_[order_[i]][k]);
+                low[k] = std::min(low[k], p.at[k]);
+                high[k] = std::max(high[k], p.at[k]);
             }
         std::size_t axis = 0;
         for (std::size_t k = 1; k < low.size(); ++k)
             if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
-        const std::uint32_t middle = part.begin + static_cast<std::uint32_t>(part.size() / 2);
-        const auto at = [&](std::uint32_t i) { return order_.begin() + i; };
-        std::nth_element(
-            at(part.begin), at(middle), at(part.end), [&](std::uint32_t a, std::uint32_t b) {
-                return std::pair(features_[a][axis], a) < std::pair(features_[b][axis], b);
-            });
-        return middle;
+        const std::size_t half = some.size() / 2;
+        std::nth_element(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(half), some.end(),
+                         [&](const Placed& a, const Placed& b) {
+                             return std::pair(a.at[axis], a.number) <
+                                    std::pair(b.at[axis], b.number);
+                         });
+        return part.begin + static_cast<std::uint32_t>(half);
     }
 
-    std::vector<std::uint32_t>& order_;
-    std::vector<Features> features_;
+    std::vector<Placed> placed_;
 };
 
-std::uint64_t shuffleKey(const PathVertex& vertex) {
-    return hashWords(vertex.seed, RenderSalt::bounceShuffle);
+/// Brings vertices of one pixel together, and shuffles pixels, and vertices in a pixel.
+struct DealKey {
+    std::uint64_t pixel, vertex;
+    std::uint32_t number;
+    auto operator<=>(const DealKey&) const = default;
+};
+
+DealKey dealKey(const PathLevel& level, std::uint32_t number, bool ofPixels) {
+    const PathVertex& v = level.vertices[number];
+    return {ofPixels ? v.pixelSeed : 0, hashWords(v.seed, RenderSalt::bounceShuffle), number};
+}
+
+/// The members of a cluster, group by group, where each group ends, and the number of each member
+/// in the cluster's sequence.
+struct Deal {
+    std::vector<std::uint32_t> members, ends, places;
+};
+
+/// Cuts a cluster into groups of at most `most`. What one pixel's camera rays met follow each other
+/// in the sequence, and go to different groups.
+Deal deal(const PathLevel& level, std::span<const Placed> cluster, const GroupSizes& sizes) {
+    std::vector<DealKey> keys;
+    for (const Placed& p : cluster)
+        if (level.vertices[p.number].sendsDiffuse)
+            keys.push_back(dealKey(level, p.number, sizes.ofPixels));
+    std::ranges::sort(keys);
+    const std::size_t count = keys.size(), parts = (count + sizes.vertices - 1) / sizes.vertices;
+    Deal all;
+    for (std::size_t part = 0; part < parts; ++part) {
+        const std::size_t step = sizes.ofPixels ? parts : 1;
+        const std::size_t begin = sizes.ofPixels ? part : count * part / parts;
+        const std::size_t end = sizes.ofPixels ? count : count * (part + 1) / parts;
+        for (std::size_t i = begin; i < end; i += step) {
+            all.members.push_back(keys[i].number);
+            all.places.push_back(static_cast<std::uint32_t>(i));
+        }
+        all.ends.push_back(static_cast<std::uint32_t>(all.members.size()));
+    }
+    return all;
 }
 
 }  // namespace
 
-VertexGroups groupVertices(const PathLevel& level, std::size_t size) {
+VertexGroups groupVertices(const PathLevel& level, const GroupSizes& sizes) {
     VertexGroups groups;
     groups.begins.push_back(0);
-    for (std::uint32_t i = 0; i < level.vertices.size(); ++i) {
-        const PathVertex& v = level.vertices[i];
-        if (v.isLit || v.sendsDiffuse) groups.order.push_back(i);
-    }
-    if (groups.order.empty()) return groups;
-    const ClusterTree tree(level, groups.order);
-    for (const Range& cluster : tree.split(size * kGroupsOfCluster)) {
-        const std::size_t first = groups.members.size();
-        for (std::uint32_t i = cluster.begin; i < cluster.end; ++i)
-            if (level.vertices[groups.order[i]].sendsDiffuse)
-                groups.members.push_back(groups.order[i]);
-        const std::size_t count = groups.members.size() - first;
-        if (count == 0) continue;
-        std::sort(groups.members.begin() + static_cast<std::ptrdiff_t>(first), groups.members.end(),
-                  [&](std::uint32_t a, std::uint32_t b) {
-                      return std::pair(shuffleKey(level.vertices[a]), a) <
-                             std::pair(shuffleKey(level.vertices[b]), b);
-                  });
-        const std::size_t parts = (count + size - 1) / size;
-        for (std::size_t k = 1; k <= parts; ++k)
-            groups.begins.push_back(static_cast<std::uint32_t>(first + count * k / parts));
+    groups.clusters.push_back(0);
+    ClusterTree tree(level);
+    if (tree.empty()) return groups;
+    const std::vector<Range> clusters = tree.split(sizes.vertices * sizes.groups);
+    std::vector<Deal> deals(clusters.size());
+    parallelFor(clusters.size(), kClustersOfChunk, [&](const Chunk& chunk) {
+        for (std::size_t c = chunk.begin; c < chunk.end; ++c)
+            deals[c] = deal(level, tree.of(clusters[c]), sizes);
+    });
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+        for (const Placed& p : tree.of(clusters[c])) groups.order.push_back(p.number);
+        const auto first = static_cast<std::uint32_t>(groups.members.size());
+        for (const std::uint32_t end : deals[c].ends) groups.begins.push_back(first + end);
+        groups.members.insert(groups.members.end(), deals[c].members.begin(),
+                              deals[c].members.end());
+        groups.places.insert(groups.places.end(), deals[c].places.begin(), deals[c].places.end());
+        groups.clusters.push_back(static_cast<std::uint32_t>(groups.members.size()));
     }
     return groups;
 }
 
 void stratifyNumbers(const VertexGroups& groups, PathLevel& level) {
-    parallelFor(groups.count(), 256, [&](const Chunk& chunk) {
+    parallelFor(groups.clusters.size() - 1, kClustersOfChunk, [&](const Chunk& chunk) {
         std::vector<std::uint32_t> words;
-        for (std::size_t g = chunk.begin; g < chunk.end; ++g) {
-            const std::span<const std::uint32_t> members = groups.group(g);
+        for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
+            const std::size_t begin = groups.clusters[c], end = groups.clusters[c + 1];
+            if (begin == end) continue;
             const std::uint64_t seed =
-                hashWords(level.vertices[members.front()].seed, RenderSalt::bounceGroup);
-            words.resize(members.size());
+                hashWords(level.vertices[groups.members[begin]].seed, RenderSalt::bounceGroup);
+            words.resize(end - begin);
             for (int k = 0; k < 2; ++k) {
                 owenSobol(0, k, seed, words);
-                for (std::size_t i = 0; i < members.size(); ++i)
-                    level.vertices[members[i]].numbers[k] = toUnitFloat(words[i]);
+                for (std::size_t i = begin; i < end; ++i)
+                    level.vertices[groups.members[i]].numbers[k] =
+                        toUnitFloat(words[groups.places[i]]);
             }
         }
     });

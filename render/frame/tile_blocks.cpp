@@ -23,7 +23,8 @@ std::size_t tilesOfBlock(const FrameRequest& frame, const Tiles& all) {
 }  // namespace
 
 BounceOptions bounceOptionsOf(const RenderOptions& options) {
-    return {options.bounces, options.clampIndirect, options.plain, options.sharedBounces};
+    return {options.bounces, options.clampIndirect, options.plain, options.sharedBounces,
+            std::min(options.cameraRays, options.passRays)};
 }
 
 TileBlocks::TileBlocks(const FrameRequest& frame, std::span<const std::size_t> tiles,

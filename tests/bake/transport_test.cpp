@@ -115,6 +115,30 @@ TEST(Transport, MeetsTheItemsThatARayMeets) {
         EXPECT_EQ(std::ranges::count(met.of(i), i), 0) << i;
 }
 
+/// Hits on items of rays from the floor up to the underside of a roof.
+std::ptrdiff_t itemsMetUnderRoof(bool doubleSided) {
+    TriangleMesh mesh;
+    test::addFloor(mesh, 0, -0.5f, 0.5f, -0.5f, 0.5f);
+    test::addFloor(mesh, 0.5f, -4, 4, -4, 4);
+    Material material;
+    material.doubleSided = doubleSided;
+    mesh.materials.push_back(material);
+    mesh.parts.push_back({0, static_cast<std::uint32_t>(mesh.triangles.size()), 0});
+    const Scene scene(mesh);
+    const Met met(bake(scene, smallOptions()));
+    std::ptrdiff_t found = 0;
+    for (std::uint32_t i = 0; i < met.items.size(); ++i)
+        if (met.items.position(i).y < 0.1 && met.items.normal(i).y > 0.9f)
+            found += std::ranges::count_if(
+                met.of(i), [&](std::uint32_t hit) { return hit < met.items.size(); });
+    return found;
+}
+
+TEST(Transport, StopsAtBacksThatReflectNothing) {
+    EXPECT_EQ(itemsMetUnderRoof(false), 0);
+    EXPECT_GT(itemsMetUnderRoof(true), 100) << "control";
+}
+
 /// By item: rays that reach the sky, less what the cosine-weighted counts times `factor` say.
 std::vector<double> skyDifferences(const BakeResult& baked, double factor) {
     const std::size_t cells = baked.header.tiers().baseCells();

@@ -1,5 +1,6 @@
 #include "tests/benchmarks/bench.h"
 
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <map>
@@ -182,29 +183,39 @@ Reference makeReference(const EstimatorContext& context, const Set& set, int fra
 
 Reference makeReference(const EstimatorContext& context, const Set& set, int frame,
                         const RenderOptions& options, const std::filesystem::path& work,
-                        const std::string& tag) {
+                        const std::string& tag, int renders) {
     const std::filesystem::path path = work / (tag + "-reference.exr");
     const std::string samples =
+        (renders > 2 ? std::to_string(renders) + "x" : "") +
         (options.cameraRays > 1 ? std::to_string(options.cameraRays) + "x" : "") +
         std::to_string(options.samples);
     if (const auto stored = storedReference(path, samples, options.region())) return *stored;
-    RenderOptions half = options;
-    half.seed = 1001;
-    const Image a = renderWith(context, set, "cache", frame, half).image;
-    half.seed = 1002;
-    const Image b = renderWith(context, set, "cache", frame, half).image;
-    Reference reference{a, 0};
-    for (std::size_t i = 0; i < a.pixels.size(); ++i)
-        reference.image.pixels[i] = (a.pixels[i] + b.pixels[i]) * 0.5f;
-    // The halves differ by twice the variance of one; their mean has half of it.
-    Image difference = reference.image;
-    for (std::size_t i = 0; i < a.pixels.size(); ++i)
-        difference.pixels[i] += (a.pixels[i] - b.pixels[i]) * 0.5f;
+    std::vector<Image> images;
+    RenderOptions one = options;
+    for (int i = 1; i <= renders; ++i) {
+        one.seed = 1000 + static_cast<std::uint64_t>(i);
+        images.push_back(renderWith(context, set, "cache", frame, one).image);
+    }
+    const Image& first = images.front();
+    const auto count = static_cast<float>(renders);
+    Reference reference{first, 0};
+    // The mean varies by what the renders vary about it, over their number and one less.
+    Image difference = first;
+    for (std::size_t i = 0; i < first.pixels.size(); ++i) {
+        Rgb mean(0, 0, 0), squares(0, 0, 0);
+        for (const Image& image : images) mean += image.pixels[i] / count;
+        for (const Image& image : images) {
+            const Rgb d = image.pixels[i] - mean;
+            squares += d * d / (count * (count - 1));
+        }
+        reference.image.pixels[i] = mean;
+        for (int k = 0; k < 3; ++k) difference.pixels[i][k] = mean[k] + std::sqrt(squares[k]);
+    }
     reference.ownError = relativeError(difference, reference.image).mean;
     std::vector<Channel> channels{{"R", {}}, {"G", {}}, {"B", {}}};
     for (const Rgb& p : reference.image.pixels)
         for (int k = 0; k < 3; ++k) channels[static_cast<std::size_t>(k)].values.push_back(p[k]);
-    writeExr(path, a.width, a.height, channels,
+    writeExr(path, first.width, first.height, channels,
              {{kSamplesKey, samples}, {kErrorKey, std::to_string(reference.ownError * kErrorUnit)}},
              PixelType::full);
     return reference;

@@ -105,13 +105,13 @@ struct Reference {
     Image image;
     double ownError = 0;
 };
-/// Mean of two renders of `cache` with `samples` samples each; an earlier run's, if one left it in
-/// the work folder.
+/// Mean of renders of `cache` with `samples` samples each, two where no number is given; an earlier
+/// run's, if one left it in the work folder.
 Reference makeReference(const EstimatorContext& context, const Set& set, int frame, int samples,
                         const Settings& settings, const std::string& tag);
 Reference makeReference(const EstimatorContext& context, const Set& set, int frame,
                         const RenderOptions& options, const std::filesystem::path& work,
-                        const std::string& tag);
+                        const std::string& tag, int renders = 2);
 
 // The benchmarks, one file each.
 void efficiency(const Settings& settings);

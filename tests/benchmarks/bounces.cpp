@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <limits>
 #include <optional>
 
 #include "common/base/parallel.h"
@@ -18,9 +19,10 @@ namespace {
 constexpr int kBounces = 4, kSamples = 64;
 constexpr Split kBruteForce{64, 1};
 
-/// Seeds of the reference, whose mean it is, and the split of each.
-constexpr int kReferenceSeeds = 8;
-constexpr Split kReferenceSplit{64, 4};
+/// Renders of the reference, whose mean it is, and the split of each. It is what errors are
+/// relative to; its own noise counts in the error of the preview alone.
+constexpr int kReferenceRenders = 8;
+constexpr Split kReferenceSplit{16, 4};
 
 double processorSeconds() {
     return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
@@ -57,7 +59,8 @@ private:
     double seconds_ = 0;
 };
 
-/// Errors, means over seeds, and least seconds of the processor over the threads.
+/// Errors, means over pairs of seeds or over seeds, and least seconds of the processor over the
+/// threads.
 struct Result {
     RelativeError error;
     double seconds = 0, light = 0;
@@ -71,35 +74,45 @@ double meanOf(const Image& image) {
     return sum / static_cast<double>(3 * image.pixels.size());
 }
 
-Result measure(const Frame& frame, const std::string& estimator, RenderOptions options, int seeds,
+void addMean(const RelativeError& error, int count, RelativeError& mean) {
+    mean.mean += error.mean / count;
+    mean.p99 += error.p99 / count;
+    mean.p999 += error.p999 / count;
+    mean.max = std::max(mean.max, error.max);
+}
+
+/// Noise as Cycles' is measured, from pairs of seeds: a reference's own noise does not count.
+Result measure(const Frame& frame, const std::string& estimator, RenderOptions options, int pairs,
                const Image& reference, double seconds) {
     Result result;
-    for (int seed = 1; seed <= seeds; ++seed) {
+    result.seconds = std::numeric_limits<double>::infinity();
+    const auto renderSeed = [&](int seed) {
         options.seed = static_cast<std::uint64_t>(seed);
-        const Rendered r = renderWith(frame.context, frame.set, estimator, frame.number, options);
-        const RelativeError e = relativeError(r.image, reference);
-        result.error.mean += e.mean / seeds;
-        result.error.p99 += e.p99 / seeds;
-        result.error.max = std::max(result.error.max, e.max);
-        result.light += meanOf(r.image) / meanOf(reference) / seeds;
-        const double all = r.processorSeconds + seconds;
-        result.seconds = seed == 1 ? all : std::min(result.seconds, all);
+        Rendered r = renderWith(frame.context, frame.set, estimator, frame.number, options);
+        result.light += meanOf(r.image) / meanOf(reference) / (2 * pairs);
+        result.seconds = std::min(result.seconds, r.processorSeconds + seconds);
+        return r.image;
+    };
+    for (int i = 0; i < pairs; ++i) {
+        const Image a = renderSeed(2 * i + 1), b = renderSeed(2 * i + 2);
+        addMean(Pair{a, b, 0}.noise(reference), pairs, result.error);
     }
     return result;
 }
 
-Image referenceOf(const Frame& frame) {
-    RenderOptions options = optionsOf(kReferenceSplit);
-    Image mean;
-    for (int seed = 0; seed < kReferenceSeeds; ++seed) {
-        options.seed = 1000 + static_cast<std::uint64_t>(seed);
-        const Image image =
-            renderWith(frame.context, frame.set, "cache", frame.number, options).image;
-        if (seed == 0) mean = {image.width, image.height, std::vector<Rgb>(image.pixels.size())};
-        for (std::size_t i = 0; i < image.pixels.size(); ++i)
-            mean.pixels[i] += image.pixels[i] / static_cast<float>(kReferenceSeeds);
-    }
-    return mean;
+/// Error of the prediction, which has no noise.
+Result measurePreview(const Frame& frame, const Image& reference, double seconds) {
+    RenderOptions options = optionsOf({64, 1});
+    options.samples = 0;
+    const Rendered r = renderWith(frame.context, frame.set, "cache", frame.number, options);
+    return {relativeError(r.image, reference), r.processorSeconds + seconds,
+            meanOf(r.image) / meanOf(reference)};
+}
+
+Image referenceOf(const Settings& settings, const Frame& frame) {
+    return makeReference(frame.context, frame.set, frame.number, optionsOf(kReferenceSplit),
+                         settings.work, frame.key() + ".bounces", kReferenceRenders)
+        .image;
 }
 
 void report(const std::string& key, const Result& result, const Result& cycles,
@@ -107,12 +120,13 @@ void report(const std::string& key, const Result& result, const Result& cycles,
     const double overCycles = result.efficiency() / cycles.efficiency(),
                  overBrute = result.efficiency() / bruteForce.efficiency(),
                  byP99 = result.efficiencyOfP99() / bruteForce.efficiencyOfP99();
-    std::printf("%-44s %9.3g %9.3g %9.3g %8.3f %8.4f %8.2f %8.2f %8.2f\n", key.c_str(),
-                result.error.mean, result.error.p99, result.error.max, result.seconds, result.light,
-                overCycles, overBrute, byP99);
+    std::printf("%-44s %9.3g %9.3g %9.3g %9.3g %8.3f %8.4f %8.2f %8.2f %8.2f\n", key.c_str(),
+                result.error.mean, result.error.p99, result.error.p999, result.error.max,
+                result.seconds, result.light, overCycles, overBrute, byP99);
     std::fflush(stdout);
     json.set(key + ".relmse", result.error.mean);
     json.set(key + ".p99", result.error.p99);
+    json.set(key + ".p999", result.error.p999);
     json.set(key + ".max", result.error.max);
     json.set(key + ".seconds", result.seconds);
     json.set(key + ".light", result.light);
@@ -126,8 +140,8 @@ void compare(const Settings& settings, const Frame& bare, JsonFile& json) {
     EstimatorContext context = bare.context;
     context.solve = &solves.solve();
     const Frame frame{context, bare.set, bare.map, bare.number};
-    const Image reference = referenceOf(frame);
-    const int seeds = settings.seeds > 0 ? settings.seeds : 4;
+    const Image reference = referenceOf(settings, frame);
+    const int pairs = settings.seeds > 0 ? std::max(1, settings.seeds / 2) : 2;
     Result cycles;
     const Pair theirs = cyclesPair(settings, frame, kSamples, kBounces);
     cycles.error = theirs.noise(reference);
@@ -135,20 +149,17 @@ void compare(const Settings& settings, const Frame& bare, JsonFile& json) {
     cycles.light = meanOf(theirs.a) / meanOf(reference);
     RenderOptions alone = optionsOf(kBruteForce);
     alone.sharedBounces = false;
-    const Result bruteForce = measure(bare, "mis", alone, seeds, reference, 0);
+    const Result bruteForce = measure(bare, "mis", alone, pairs, reference, 0);
     report(frame.key() + ".cycles", cycles, cycles, bruteForce, json);
     report(frame.key() + ".brute_force", bruteForce, cycles, bruteForce, json);
     for (const std::string& text : settings.splits) {
         const Split split = parseSplit(text);
         report(frame.key() + "." + split.name(),
-               measure(frame, "cache", optionsOf(split), seeds, reference, solves.seconds()),
+               measure(frame, "cache", optionsOf(split), pairs, reference, solves.seconds()),
                cycles, bruteForce, json);
     }
-    RenderOptions preview = optionsOf(kBruteForce);
-    preview.samples = 0;
-    report(frame.key() + ".preview",
-           measure(frame, "cache", preview, 1, reference, solves.seconds()), cycles, bruteForce,
-           json);
+    report(frame.key() + ".preview", measurePreview(frame, reference, solves.seconds()), cycles,
+           bruteForce, json);
 }
 
 }  // namespace
@@ -156,8 +167,8 @@ void compare(const Settings& settings, const Frame& bare, JsonFile& json) {
 void bounces(const Settings& settings) {
     JsonFile json;
     std::printf("seconds: of the processor, over the threads, the solve included\n");
-    std::printf("%-44s %9s %9s %9s %8s %8s %8s %8s %8s\n", "picture, 4 bounces", "relMSE", "p99",
-                "max", "seconds", "light", "x Cycles", "x brute", "by p99");
+    std::printf("%-44s %9s %9s %9s %9s %8s %8s %8s %8s %8s\n", "picture, 4 bounces", "relMSE",
+                "p99", "p99.9", "max", "seconds", "light", "x Cycles", "x brute", "by p99");
     forEachFrame(settings, [&](const Frame& frame) { compare(settings, frame, json); });
     if (!settings.json.empty()) json.write(settings.json);
 }
