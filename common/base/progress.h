@@ -19,7 +19,7 @@ enum class ProgressStyle {
     json    ///< {"task":"bake","done":4,"total":10,"seconds":8.0,"left":12.0} a line, for programs
 };
 
-/// As --progress has them.
+/// Names accepted by --progress.
 inline constexpr Named<ProgressStyle> kProgressStyles[] = {{"none", ProgressStyle::none},
                                                            {"bar", ProgressStyle::bar},
                                                            {"lines", ProgressStyle::lines},

@@ -12,7 +12,7 @@ namespace shadowcache {
 /// with the radical inverse of Larcher and Pillichshammer, randomised by XOR or by a shift.
 enum class Sequence { sobol, random, larcherXor, larcherShift };
 
-/// As --sequence has them.
+/// Names accepted by --sequence.
 inline constexpr Named<Sequence> kSequences[] = {{"sobol", Sequence::sobol},
                                                  {"random", Sequence::random},
                                                  {"larcher-xor", Sequence::larcherXor},

@@ -15,7 +15,7 @@ inline constexpr int kMostCameraRays = 65536;
 /// How the light that reaches a pixel is weighted around its centre.
 enum class FilterKind { box, gaussian, blackmanHarris };
 
-/// As --filter has them.
+/// Names accepted by --filter.
 inline constexpr Named<FilterKind> kFilters[] = {{"box", FilterKind::box},
                                                  {"gaussian", FilterKind::gaussian},
                                                  {"blackman-harris", FilterKind::blackmanHarris}};
