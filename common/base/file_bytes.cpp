@@ -1,5 +1,6 @@
 #include "common/base/file_bytes.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -58,6 +59,11 @@ std::string_view withoutByteOrderMark(const std::filesystem::path& path, std::st
         throwFileError(path, "is text in UTF-16, expected ASCII or UTF-8");
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     return text;
+}
+
+void useLineFeeds(std::string& text, std::size_t size) {
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(size, text.size()));
+    if (std::find(text.begin(), end, '\n') == end) std::replace(text.begin(), end, '\r', '\n');
 }
 
 TextScanner::TextScanner(const std::filesystem::path& path, std::string_view text, bool comments,
@@ -134,6 +140,14 @@ double TextScanner::number(std::string_view word) const {
             const double infinity = std::numeric_limits<double>::infinity();
             return tiny ? 0.0 : digits.starts_with('-') ? -infinity : infinity;
         }
+    }
+    // Windows' programs write "1.#INF", "-1.#IND" and "1.#QNAN".
+    if (const std::size_t mark = digits.find(".#"); mark != digits.npos) {
+        const std::string_view kind = digits.substr(mark + 2);
+        const double infinity = std::numeric_limits<double>::infinity();
+        if (kind.starts_with("INF")) return digits.starts_with('-') ? -infinity : infinity;
+        if (kind.starts_with("IND") || kind.starts_with("QNAN") || kind.starts_with("SNAN"))
+            return std::numeric_limits<double>::quiet_NaN();
     }
     fail(word.empty() ? "line ends, expected a number" : quoted(word) + ", expected a number");
 }

@@ -19,6 +19,11 @@ void requireReadableFile(const std::filesystem::path& path);
 /// @throws Error naming the file for text in UTF-16
 std::string_view withoutByteOrderMark(const std::filesystem::path& path, std::string_view text);
 
+/// Makes LF of the line breaks of a text whose lines end in CR alone, as those of old Macs.
+///
+/// @param size  bytes of `text` that are looked at
+void useLineFeeds(std::string& text, std::size_t size = std::string::npos);
+
 /// Walks through a text by lines and blank-separated words; keeps the line's number for messages.
 class TextScanner {
 public:

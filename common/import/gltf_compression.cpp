@@ -5,7 +5,6 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -22,7 +21,6 @@ using Json = nlohmann::json;
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
-constexpr const char* kWebp = "EXT_texture_webp";
 
 /// An extension of an object of the document, or null.
 Json* extensionOf(Json& object, const char* name) {
@@ -265,33 +263,11 @@ bool moveIndices(Json& document) {
     return changed;
 }
 
-/// tinygltf knows data of PNG and JPEG; what it is, its bytes say.
-bool renamePictures(Json& document) {
-    constexpr std::string_view kPrefix = "data:image/webp;";
-    bool changed = false;
-    for (Json& image : listOf(document, "images")) {
-        const auto uri = image.is_object() ? image.find("uri") : image.end();
-        if (!image.is_object() || uri == image.end() || !uri->is_string()) continue;
-        const auto& text = uri->get_ref<const std::string&>();
-        if (!text.starts_with(kPrefix)) continue;
-        *uri = "data:image/png;" + text.substr(kPrefix.size());
-        changed = true;
-    }
-    return changed;
-}
-
 }  // namespace
 
-std::string withoutFallbacks(std::string_view json) {
-    const auto names = [&](const char* what) { return json.find(what) != json.npos; };
-    if (!names(kDraco) && !names(kMeshopt) && !names(kWebp)) return {};
-    Json document = Json::parse(json, nullptr, false);
-    if (!document.is_object()) return {};
-    const bool views = replaceViews(document), indices = moveIndices(document),
-               pictures = renamePictures(document);
-    return views || indices || pictures
-               ? document.dump(-1, ' ', false, Json::error_handler_t::replace)
-               : std::string();
+bool removeFallbacks(Json& document) {
+    const bool views = replaceViews(document), indices = moveIndices(document);
+    return views || indices;
 }
 
 void decompress(const std::filesystem::path& path, tinygltf::Model& model) {

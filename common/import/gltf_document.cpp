@@ -10,6 +10,7 @@
 #include "common/base/error.h"
 #include "common/import/gltf_extensions.h"
 #include "common/import/gltf_file.h"
+#include "common/import/gltf_uris.h"
 
 namespace shadowcache {
 
@@ -152,7 +153,7 @@ private:
             requireIndex("image", source, model_.images);
             auto& image = model_.images[static_cast<std::size_t>(source)];
             to.name = "image " + std::to_string(source) +
-                      (image.uri.empty() ? "" : " (" + image.uri + ")");
+                      (image.uri.empty() || isDataUri(image.uri) ? "" : " (" + image.uri + ")");
             if (image.bufferView >= 0) {
                 to.encoded = viewBytes(to.name, image.bufferView);
             } else if (!image.image.empty()) {

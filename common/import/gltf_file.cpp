@@ -14,10 +14,17 @@
 #include "common/base/json_depth.h"
 #include "common/import/gltf_compression.h"
 #include "common/import/gltf_extensions.h"
+#include "common/import/gltf_shapes.h"
+#include "common/import/gltf_uris.h"
 
 namespace shadowcache {
 
 namespace {
+
+/// Of a file, as tinygltf is told.
+std::string folderOf(const std::filesystem::path& path) {
+    return path.parent_path().lexically_normal().string();
+}
 
 std::string firstLine(const std::string& text) {
     return text.substr(0, text.find('\n'));
@@ -118,8 +125,8 @@ private:
 
     /// tinygltf puts the folder in front of every URI, absolute ones included.
     std::string place(const std::string& file) const {
-        const std::size_t absolute = file.find("//");
-        return absolute == file.npos ? file : file.substr(absolute + 1);
+        const std::string folder = folderOf(set_) + "/";
+        return file.starts_with(folder + "/") ? file.substr(folder.size()) : file;
     }
 
     bool mayRead(const std::string& file) {
@@ -146,12 +153,17 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path, References refer
         throwFileError(path, "JSON nested deeper than 256 levels, expected fewer");
     // What is no object is tinygltf's to refuse.
     auto document = nlohmann::json::parse(jsonOf(bytes), nullptr, false);
-    if (document.is_object()) requireExtensions(path, document);
-    if (const std::string plain = withoutFallbacks(jsonOf(bytes)); !plain.empty()) {
-        bytes = binary ? withJson(bytes, plain) : plain;
-        document = nlohmann::json::parse(jsonOf(bytes), nullptr, false);
+    if (document.is_object()) {
+        requireExtensions(path, document);
+        requireShapes(path, document);
+        const bool urisChanged = mendUris(path, document), changed = removeFallbacks(document);
+        if (urisChanged || changed) {
+            const std::string plain =
+                document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+            bytes = binary ? withJson(bytes, plain) : plain;
+        }
+        requireViewsInBuffers(path, document);
     }
-    if (document.is_object()) requireViewsInBuffers(path, document);
     const auto size = static_cast<unsigned int>(bytes.size());
 
     tinygltf::TinyGLTF loader;
@@ -162,8 +174,7 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path, References refer
     std::string error, warning;
     bool read = false;
     try {
-        // Without // in it, which place() looks for.
-        const std::string folder = path.parent_path().lexically_normal().string();
+        const std::string folder = folderOf(path);
         read =
             binary
                 ? loader.LoadBinaryFromMemory(&model, &error, &warning,
@@ -180,6 +191,8 @@ tinygltf::Model readGltfFile(const std::filesystem::path& path, References refer
     if (!read) throwFileError(path, "is not a complete glTF 2.0 file: " + firstLine(error));
     if (!model.asset.version.starts_with("2."))
         throwFileError(path, "glTF version " + model.asset.version + ", expected 2.0");
+    if (!model.asset.minVersion.empty() && model.asset.minVersion != "2.0")
+        throwFileError(path, "needs glTF " + model.asset.minVersion + ", expected 2.0");
     decompress(path, model);
     return model;
 }

@@ -15,12 +15,6 @@ namespace shadowcache {
 
 namespace {
 
-float bounded(double x, double least, double most) {
-    return static_cast<float>(std::isfinite(x) ? std::clamp(x, least, most) : least);
-}
-float share(double x) {
-    return bounded(x, 0, 1);
-}
 /// More light than that has no meaning, and its square no room.
 constexpr double kMostEmission = 1e15;
 
@@ -57,6 +51,13 @@ private:
     [[noreturn]] void fail(const std::string& cause) const {
         throwFileError(path_, "material " + from_.name + ": " + cause);
     }
+
+    float bounded(double x, double least, double most) {
+        const double within = std::isfinite(x) ? std::clamp(x, least, most) : least;
+        to_.clamped = to_.clamped || within != x;
+        return static_cast<float>(within);
+    }
+    float share(double x) { return bounded(x, 0, 1); }
 
     static double numberOf(const tinygltf::Value& value, const char* name, double fallback) {
         return value.Has(name) && value.Get(name).IsNumber() ? value.Get(name).GetNumberAsDouble()

@@ -28,6 +28,7 @@ struct GltfMaterial {
     std::vector<GltfTexturePlace> places;  ///< by layer of the material's slots
     /// The opacity of the texture of metalness and roughness is a glossiness, times this.
     std::optional<float> glossiness;
+    bool clamped = false;              ///< a factor was out of range or not finite
     std::vector<std::string> leftOut;  ///< what the file asks for and this program has not
 };
 

@@ -63,6 +63,7 @@ public:
             if (!used_[i]) continue;
             out_.blended += out_.materials[i].blends ? 1 : 0;
             for (const std::string& name : document_.materials[i].leftOut) ++out_.leftOut[name];
+            if (document_.materials[i].clamped) ++out_.remarks[kClampedMaterials];
             for (const int* texture : texturesOf(out_.materials[i]))
                 if (*texture >= 0 && pictures == GltfPictures::decode) decodePicture(*texture);
         }
@@ -163,12 +164,17 @@ private:
 
     /// Texture coordinates of a primitive's vertices, those from `first` on; 0 where it has none.
     std::vector<Vec2f> texturePlaces(const GltfVertices& from, std::size_t first,
-                                     const GltfTexturePlace& place) const {
+                                     const GltfTexturePlace& place) {
         std::size_t components = 2;
         const std::vector<double> values =
             from.attribute("TEXCOORD_" + std::to_string(place.texcoordSet), components);
         std::vector<Vec2f> places(out_.vertices.size() - first, Vec2f(0.0f));
-        if (values.empty()) return places;
+        if (values.empty()) {
+            ++out_.leftOutOf[{"primitive",
+                              "texture coordinates are missing where its material "
+                              "has a texture"}];
+            return places;
+        }
         if (components != 2 || values.size() != 2 * places.size())
             from.fail("texture coordinates do not match the positions, expected a pair for each");
         for (std::size_t i = 0; i < places.size(); ++i) {
@@ -264,6 +270,8 @@ private:
                                                 : kNoVertex);
             out_.faceSizes.push_back(3);
         };
+        if (corners.size() < 3 || (p.mode == kTriangles && corners.size() % 3 != 0))
+            ++out_.leftOutOf[{"primitive", "last corners make no triangle and are left out"}];
         if (p.mode == kTriangles)
             for (std::size_t i = 0; i + 2 < corners.size(); i += 3) face(i, i + 1, i + 2);
         if (p.mode == kStrip)

@@ -63,6 +63,10 @@ inline constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::m
 /// Colour of vertices without one in a file, or a set, where others have one.
 inline const Rgb kUncolored{1.0f, 1.0f, 1.0f};
 
+/// Remark on materials of which a number is not what the file says.
+inline constexpr const char* kClampedMaterials =
+    "materials with numbers out of range or not finite, clamped";
+
 /// Reads one file of one format.
 ///
 /// @throws Error naming the file and the cause: empty, truncated, foreign, newer

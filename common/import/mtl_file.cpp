@@ -13,15 +13,13 @@ namespace {
 
 /// Colours beyond that have no meaning, and their square no room.
 constexpr double kMostColor = 1e15;
+/// Of normal maps; more is no surface.
+constexpr double kMostStrength = 1e6;
 
 std::string lowerCase(std::string_view word) {
     std::string lower(word);
     for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return lower;
-}
-
-float bounded(double x, double most) {
-    return static_cast<float>(std::isfinite(x) ? std::clamp(x, 0.0, most) : 0.0);
 }
 
 /// A name for the report: it may be long and hold anything.
@@ -109,6 +107,12 @@ private:
         }
     }
 
+    float bounded(double x, double most) {
+        const double within = std::isfinite(x) ? std::clamp(x, 0.0, most) : 0.0;
+        material().clamped = material().clamped || within != x;
+        return static_cast<float>(within);
+    }
+
     float readShare() { return bounded(text_.number(text_.wordOnLine()), 1); }
 
     /// "r g b", or "r" for a grey; colours given as spectra or in XYZ are left out.
@@ -156,8 +160,12 @@ private:
                 readPair(map.offset, 0);
             } else if (option == "-clamp") {
                 map.clamp = lowerCase(text_.wordOnLine()) == "on";
-            } else if (option.starts_with('-') && skipOption(option)) {
-                leaveOut(std::string(keyword) + " " + option);
+            } else if (option == "-bm" && key == "norm") {
+                const double strength = text_.number(text_.wordOnLine());
+                map.strength =
+                    std::abs(strength) < kMostStrength ? static_cast<float>(strength) : 1;
+            } else if (const auto skipped = skipOption(option)) {
+                if (*skipped) leaveOut(std::string(keyword) + " " + option);
             } else {
                 text_ = before;
                 break;
@@ -188,18 +196,24 @@ private:
                word.find_first_not_of("+-.0123456789eE") == word.npos;
     }
 
-    /// Of the options that are not read; false if it is none.
-    bool skipOption(const std::string& option) {
+    /// Of the options that are not read: whether something is lost, which it is not by those that
+    /// stand at their defaults or are of a picture's filter. Nothing if it is no option.
+    std::optional<bool> skipOption(const std::string& option) {
         if (option == "-mm" || option == "-t") {
-            std::array<float, 2> ignored{};
-            readPair(ignored, 0);
-            return true;
+            std::array<float, 2> found{};
+            readPair(found, 0);
+            return found != (option == "-t" ? std::array<float, 2>{} : std::array<float, 2>{0, 1});
         }
-        constexpr std::array<std::string_view, 8> kWithOneWord{
-            "-blendu", "-blendv", "-bm", "-boost", "-cc", "-imfchan", "-texres", "-type"};
-        if (!isOneOf(kWithOneWord, option)) return false;
-        text_.wordOnLine();
-        return true;
+        constexpr std::array<std::string_view, 3> kOfFilters{"-blendu", "-blendv", "-texres"};
+        constexpr std::array<std::string_view, 5> kWithOneWord{"-bm", "-boost", "-cc", "-imfchan",
+                                                               "-type"};
+        if (!isOneOf(kOfFilters, option) && !isOneOf(kWithOneWord, option)) return {};
+        const std::string value = lowerCase(text_.wordOnLine());
+        if (isOneOf(kOfFilters, option)) return false;
+        const bool isNone = option == "-cc" ? value == "off"
+                                            : isNumber(value) && text_.number(value) ==
+                                                                     (option == "-bm" ? 1.0 : 0.0);
+        return !isNone;
     }
 
     TextScanner text_;
@@ -216,7 +230,8 @@ const MtlMap* MtlMaterial::map(std::string_view keyword) const {
 std::vector<MtlMaterial> readMtl(const std::filesystem::path& path) {
     std::error_code ignored;
     if (std::filesystem::file_size(path, ignored) == 0) return {};
-    const std::string bytes = readFileBytes(path);
+    std::string bytes = readFileBytes(path);
+    useLineFeeds(bytes);
     if (bytes.find('\0') != bytes.npos)
         throwFileError(path, "holds binary data, expected a library of materials");
     return Parser(path, bytes).run();

@@ -22,6 +22,7 @@ struct MtlMap {
     std::array<float, 2> scale{1, 1};
     std::array<float, 2> offset{0, 0};
     bool clamp = false;  ///< else it repeats
+    float strength = 1;  ///< -bm
 };
 
 struct MtlMaterial {
@@ -33,6 +34,7 @@ struct MtlMaterial {
     int illumination = 2;                            ///< illum
     /// By keyword in lower case, of those in kMtlMaps.
     std::map<std::string, MtlMap, std::less<>> maps;
+    bool clamped = false;              ///< a number was out of range or not finite
     std::vector<std::string> leftOut;  ///< lines that mean something and are not read, each once
 
     /// The picture of a keyword, or null.
@@ -40,8 +42,8 @@ struct MtlMaterial {
 };
 
 /// Keywords of the pictures that are read.
-inline constexpr std::array<std::string_view, 5> kMtlMaps{"map_kd", "map_d", "map_ke", "map_pr",
-                                                          "map_pm"};
+inline constexpr std::array<std::string_view, 6> kMtlMaps{"map_kd", "map_d",  "map_ke",
+                                                          "map_pr", "map_pm", "norm"};
 
 /// Reads a library.
 ///

@@ -120,7 +120,10 @@ private:
     }
 
     void write(std::uint32_t vertex, const Use& use) {
-        const Vec2f uv = use[0] < looks_.texcoords.size() ? looks_.texcoords[use[0]] : Vec2f(0.0f);
+        const bool placed = use[0] < looks_.texcoords.size();
+        if (!placed)
+            ++mesh_.remarks["vertices without texture coordinates, whose material has a picture"];
+        const Vec2f uv = placed ? looks_.texcoords[use[0]] : Vec2f(0.0f);
         const Vec3f uv1(uv.x, uv.y, 1);
         const std::vector<GltfTexturePlace>& places = kinds_[use[1]];
         if (vertex >= mesh_.texcoords.size()) mesh_.texcoords.resize(mesh_.vertices.size(), kNone);
@@ -187,6 +190,7 @@ void addObjLooks(const fs::path& path, References references, const ObjLooks& lo
         mesh.materials.push_back(made.back().material);
         mesh.blended += made.back().material.blends ? 1 : 0;
         for (const std::string& name : made.back().leftOut) ++mesh.leftOut[name];
+        if (made.back().clamped) ++mesh.remarks[kClampedMaterials];
     }
     if (!made.empty()) addParts(looks, materials, made, mesh);
 }
@@ -198,7 +202,8 @@ std::vector<fs::path> objFiles(const fs::path& path, References references) {
         if (file && (references == References::anywhere || isBeside(path, *file)))
             files.insert(*file);
     };
-    const std::string bytes = readFileBytes(path);
+    std::string bytes = readFileBytes(path);
+    useLineFeeds(bytes);
     for (TextScanner text(path, bytes, true); !text.atEnd(); text.nextLine())
         if (text.wordOnLine() == "mtllib")
             findLibraries(path, std::string(text.restOfLine()), References::anywhere, keep);

@@ -31,6 +31,7 @@ public:
     Maker(const MtlMaterial& from, const std::filesystem::path& library, ObjPictures& pictures)
         : from_(from), library_(library), pictures_(pictures) {
         to_.leftOut = from.leftOut;
+        to_.clamped = from.clamped;
         // The base colour's, so that its layer is 0.
         if (const MtlMap* first = firstOf("map_kd", "map_d")) to_.places.push_back(placeOf(*first));
     }
@@ -38,6 +39,7 @@ public:
     GltfMaterial make(bool coloredVertices) {
         setColor(coloredVertices);
         setGloss();
+        setNormals();
         const MtlMap* map = from_.map("map_ke");
         to_.material.finish.emission = beside(map, from_.emission, Rgb(0.0f));
         if (map && to_.material.finish.emission != Rgb(0.0f))
@@ -75,7 +77,10 @@ private:
         to.texture = pictures_.color(library_, color, opacity);
         const Rgb one(1.0f);
         const Rgb albedo = coloredVertices ? one : beside(color, from_.diffuse, one);
-        for (int k = 0; k < 3; ++k) to.albedo[k] = std::min(albedo[k], 1.0f);
+        for (int k = 0; k < 3; ++k) {
+            to.albedo[k] = std::min(albedo[k], 1.0f);
+            to_.clamped = to_.clamped || albedo[k] > 1;
+        }
         to.opacity = from_.opacity.value_or(1.0f);
         to.blends = to.opacity < 1 || (to.texture >= 0 && pictures_.isTransparent(to.texture));
     }
@@ -101,6 +106,14 @@ private:
         if (const MtlMap* first = rough ? rough : metal)
             to_.material.finish.metallicRoughness =
                 slot(pictures_.roughnessAndMetal(library_, rough, metal), *first);
+    }
+
+    /// As glTF has them: green points to the picture's upper edge.
+    void setNormals() {
+        const MtlMap* map = from_.map("norm");
+        if (!map) return;
+        to_.material.normal = slot(pictures_.color(library_, map, nullptr), *map);
+        to_.material.normalScale = map->strength;
     }
 
     const MtlMaterial& from_;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <map>
 
@@ -109,10 +110,31 @@ void startMaterial(const TextScanner& text, std::map<std::string, int, std::less
     looks.runs.back().material = place->second;
 }
 
+/// Statements that change nothing of what is read, or belong to one that is counted.
+constexpr std::array<std::string_view, 30> kWithoutEffect{
+    "#",      "bevel", "bmat",      "bsp",      "bzp", "c_interp", "cdc",        "con",
+    "cstype", "ctech", "curv2",     "d_interp", "deg", "end",      "g",          "hole",
+    "lod",    "mg",    "o",         "parm",     "s",   "scrv",     "shadow_obj", "sp",
+    "stech",  "step",  "trace_obj", "trim",     "vp",  "res"};
+
+/// A statement that adds nothing to the faces is counted where something of the picture is lost.
+void countStatement(std::string_view keyword, RawMesh& mesh) {
+    if (keyword.empty() || std::ranges::find(kWithoutEffect, keyword) != kWithoutEffect.end())
+        return;
+    if (keyword == "p" || keyword == "l" || keyword == "curv") {
+        ++mesh.remarks["points and lines left out"];
+    } else if (keyword == "surf") {
+        ++mesh.remarks["free-form surfaces left out"];
+    } else {
+        ++mesh.remarks["lines of other statements left out (call, usemap, ...)"];
+    }
+}
+
 }  // namespace
 
 RawMesh readObj(const std::filesystem::path& path, References references) {
-    const std::string bytes = readFileBytes(path);
+    std::string bytes = readFileBytes(path);
+    useLineFeeds(bytes);
     TextScanner text(path, withoutByteOrderMark(path, bytes), true);
     if (bytes.find('\0') != bytes.npos)
         throwFileError(path, "holds binary data, expected OBJ text");
@@ -134,12 +156,14 @@ RawMesh readObj(const std::filesystem::path& path, References references) {
             looks.libraries.emplace_back(text.restOfLine());
         } else if (keyword == "usemtl") {
             startMaterial(text, materials, looks);
-        } else if (keyword == "f") {
+        } else if (keyword == "f" || keyword == "fo") {  // an older name
             const std::uint32_t size = readFace(text, mesh, looks);
             if (size < 3 && text.atEnd()) {
                 text.fail("file ends in a face with " + std::to_string(size) +
                           " corners, expected 3 (truncated?)");
             }
+        } else {
+            countStatement(keyword, mesh);
         }
         text.nextLine();
     }

@@ -1,7 +1,9 @@
+#include <array>
 #include <cctype>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/import/face_colors.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/vertex_colors.h"
 
@@ -56,6 +58,7 @@ public:
         }
         if (!text_.word().empty()) text_.fail("text after the last face, expected none");
         mesh_.badColors = decodeColors(scale_, mesh_.colors);
+        finishFaceColors();
         return std::move(mesh_);
     }
 
@@ -109,14 +112,44 @@ private:
                 index < 0 || index >= kNoVertex ? kNoVertex : static_cast<std::uint32_t>(index));
         }
         mesh_.faceSizes.push_back(static_cast<std::uint32_t>(size));
-        if (byLines_) text_.nextLine();
+        if (byLines_) readFaceColor();
+    }
+
+    /// Behind the corners: nothing, the number of a colour in a map that is not in the file, or
+    /// red, green, blue and perhaps opacity.
+    void readFaceColor() {
+        std::vector<std::string_view> words;
+        for (std::string_view word = text_.wordOnLine(); !word.empty(); word = text_.wordOnLine())
+            words.push_back(word);
+        if (words.size() == 3 || words.size() == 4) {
+            std::array<double, 4> color{};
+            for (std::size_t k = 0; k < words.size(); ++k) {
+                color[k] = text_.number(words[k]);
+                faceScale_.see(color[k]);
+            }
+            faceColors_.push_back(Rgb(Vec3d(color[0], color[1], color[2])));
+            coloredFaces_.push_back(mesh_.faceSizes.size() - 1);
+        } else if (!words.empty()) {
+            ++mesh_.remarks["faces whose colours are left out: no red, green and blue"];
+        }
+        text_.nextLine();
+    }
+
+    void finishFaceColors() {
+        if (faceColors_.empty()) return;
+        mesh_.badColors += decodeColors(faceScale_, faceColors_);
+        std::vector<Rgb> all(mesh_.faceSizes.size(), kUncolored);
+        for (std::size_t i = 0; i < faceColors_.size(); ++i) all[coloredFaces_[i]] = faceColors_[i];
+        colorFaces(all, mesh_);
     }
 
     const std::filesystem::path& path_;
     TextScanner text_;
     const OffLayout& layout_;
     bool byLines_;
-    ColorScale scale_{ColorNumbers::any};
+    ColorScale scale_{ColorNumbers::any}, faceScale_{ColorNumbers::any};
+    std::vector<Rgb> faceColors_;            ///< of the faces that have one
+    std::vector<std::size_t> coloredFaces_;  ///< which these are
     RawMesh mesh_;
 };
 
@@ -130,7 +163,8 @@ void skipEdges(TextScanner& text) {
 }  // namespace
 
 RawMesh readOff(const std::filesystem::path& path) {
-    const std::string bytes = readFileBytes(path);
+    std::string bytes = readFileBytes(path);
+    useLineFeeds(bytes);
     TextScanner text(path, withoutByteOrderMark(path, bytes), true);
     const std::string_view magic = text.word();
     const OffLayout layout = parseMagic(path, magic);

@@ -152,6 +152,10 @@ PlyHeader parsePlyHeader(const std::filesystem::path& path, std::string_view con
         if (!text.nextLine()) throwFileError(path, "truncated: ends within the PLY header");
         const std::string_view keyword = text.wordOnLine();
         if (keyword == "end_header") break;
+        if (keyword == "comment") {
+            header.pictures += text.wordOnLine() == "TextureFile" ? 1 : 0;
+            continue;
+        }
         if (keyword == "format") {
             header.encoding = parseFormat(text);
             hasFormat = true;
@@ -160,7 +164,7 @@ PlyHeader parsePlyHeader(const std::filesystem::path& path, std::string_view con
         } else if (keyword == "property") {
             if (header.elements.empty()) text.fail("property before the first element");
             header.elements.back().properties.push_back(parseProperty(text));
-        } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
+        } else if (!keyword.empty() && keyword != "obj_info") {
             text.fail(std::string(keyword.substr(0, 20)) + ": expected a PLY header line");
         }
     }

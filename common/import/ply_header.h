@@ -38,6 +38,7 @@ struct PlyHeader {
     std::vector<PlyElement> elements;
     std::size_t bytes = 0;  ///< length of the header, its last line break included
     std::size_t lines = 0;
+    std::size_t pictures = 0;  ///< that comments name ("TextureFile"); they are not read
 };
 
 /// Parses the header at the start of `content` and makes sure that what it announces can fit.

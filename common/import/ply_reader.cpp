@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -181,7 +182,8 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
 }
 
 std::uint32_t vertexNumber(double value) {
-    const bool valid = value >= 0.0 && value < static_cast<double>(kNoVertex);
+    const bool valid = value >= 0.0 && value < static_cast<double>(kNoVertex) &&
+                       value == std::floor(value);  // it may be of a float type
     return valid ? static_cast<std::uint32_t>(value) : kNoVertex;
 }
 
@@ -296,13 +298,24 @@ RawMesh readBody(const std::filesystem::path& path, const PlyHeader& header, Num
     if (!hasFaces)
         throwFileError(path, "PLY without faces (a point cloud?), expected faces or tristrips");
     if (!faceColors.empty()) colorFaces(faceColors, mesh);
+    if (header.pictures > 0)
+        mesh.remarks["pictures of TextureFile comments left out"] = header.pictures;
     return mesh;
+}
+
+/// Those of the header, and of a text body.
+void mendLineBreaks(std::string& bytes) {
+    const std::size_t end = bytes.find("end_header");
+    if (end == bytes.npos) return;
+    const bool isText = bytes.find("format ascii") < end;
+    useLineFeeds(bytes, isText ? bytes.npos : end + std::string_view("end_header\r").size());
 }
 
 }  // namespace
 
 RawMesh readPly(const std::filesystem::path& path) {
-    const std::string bytes = readFileBytes(path);
+    std::string bytes = readFileBytes(path);
+    mendLineBreaks(bytes);
     const std::string_view content = withoutByteOrderMark(path, bytes);
     const PlyHeader header = parsePlyHeader(path, content);
     const std::string_view body = content.substr(header.bytes);

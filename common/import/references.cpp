@@ -1,6 +1,7 @@
 #include "common/import/references.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "common/base/error.h"
 
@@ -22,12 +23,30 @@ fs::path referencedFile(const fs::path& set, const std::string& uri) {
     return set.parent_path() / uri;
 }
 
+std::string decodedUri(const std::string& uri) {
+    std::string text;
+    for (std::size_t i = 0; i < uri.size(); ++i) {
+        const auto digit = [&](std::size_t at) {
+            return std::isxdigit(static_cast<unsigned char>(uri[at])) != 0;
+        };
+        if (uri[i] == '%' && i + 2 < uri.size() && digit(i + 1) && digit(i + 2)) {
+            text += static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16));
+            i += 2;
+        } else {
+            text += uri[i];
+        }
+    }
+    return text;
+}
+
 std::optional<fs::path> namedFile(const fs::path& set, const fs::path& base,
                                   const std::string& name, References references) {
     std::string slashed = name;
     std::ranges::replace(slashed, '\\', '/');
     std::error_code ignored;
-    for (const std::string& spelling : {name, slashed}) {
+    const bool quoted = slashed.size() > 2 && slashed.starts_with('"') && slashed.ends_with('"');
+    const std::string bare = quoted ? slashed.substr(1, slashed.size() - 2) : "";
+    for (const std::string& spelling : {name, slashed, bare}) {
         const fs::path file = referencedFile(base, spelling);
         if (spelling.empty() || !fs::is_regular_file(file, ignored)) continue;
         if (references == References::inside && !isBeside(set, file))

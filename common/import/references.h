@@ -17,7 +17,11 @@ bool isBeside(const std::filesystem::path& set, const std::filesystem::path& fil
 /// folder, unless it begins with '/'.
 std::filesystem::path referencedFile(const std::filesystem::path& set, const std::string& uri);
 
-/// The file that a file of a set names, with a backslash for a slash where that finds it.
+/// A URI with its escapes replaced: "%20" is a blank.
+std::string decodedUri(const std::string& uri);
+
+/// The file that a file of a set names, with a backslash for a slash, or without the quotes around
+/// it, where that finds it.
 ///
 /// @param base  the file that names it: `set`, or one beside it
 /// @return nothing if there is no such regular file

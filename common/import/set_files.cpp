@@ -35,23 +35,6 @@ std::string gltfJson(const fs::path& file) {
     return bytes.substr(kBegin, length);
 }
 
-/// "%20" -> " ".
-std::string decoded(const std::string& uri) {
-    std::string text;
-    for (std::size_t i = 0; i < uri.size(); ++i) {
-        const auto digit = [&](std::size_t at) {
-            return std::isxdigit(static_cast<unsigned char>(uri[at])) != 0;
-        };
-        if (uri[i] == '%' && i + 2 < uri.size() && digit(i + 1) && digit(i + 2)) {
-            text += static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16));
-            i += 2;
-        } else {
-            text += uri[i];
-        }
-    }
-    return text;
-}
-
 }  // namespace
 
 std::vector<fs::path> filesOf(const fs::path& file, References references) {
@@ -73,7 +56,7 @@ std::vector<fs::path> filesOf(const fs::path& file, References references) {
             if (!entry.is_object() || !entry.contains("uri") || !entry["uri"].is_string()) continue;
             const std::string uri = entry["uri"];
             std::error_code ignored;
-            for (const std::string& name : {uri, decoded(uri)}) {
+            for (const std::string& name : {uri, decodedUri(uri)}) {
                 if (uri.starts_with("data:")) break;
                 const fs::path path = referencedFile(file, name);
                 if (!fs::is_regular_file(path, ignored)) continue;

@@ -30,6 +30,16 @@ void useWeldedPoints(const PointTable& table, RawMesh& mesh) {
     mesh.vertices.assign(table.points().begin(), table.points().end());
 }
 
+/// Triangles that two programs give colours: all of a file whose header has COLOR= (Magics), and
+/// else those with the highest bit of their last two bytes (VisCAM).
+std::size_t coloredTriangles(const std::string& bytes, std::uint32_t count) {
+    if (bytes.find("COLOR=") < 80) return count;
+    std::size_t colored = 0;
+    for (std::size_t i = 1; i <= count; ++i)
+        colored += static_cast<unsigned char>(bytes[kHeaderBytes + i * kTriangleBytes - 1]) >> 7;
+    return colored;
+}
+
 /// Corners are welded by their exact bits: STL repeats each vertex in every face around it.
 RawMesh readBinary(const std::string& bytes) {
     const std::uint32_t count = binaryCount(bytes);
@@ -46,6 +56,8 @@ RawMesh readBinary(const std::string& bytes) {
     }
     mesh.faceSizes.assign(count, 3);
     useWeldedPoints(table, mesh);
+    if (const std::size_t colored = coloredTriangles(bytes, count); colored > 0)
+        mesh.remarks["triangles of a binary STL file whose colours are left out"] = colored;
     return mesh;
 }
 
@@ -167,8 +179,10 @@ RawMesh readStl(const std::filesystem::path& path) {
     if (bytes.size() > kHeaderBytes &&
         bytes.size() == kHeaderBytes + kTriangleBytes * binaryCount(bytes))
         return readBinary(bytes);
-    const std::string_view text = withoutByteOrderMark(path, bytes);
-    if (isText(text)) return StlText(path, text).read();
+    if (std::string text(withoutByteOrderMark(path, bytes)); isText(text)) {
+        useLineFeeds(text);
+        return StlText(path, text).read();
+    }
     if (bytes.size() < kHeaderBytes)
         throwFileError(path, std::to_string(bytes.size()) +
                                  " bytes without 'solid' at the start, expected an STL file");

@@ -1,15 +1,11 @@
 // Compressed glTF: KHR_draco_mesh_compression, EXT_meshopt_compression, EXT_texture_webp. What the
 // libraries' own encoders make is read; what is damaged is refused.
 
-#include <draco/compression/encode.h>
-#include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <gtest/gtest.h>
-#include <meshoptimizer.h>
-#include <webp/encode.h>
 
 #include "common/import/load_mesh.h"
 #include "common/mesh/looks.h"
-#include "tests/support/gltf_builder.h"
+#include "tests/support/compressed_gltf.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
@@ -20,7 +16,7 @@ using Json = nlohmann::json;
 TriangleMesh loadBytes(const std::string& name, const std::string& bytes) {
     const TemporaryFolder folder;
     const auto path = folder.write(name, bytes);
-    return loadMesh({&path, 1}, {});
+    return loadMesh({&path, 1}, {.shadingNormals = true});
 }
 
 void expectSquare(const TriangleMesh& mesh) {
@@ -30,46 +26,6 @@ void expectSquare(const TriangleMesh& mesh) {
     for (const Vec3f& p : mesh.positions) box.extendBy(Vec3d(p) + mesh.origin);
     EXPECT_NEAR((box.min - Vec3d(0, 0, 0)).length(), 0, 1e-3);
     EXPECT_NEAR((box.max - Vec3d(1, 1, 0)).length(), 0, 1e-3);
-}
-
-/// The square as a Draco stream; its positions are attribute 0.
-std::string dracoSquare(int method) {
-    draco::TriangleSoupMeshBuilder builder;
-    builder.Start(2);
-    const int positions =
-        builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
-    for (int face = 0; face < 2; ++face) {
-        const auto corner = [&](std::size_t k) {
-            return &kSquare[3 *
-                            std::size_t{kSquareIndices[3 * static_cast<std::size_t>(face) + k]}];
-        };
-        builder.SetAttributeValuesForFace(positions, draco::FaceIndex(static_cast<unsigned>(face)),
-                                          corner(0), corner(1), corner(2));
-    }
-    const auto mesh = builder.Finalize();
-    draco::Encoder encoder;
-    encoder.SetEncodingMethod(method);
-    draco::EncoderBuffer buffer;
-    EXPECT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
-    return {buffer.data(), buffer.size()};
-}
-
-/// Accessors of it have no bytes of their own.
-GltfBuilder dracoFile(const std::string& stream, std::size_t points = 4) {
-    GltfBuilder file;
-    const int view = file.view(stream);
-    const int positions =
-        file.append("accessors", {{"componentType", 5126}, {"count", points}, {"type", "VEC3"}});
-    const int indices =
-        file.append("accessors", {{"componentType", 5123}, {"count", 6}, {"type", "SCALAR"}});
-    file.mesh({{"attributes", {{"POSITION", positions}}},
-               {"indices", indices},
-               {"extensions",
-                {{"KHR_draco_mesh_compression",
-                  {{"bufferView", view}, {"attributes", {{"POSITION", 0}}}}}}}});
-    file.root({{"mesh", 0}});
-    file.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
-    return file;
 }
 
 TEST(GltfCompression, DracoIsRead) {
@@ -130,69 +86,113 @@ TEST(GltfCompression, DracoOfHugeCountsIsRefused) {
     refuse("version 2.1, expected 2.2");
 }
 
-std::string meshoptPositions() {
-    std::string bytes(meshopt_encodeVertexBufferBound(4, 12), '\0');
-    bytes.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(bytes.data()),
-                                            bytes.size(), kSquare.data(), 4, 12));
-    return bytes;
+/// All attributes that a set has, quantized as exporters do.
+TEST(GltfCompression, DracoHoldsNormalsPlacesAndColours) {
+    draco::TriangleSoupMeshBuilder builder;
+    builder.Start(2);
+    using Attribute = draco::GeometryAttribute;
+    const int positions = builder.AddAttribute(Attribute::POSITION, 3, draco::DT_FLOAT32);
+    const int normals = builder.AddAttribute(Attribute::NORMAL, 3, draco::DT_FLOAT32);
+    const int places = builder.AddAttribute(Attribute::TEX_COORD, 2, draco::DT_FLOAT32);
+    const int colors = builder.AddAttribute(Attribute::COLOR, 4, draco::DT_UINT8);
+    const std::array<float, 3> tilted{0.6f, 0, 0.8f};
+    const std::array<std::uint8_t, 4> red{255, 51, 0, 255};
+    for (unsigned face = 0; face < 2; ++face) {
+        const auto corner = [&](std::size_t k) {
+            return &kSquare[3 * std::size_t{kSquareIndices[3 * face + k]}];
+        };
+        const draco::FaceIndex f(face);
+        builder.SetAttributeValuesForFace(positions, f, corner(0), corner(1), corner(2));
+        builder.SetAttributeValuesForFace(normals, f, tilted.data(), tilted.data(), tilted.data());
+        builder.SetAttributeValuesForFace(places, f, corner(0), corner(1), corner(2));
+        builder.SetAttributeValuesForFace(colors, f, red.data(), red.data(), red.data());
+    }
+    const auto square = builder.Finalize();
+    draco::Encoder encoder;
+    encoder.SetAttributeQuantization(Attribute::POSITION, 14);
+    encoder.SetAttributeQuantization(Attribute::NORMAL, 10);
+    encoder.SetAttributeQuantization(Attribute::TEX_COORD, 12);
+    draco::EncoderBuffer buffer;
+    ASSERT_TRUE(encoder.EncodeMeshToBuffer(*square, &buffer).ok());
+    GltfBuilder file = dracoFile({buffer.data(), buffer.size()});
+    Json& primitive = file.json["meshes"][0]["primitives"][0];
+    const auto add = [&](const char* name, int id, int type, const char* kind, bool normalized) {
+        primitive["attributes"][name] = file.append(
+            "accessors",
+            {{"componentType", type}, {"count", 4}, {"type", kind}, {"normalized", normalized}});
+        primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"][name] = id;
+    };
+    const auto idOf = [&](int attribute) {
+        return static_cast<int>(square->attribute(attribute)->unique_id());
+    };
+    add("NORMAL", idOf(normals), 5126, "VEC3", false);
+    add("TEXCOORD_0", idOf(places), 5126, "VEC2", false);
+    add("COLOR_0", idOf(colors), 5121, "VEC4", true);
+    const TriangleMesh mesh = loadBytes("a.glb", file.glb());
+    expectSquare(mesh);
+    ASSERT_EQ(mesh.normals.size(), 4u);
+    for (const Vec3f& n : mesh.normals) EXPECT_NEAR(n.x, 0.6f, 0.01f);
+    ASSERT_EQ(mesh.colors.size(), 4u);
+    for (const Rgb& color : mesh.colors) EXPECT_EQ(color, Rgb(1.0f, 0.2f, 0.0f));
 }
 
-std::string meshoptTriangles() {
-    const std::vector<unsigned> indices(kSquareIndices.begin(), kSquareIndices.end());
-    std::string bytes(meshopt_encodeIndexBufferBound(6, 4), '\0');
-    bytes.resize(meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(bytes.data()),
-                                           bytes.size(), indices.data(), 6));
-    return bytes;
-}
-
-Json meshoptView(const Json& raw, const char* mode, std::size_t count, std::size_t stride) {
-    return {{"buffer", 1},
-            {"byteOffset", 0},
-            {"byteLength", count * stride},
-            {"extensions",
-             {{"EXT_meshopt_compression",
-               {{"buffer", 0},
-                {"byteOffset", raw["byteOffset"]},
-                {"byteLength", raw["byteLength"]},
-                {"byteStride", stride},
-                {"count", count},
-                {"mode", mode}}}}}};
-}
-
-/// The square, with a buffer that only stands for the decoded bytes, in text.
-Json meshoptFile(const std::string& positions, const std::string& triangles, std::string& data) {
-    GltfBuilder file;
-    const int p = file.view(positions), t = file.view(triangles);
-    const Json views = file.json["bufferViews"];
-    file.json["bufferViews"] = {
-        meshoptView(views[static_cast<std::size_t>(p)], "ATTRIBUTES", 4, 12),
-        meshoptView(views[static_cast<std::size_t>(t)], "TRIANGLES", 6, 2)};
-    file.append("accessors",
-                {{"bufferView", 0}, {"componentType", 5126}, {"count", 4}, {"type", "VEC3"}});
-    file.append("accessors",
-                {{"bufferView", 1}, {"componentType", 5123}, {"count", 6}, {"type", "SCALAR"}});
-    file.mesh({{"attributes", {{"POSITION", 0}}}, {"indices", 1}});
-    file.root({{"mesh", 0}});
-    file.json["extensionsRequired"] = {"EXT_meshopt_compression"};
-    data = file.data();
-    Json json = file.json;
-    json["buffers"] = {
-        {{"byteLength", data.size()}, {"uri", "a.bin"}},
-        {{"byteLength", 60}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
-    return json;
+/// They announce compressed data and hold plain numbers.
+TEST(GltfCompression, CasesWithoutStreamsAreRefused) {
+    const auto refuse = [](const char* name, const std::string& cause) {
+        const auto path = std::filesystem::path(SHADOWCACHE_CASES) / name;
+        expectError([&] { loadMesh({&path, 1}, {}); }, name, cause);
+    };
+    refuse("draco_min.gltf",
+           "mesh 0: KHR_draco_mesh_compression: the bytes do not begin with DRACO");
+    refuse("meshopt_min.gltf",
+           "buffer view 0: EXT_meshopt_compression: damaged, or no data of mode ATTRIBUTES");
 }
 
 TriangleMesh loadMeshopt(const Json& json, const std::string& data) {
     const TemporaryFolder folder;
     folder.write("a.bin", data);
     const auto path = folder.write("a.gltf", json.dump());
-    return loadMesh({&path, 1}, {});
+    return loadMesh({&path, 1}, {.shadingNormals = true});
 }
 
 TEST(GltfCompression, MeshoptIsRead) {
     std::string data;
     const Json json = meshoptFile(meshoptPositions(), meshoptTriangles(), data);
     expectSquare(loadMeshopt(json, data));
+}
+
+/// Positions through the exponential filter, normals through the octahedral one.
+TEST(GltfCompression, MeshoptFiltersAreUndone) {
+    const auto encode = [](const void* values, std::size_t stride) {
+        std::string bytes(meshopt_encodeVertexBufferBound(4, stride), '\0');
+        bytes.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(bytes.data()),
+                                                bytes.size(), values, 4, stride));
+        return bytes;
+    };
+    std::array<std::uint32_t, 12> positions{};
+    meshopt_encodeFilterExp(positions.data(), 4, 12, 15, kSquare.data());
+    const std::vector<float> tilted{.6f, 0, .8f, 0, .6f, 0, .8f, 0, .6f, 0, .8f, 0, .6f, 0, .8f, 0};
+    std::array<std::int8_t, 16> normals{};
+    meshopt_encodeFilterOct(normals.data(), 4, 4, 8, tilted.data());
+    std::string data;
+    Json json = meshoptFile(encode(positions.data(), 12), meshoptTriangles(), data);
+    json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["filter"] = "EXPONENTIAL";
+    const std::string stream = encode(normals.data(), 4);
+    Json view = meshoptView({{"byteOffset", data.size()}, {"byteLength", stream.size()}},
+                            "ATTRIBUTES", 4, 4);
+    view["extensions"]["EXT_meshopt_compression"]["filter"] = "OCTAHEDRAL";
+    json["bufferViews"].push_back(view);
+    json["accessors"].push_back({{"bufferView", 2},
+                                 {"componentType", 5120},
+                                 {"normalized", true},
+                                 {"count", 4},
+                                 {"type", "VEC3"}});
+    json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 2;
+    json["buffers"][0]["byteLength"] = data.size() + stream.size();
+    const TriangleMesh mesh = loadMeshopt(json, data + stream);
+    expectSquare(mesh);
+    ASSERT_EQ(mesh.normals.size(), 4u);
+    for (const Vec3f& n : mesh.normals) EXPECT_NEAR(n.x, 0.6f, 0.02f);
 }
 
 TEST(GltfCompression, DamagedMeshoptIsRefused) {
@@ -224,11 +224,7 @@ TEST(GltfCompression, DamagedMeshoptIsRefused) {
 }
 
 TEST(GltfCompression, WebpIsRead) {
-    const std::vector<std::uint8_t> texels{255, 0, 0, 255, 0, 255, 0, 255};
-    std::uint8_t* encoded = nullptr;
-    const std::size_t size = WebPEncodeLosslessRGBA(texels.data(), 2, 1, 8, &encoded);
-    const std::string webp(reinterpret_cast<const char*>(encoded), size);
-    WebPFree(encoded);
+    const std::string webp = webpPicture();
     const auto fileOf = [](const std::string& picture) {
         GltfBuilder file;
         const int positions = file.vectors(kSquare);

@@ -1,8 +1,13 @@
 #include "tests/support/map_files.h"
 
+#include <OpenEXR/ImfDeepFrameBuffer.h>
+#include <OpenEXR/ImfDeepScanLineOutputPart.h>
+#include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/image/radiance.h"
@@ -189,6 +194,139 @@ TEST(MapLayers, TheFirstOfPartsWithColoursIsNamed) {
     EXPECT_EQ(map.image.pixels[0], Rgb(1.0f));
     EXPECT_EQ(map.notes, std::vector<std::string>{
                              "colours of part 'beauty', the first of 2 parts that have some"});
+}
+
+/// Fills a frame of one channel with 1 + column + 100 row.
+std::vector<float> plane(const Imath::Box2i& window) {
+    std::vector<float> values;
+    for (int y = window.min.y; y <= window.max.y; ++y)
+        for (int x = window.min.x; x <= window.max.x; ++x)
+            values.push_back(1.0f + static_cast<float>(x - window.min.x) +
+                             100.0f * static_cast<float>(y - window.min.y));
+    return values;
+}
+
+Imf::Header headerOf(const Imf::Channel& channel, const char* name = "Y") {
+    Imf::Header header(kDisplay, kDisplay);
+    header.channels().insert(name, channel);
+    return header;
+}
+
+TEST(MapLayouts, LinesInAnyOrderAndAnyNumbersAreRead) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    const std::vector<float> wanted = plane(kDisplay);
+    const std::vector<half> halves(wanted.begin(), wanted.end());
+    const std::vector<unsigned> whole(wanted.begin(), wanted.end());
+    for (const Imf::LineOrder order : {Imf::INCREASING_Y, Imf::DECREASING_Y})
+        for (const Imf::PixelType type : {Imf::UINT, Imf::HALF, Imf::FLOAT}) {
+            Imf::Header header = headerOf(Imf::Channel(type));
+            header.lineOrder() = order;
+            header.compression() = Imf::ZIP_COMPRESSION;
+            const void* values = type == Imf::UINT   ? static_cast<const void*>(whole.data())
+                                 : type == Imf::HALF ? static_cast<const void*>(halves.data())
+                                                     : static_cast<const void*>(wanted.data());
+            {
+                Imf::OutputFile file(path.c_str(), header);
+                Imf::FrameBuffer frame;
+                frame.insert("Y", Imf::Slice::Make(type, values, kDisplay));
+                file.setFrameBuffer(frame);
+                file.writePixels(kDisplay.max.y - kDisplay.min.y + 1);
+            }
+            EXPECT_EQ(redOf(readRadiance(path)), wanted) << order << ' ' << type;
+        }
+}
+
+TEST(MapLayouts, TilesAreReadAtTheirFullResolution) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    const std::vector<float> wanted = plane(kDisplay);
+    for (const Imf::LevelMode mode : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS, Imf::RIPMAP_LEVELS}) {
+        Imf::Header header = headerOf(Imf::Channel(Imf::FLOAT));
+        header.setTileDescription(Imf::TileDescription(3, 2, mode));
+        {
+            Imf::TiledOutputFile file(path.c_str(), header);
+            for (int ly = 0; ly < file.numYLevels(); ++ly)
+                for (int lx = 0; lx < file.numXLevels(); ++lx) {
+                    if (!file.isValidLevel(lx, ly)) continue;
+                    const Imath::Box2i window = file.dataWindowForLevel(lx, ly);
+                    // Of the lower levels other numbers, which must not be read.
+                    std::vector<float> values = plane(window);
+                    if (lx + ly > 0) std::fill(values.begin(), values.end(), -7.0f);
+                    Imf::FrameBuffer frame;
+                    frame.insert("Y", Imf::Slice::Make(Imf::FLOAT, values.data(), window));
+                    file.setFrameBuffer(frame);
+                    file.writeTiles(0, file.numXTiles(lx) - 1, 0, file.numYTiles(ly) - 1, lx, ly);
+                }
+        }
+        EXPECT_EQ(redOf(readRadiance(path)), wanted) << mode;
+    }
+}
+
+TEST(MapLayouts, SubsampledColoursAreRefused) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    Imf::Header header(8, 4);
+    for (const char* name : {"R", "G", "B"})
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT, 2, 2));
+    const std::vector<float> values(8, 1.0f);
+    {
+        Imf::OutputFile file(path.c_str(), header);
+        Imf::FrameBuffer frame;
+        for (const char* name : {"R", "G", "B"})
+            frame.insert(name, Imf::Slice::Make(Imf::FLOAT, values.data(), header.dataWindow(),
+                                                sizeof(float), 4 * sizeof(float), 2, 2));
+        file.setFrameBuffer(frame);
+        file.writePixels(4);
+    }
+    expectError([&] { readRadiance(path); }, "a.exr", "is subsampled, expected full resolution");
+}
+
+/// A deep part before a flat one is passed over; alone it is refused by name.
+TEST(MapLayouts, DeepPartsAreNoMaps) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    for (const bool alone : {true, false}) {
+        std::vector<Imf::Header> headers{headerOf(Imf::Channel(Imf::FLOAT), "R"),
+                                         headerOf(Imf::Channel(Imf::FLOAT))};
+        for (const char* name : {"G", "B"})
+            headers[0].channels().insert(name, Imf::Channel(Imf::FLOAT));
+        headers[0].setType(Imf::DEEPSCANLINE);
+        headers[0].setName("deep");
+        headers[0].compression() = Imf::ZIPS_COMPRESSION;
+        headers[1].setType(Imf::SCANLINEIMAGE);
+        headers[1].setName("flat");
+        const std::vector<unsigned> none(32, 0);
+        const std::vector<float*> nowhere(32, nullptr);
+        const std::vector<float> values = plane(kDisplay);
+        {
+            Imf::MultiPartOutputFile file(path.c_str(), headers.data(), alone ? 1 : 2);
+            Imf::DeepFrameBuffer deep;
+            deep.insertSampleCountSlice(Imf::Slice::Make(Imf::UINT, none.data(), kDisplay));
+            for (const char* name : {"R", "G", "B"}) {
+                const auto* base = reinterpret_cast<const char*>(nowhere.data()) -
+                                   sizeof(float*) * static_cast<std::size_t>(10) +
+                                   3 * 8 * sizeof(float*);
+                deep.insert(name,
+                            Imf::DeepSlice(Imf::FLOAT, const_cast<char*>(base), sizeof(float*),
+                                           8 * sizeof(float*), sizeof(float)));
+            }
+            Imf::DeepScanLineOutputPart first(file, 0);
+            first.setFrameBuffer(deep);
+            first.writePixels(4);
+            if (!alone) {
+                Imf::FrameBuffer frame;
+                frame.insert("Y", Imf::Slice::Make(Imf::FLOAT, values.data(), kDisplay));
+                Imf::OutputPart second(file, 1);
+                second.setFrameBuffer(frame);
+                second.writePixels(4);
+            }
+        }
+        if (alone)
+            expectError([&] { readRadiance(path); }, "a.exr", "deep image with the channels");
+        else
+            EXPECT_EQ(redOf(readRadiance(path)), values);
+    }
 }
 
 }  // namespace

@@ -5,9 +5,12 @@
 #include <cmath>
 
 #include "common/image/png.h"
+#include "common/image/srgb.h"
 #include "common/import/load_mesh.h"
+#include "common/import/mesh_reader.h"
 #include "common/import/set_files.h"
 #include "common/mesh/looks.h"
+#include "common/mesh/normal_map.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
@@ -30,7 +33,7 @@ protected:
     TriangleMesh load(const std::string& obj, References references = References::inside) {
         const fs::path path = folder_.write("a.obj", obj);
         MeshOptions options;
-        options.gloss = true;
+        options.gloss = options.shadingNormals = true;
         options.references = references;
         return loadMesh({&path, 1}, options);
     }
@@ -92,7 +95,7 @@ TEST_F(ObjMaterial, OptionsOfPictures) {
 TEST_F(ObjMaterial, ClampedPicturesDoNotRepeat) {
     picture("four.png", {kRed, kGreen, kBlue, kWhite});
     EXPECT_EQ(square("map_Kd -clamp on four.png\n").textures.at(0).wrapS, Texture::Wrap::clamp);
-    const TriangleMesh mesh = square("map_Kd -mm 0 1 -bm 2 -clamp off four.png\n");
+    const TriangleMesh mesh = square("map_Kd -mm 0 2 -bm 2 -clamp off four.png\n");
     EXPECT_EQ(mesh.textures.at(0).wrapS, Texture::Wrap::repeat);
     EXPECT_EQ(leftOut(mesh, "map_Kd -mm"), 1u);
     EXPECT_EQ(leftOut(mesh, "map_Kd -bm"), 1u);
@@ -194,12 +197,12 @@ TEST_F(ObjMaterial, WhatIsMissingIsNamed) {
 
 TEST_F(ObjMaterial, WhatIsLeftOutIsNamedOnce) {
     const TriangleMesh mesh = square(
-        "map_Bump bump.png\nmap_Bump bump.png\nnorm n.png\nillum 7\nTf .5 .5 .5\nPc 1\nPs 0\n"
+        "map_Bump bump.png\nmap_Bump bump.png\nillum 7\nTf .5 .5 .5\nPc 1\nPs 0\n"
         "Ni 1.5\nfoo 1 2 3\nKd spectral file.rfl\nd -halo .5\n");
     for (const char* name :
-         {"map_Bump", "norm", "refraction (illum 7)", "Tf", "Pc", "foo", "Kd spectral", "d -halo"})
+         {"map_Bump", "refraction (illum 7)", "Tf", "Pc", "foo", "Kd spectral", "d -halo"})
         EXPECT_EQ(leftOut(mesh, name), 1u) << name;
-    EXPECT_EQ(mesh.report.leftOut.size(), 8u) << describe(mesh.report);
+    EXPECT_EQ(mesh.report.leftOut.size(), 7u) << describe(mesh.report);
     EXPECT_NE(describe(mesh.report).find("material without its map_Bump"), std::string::npos);
 }
 
@@ -223,6 +226,66 @@ TEST_F(ObjMaterial, DamagedFilesAreRefused) {
     EXPECT_EQ(material.albedo, Rgb(1, 0, 0));
     EXPECT_EQ(material.opacity, 0.0f);
     for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isfinite(material.finish.emission[k]));
+}
+
+TEST_F(ObjMaterial, OptionsAtTheirDefaultsAreNotNamed) {
+    picture("four.png", {kRed, kGreen, kBlue, kWhite});
+    const TriangleMesh mesh = square(
+        "map_Kd -blendu off -blendv on -bm 1.0 -boost 0 -cc off -mm 0 1 -t 0 0 0 -texres 512 "
+        "four.png\n");
+    EXPECT_TRUE(mesh.report.leftOut.empty()) << describe(mesh.report);
+    expectColor(at(mesh, 0.25f, 0.75f).baseColor, kRed);
+}
+
+/// Green points to the upper edge of the picture, as in glTF; -bm scales.
+TEST_F(ObjMaterial, NormalMapsBendTheNormal) {
+    const Vec3d bent = Vec3d(0.5, 0.25, 0.75).normalized();
+    Rgb texel;  // writePng() encodes sRGB, and the texture holds what is stored
+    for (int k = 0; k < 3; ++k) texel[k] = srgbToLinear(static_cast<float>((bent[k] + 1) / 2));
+    picture("n.png", {texel, texel, texel, texel});
+    const auto found = [&](const std::string& line) {
+        const TriangleMesh mesh = square(line);
+        EXPECT_TRUE(mesh.report.leftOut.empty()) << describe(mesh.report);
+        const Vec3f up(0, 0, 1);
+        return Vec3d(mappedNormal(mesh, 0, 0.3f, 0.2f, up, up));
+    };
+    EXPECT_LT((found("norm n.png\n") - bent).length(), 0.01);
+    const Vec3d twice = Vec3d(2 * bent.x, 2 * bent.y, bent.z).normalized();
+    EXPECT_LT((found("norm -bm 2 n.png\n") - twice).length(), 0.01);
+    // Beside a colour that lies elsewhere, and turned over where the picture is.
+    picture("four.png", {kRed, kGreen, kBlue, kWhite});
+    EXPECT_LT((found("map_Kd -s 2 2 four.png\nnorm n.png\n") - bent).length(), 0.01);
+    const Vec3d turned(-bent.x, bent.y, bent.z);
+    EXPECT_LT((found("norm -s -1 1 n.png\n") - turned).length(), 0.01);
+}
+
+TEST_F(ObjMaterial, NumbersOutOfRangeAreCounted) {
+    const auto clamped = [&](const std::string& lines) {
+        return square(lines).report.remarks[kClampedMaterials];
+    };
+    EXPECT_EQ(clamped("Kd 1 0 0\nKs 1 1 1\nNs 1000\nPr 1\nKe 9 9 9\n"), 0u);
+    for (const char* lines :
+         {"Kd 255 0 0\n", "Kd -1 0 0\n", "Ks nan 0 0\n", "Pr 2\n", "d -1\n", "Ke inf 0 0\n"})
+        EXPECT_EQ(clamped(lines), 1u) << lines;
+}
+
+TEST_F(ObjMaterial, PicturesWithoutTexcoordsAreCounted) {
+    picture("four.png", {kRed, kGreen, kBlue, kWhite});
+    folder_.write("a.mtl", "newmtl one\nmap_Kd four.png\n");
+    const TriangleMesh mesh = load(std::string(kSquareOfTexcoords) +
+                                   "mtllib a.mtl\nusemtl one\nf 1/1 2/2 3/3\nf 1/1 3/3 4\n");
+    const std::map<std::string, std::size_t> wanted{
+        {"vertices without texture coordinates, whose material has a picture", 1}};
+    EXPECT_EQ(mesh.report.remarks, wanted);
+}
+
+TEST_F(ObjMaterial, NamesMayBeInQuotes) {
+    picture("four.png", {kRed, kRed, kRed, kRed});
+    folder_.write("a.mtl", "newmtl one\nmap_Kd \"four.png\"\n");
+    const TriangleMesh mesh = load(std::string(kSquareOfTexcoords) +
+                                   "mtllib \"a.mtl\"\nusemtl one\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+    expectColor(at(mesh, 0.5f, 0.5f).baseColor, kRed);
+    EXPECT_EQ(filesOf(folder_.path() / "a.obj", References::inside).size(), 3u);
 }
 
 TEST_F(ObjMaterial, FilesOutsideOnlyIfAllowed) {

@@ -75,7 +75,7 @@ TEST(Off, IsSeparatedByWhiteSpace) {
     expectTwo(loadText("a.off", replaced(squareOff(), "4 2 0", "4 2")));
     // Faces with colours, a comment, and a vertex over two lines.
     expectTwo(loadText("a.off",
-                       "OFF\n4 2 0 # edges\n0 0\n0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 255 0 0\n"
+                       "OFF\n4 2 0 # edges\n0 0\n0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 1 0 0\n"
                        "3 0 2\n3 0.5 0.5 0.5 1 # grey\n\n"));
     expectTwo(loadText("a.off",
                        "STCNOFF4 2 0\n0 0 0 0 0 1 1 0 0 1 0.5 0.5\n1 0 0 0 0 1 1 0 0 1 0 0\n"
@@ -169,6 +169,62 @@ TEST(Stl, BinaryIsToldBySizeAndContent) {
     expectRefused("a.stl", fewer, "binary STL with a wrong number of triangles: 0 triangles");
     expectRefused("a.stl", solid.substr(0, 150), "truncated, or neither STL text");
     expectRefused("a.stl", "solids\nfacet", "12 bytes without 'solid' at the start");
+}
+
+/// As old Macs have them.
+TEST(TextFiles, MayEndTheirLinesInCrAlone) {
+    const auto mac = [](const std::string& text) { return replaced(text, "\n", "\r"); };
+    expectTwo(loadText("a.obj", mac(squareObj())));
+    expectTwo(loadText("a.off", mac("OFF # a comment\n" + squareOff().substr(4))));
+    expectTwo(loadText("a.ply", mac(squarePlyText())));
+    expectTwo(loadText("a.stl", mac(squareStlText())));
+    const std::string binary = squarePly(), end = "end_header\n";
+    const std::size_t body = binary.find(end) + end.size();
+    expectTwo(loadText("a.ply", mac(binary.substr(0, body)) + binary.substr(body)));
+}
+
+TEST(TextFiles, MayHoldWhatWindowsWritesForNoNumber) {
+    for (const char* word : {"1.#INF", "-1.#IND", "1.#QNAN0"})
+        EXPECT_EQ(loadText("a.obj", "v " + std::string(word) + " 0 0\n" +
+                                        replaced(squareObj(), "f 1", "f 2 3 4\nf 1"))
+                      .report.badVertexFaces,
+                  2u)
+            << word;
+    expectRefused("a.obj", replaced(squareObj(), "v 1 0 0", "v 1.#FOO 0 0"), "expected a number");
+}
+
+TEST(Obj, WhatIsLostIsCounted) {
+    expectTwo(loadText("a.obj", squareObj() + "l 1 2\np 3\n"), "2 points and lines left out");
+    expectTwo(loadText("a.obj", squareObj() + "surf 0 1 0 1 1 2 3 4\nend\n"),
+              "1 free-form surfaces left out");
+    expectTwo(loadText("a.obj", squareObj() + "call other.obj\nF 1 2 3\n"),
+              "2 lines of other statements left out (call, usemap, ...)");
+    expectTwo(loadText("a.obj", "o a\ng b c\ns 1\ncstype bezier\n" + squareObj() + "vp 0 1\n"));
+    // The older name of a face.
+    expectTwo(loadText("a.obj", replaced(squareObj(), "f 1 3 4", "fo 1 3 4")));
+}
+
+TEST(Ply, WhatIsLostIsCounted) {
+    const std::string good = squarePlyText();
+    expectTwo(loadText("a.ply", replaced(good, "element vertex",
+                                         "comment TextureFile a.png\nelement vertex")),
+              "1 pictures of TextureFile comments left out");
+    // Corners may be of a float type; one that is no whole number is no corner.
+    const std::string floats = replaced(good, "uchar int", "uchar float");
+    expectTwo(loadText("a.ply", floats));
+    EXPECT_EQ(loadText("a.ply", replaced(floats, "3 0 2 3", "3 0 2 2.5")).report.badVertexFaces,
+              1u);
+}
+
+TEST(Stl, ColoursOfBinaryFilesAreCounted) {
+    constexpr std::size_t kFirstMark = 84 + 49;
+    std::string visCam = squareStl();
+    visCam[kFirstMark] = '\x80';
+    const std::string remark = " triangles of a binary STL file whose colours are left out";
+    expectTwo(loadText("a.stl", visCam), "1" + remark);
+    std::string magics = squareStl();
+    magics.replace(0, 10, "COLOR=\xff\xff\xff\xff");
+    expectTwo(loadText("a.stl", magics), "2" + remark);
 }
 
 }  // namespace

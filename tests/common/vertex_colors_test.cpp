@@ -36,7 +36,8 @@ TEST(ColorCases, HaveTheirValues) {
         for (const Rgb& color : mesh.colors) expectColor(color, orange);
         EXPECT_EQ(mesh.report.badColors, 0u) << name;
     }
-    for (const Rgb& color : loadCase("blender_col.obj").colors) expectColor(color, Rgb(0.214f));
+    for (const char* name : {"blender_col.obj", "blender_col.glb"})
+        for (const Rgb& color : loadCase(name).colors) expectColor(color, Rgb(0.214f));
     const TriangleMesh coff = loadCase("coff_mixed.off");
     expectColor(coff.colors.at(0), {1, 0, 0});
     expectColor(coff.colors.at(3), {1, 0.214f, 0});
@@ -132,6 +133,47 @@ TEST(ColorNumbers, OfOffAreToldByTheirOpacityToo) {
 TEST(ColorNumbers, OfVerticesWithoutOneAreWhite) {
     expectColors(triangle("obj", {"255 0 0", "", "0 51 0"}),
                  {shown(1, 0, 0), shown(1, 1, 1), shown(0, 0.2f, 0)});
+}
+
+/// Of two faces of a square, whose colours follow its corners; and what is said.
+std::pair<TriangleMesh, std::string> colored(const std::string& first, const std::string& second,
+                                             const std::string& magic = "OFF") {
+    const std::string end = magic == "COFF" ? " 0 0 255 255\n" : "\n";
+    std::string rows;
+    for (const char* corner : {"0 0 0", "1 0 0", "1 1 0", "0 1 0"}) rows += corner + end;
+    TriangleMesh mesh = loadText(
+        "a.off", magic + "\n4 2 0\n" + rows + "3 0 1 2 " + first + "\n3 0 2 3 " + second + "\n");
+    std::string said = describe(mesh.report);
+    return {std::move(mesh), std::move(said)};
+}
+
+void expectFaces(const TriangleMesh& mesh, const Rgb& first, const Rgb& second) {
+    ASSERT_EQ(mesh.triangles.size(), 2u);
+    ASSERT_FALSE(mesh.colors.empty());
+    for (int k = 0; k < 3; ++k) {
+        expectColor(mesh.colors[static_cast<std::size_t>(mesh.triangles[0][k])], first);
+        expectColor(mesh.colors[static_cast<std::size_t>(mesh.triangles[1][k])], second);
+    }
+}
+
+TEST(FaceColors, OfOffAreRead) {
+    expectFaces(colored("255 0 0", "0 51 0 255").first, {1, 0, 0}, shown(0, 0.2f, 0));
+    expectFaces(colored("1.0 0 0", "0 0.2 0 1").first, {1, 0, 0}, shown(0, 0.2f, 0));
+    // A face without is white beside one with, and black is a colour.
+    expectFaces(colored("0 0 0", "# none").first, Rgb(0.0f), Rgb(1.0f));
+    const auto [bad, said] = colored("300 0 0", "0 nan 255");
+    expectFaces(bad, {1, 0, 0}, {0, 0, 1});
+    EXPECT_EQ(bad.report.badColors, 2u);
+    EXPECT_EQ(colored("", "").second, "2 triangles");
+}
+
+TEST(FaceColors, OfOffThatAreLeftOutAreSaid) {
+    const auto [numbers, said] = colored("7", "7");
+    EXPECT_TRUE(numbers.colors.empty());
+    EXPECT_NE(said.find("2 faces whose colours are left out"), std::string::npos) << said;
+    const auto [both, saidOfBoth] = colored("255 0 0", "255 0 0", "COFF");
+    expectFaces(both, {0, 0, 1}, {0, 0, 1});
+    EXPECT_NE(saidOfBoth.find("colours of the faces"), std::string::npos) << saidOfBoth;
 }
 
 TEST(ColorNumbers, OfGltfAreLinearAndClamped) {

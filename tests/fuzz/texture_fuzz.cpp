@@ -1,4 +1,4 @@
-// PNG and JPEG pictures, as textures of glTF files hold them.
+// PNG, JPEG and WebP pictures, as textures of glTF files hold them.
 
 #include "common/import/texture_decoder.h"
 #include "tests/fuzz/input_file.h"

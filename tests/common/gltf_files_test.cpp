@@ -1,0 +1,148 @@
+// glTF files as other programs write them: URIs, chunks, and what is not whole.
+
+#include <gtest/gtest.h>
+
+#include "common/import/load_mesh.h"
+#include "common/import/mesh_reader.h"
+#include "common/import/set_files.h"
+#include "tests/support/gltf_builder.h"
+#include "tests/support/temporary_folder.h"
+
+namespace shadowcache::test {
+namespace {
+
+using Json = nlohmann::json;
+
+GltfBuilder square() {
+    GltfBuilder file = squareGltf();
+    file.root({{"mesh", 0}});
+    return file;
+}
+
+TriangleMesh loadBytes(const std::string& name, const std::string& bytes) {
+    const TemporaryFolder folder;
+    const auto path = folder.write(name, bytes);
+    return loadMesh({&path, 1}, {});
+}
+
+std::string said(const GltfBuilder& file) {
+    return describe(loadBytes("a.glb", file.glb()).report);
+}
+
+std::string base64(const std::string& bytes) {
+    constexpr std::string_view kDigits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        unsigned bits = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            bits =
+                bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k)
+            text += i + k <= bytes.size() ? kDigits[bits >> (18 - 6 * k) & 63u] : '=';
+    }
+    return text;
+}
+
+TEST(GltfUris, DataAreOfAnyMediaType) {
+    const GltfBuilder file = square();
+    for (const char* type :
+         {"application/octet-stream", "application/gltf-buffer", "", "text/plain",
+          "application/binary", "application/octet-stream;charset=utf-8"})
+        EXPECT_EQ(loadBytes("a.gltf", file.gltf("data:" + std::string(type) + ";base64," +
+                                                base64(file.data())))
+                      .triangles.size(),
+                  2u)
+            << type;
+    EXPECT_EQ(
+        loadBytes("a.gltf", file.gltf("DATA:;BASE64," + base64(file.data()))).triangles.size(), 2u);
+    for (const char* uri : {"data:application/octet-stream,abc", "data:", "data:;base64"})
+        expectError([&] { loadBytes("a.gltf", file.gltf(uri)); }, "a.gltf",
+                    "a data URI that is not in base64, expected data:TYPE;base64,...");
+}
+
+TEST(GltfUris, OfFilesMayBeEscapedAndTheirBuffersShorter) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path() / "sub dir");
+    const GltfBuilder file = square();
+    folder.write("sub dir/my buffer.bin", file.data() + "and more");
+    for (const char* uri :
+         {"sub%20dir/my%20buffer.bin", "sub dir/my buffer.bin", "./sub%20dir//my%20buffer.bin"}) {
+        const auto path = folder.write("a.gltf", file.gltf(uri));
+        EXPECT_EQ(loadMesh({&path, 1}, {}).triangles.size(), 2u) << uri;
+        EXPECT_EQ(filesOf(path, References::inside).size(), 2u) << uri;
+    }
+    folder.write("sub dir/my buffer.bin", file.data().substr(1));
+    const auto path = folder.write("a.gltf", file.gltf("sub%20dir/my%20buffer.bin"));
+    expectError([&] { loadMesh({&path, 1}, {}); }, "a.gltf", "is not a complete glTF 2.0 file");
+}
+
+TEST(GlbChunks, OfOtherKindsArePassedOver) {
+    const auto resized = [](std::string bytes) {
+        return bytes.replace(8, 4, bytesOf(static_cast<std::uint32_t>(bytes.size())));
+    };
+    const std::string more = bytesOf(std::uint32_t{4}) + "XTRAabcd";
+    const std::string good = square().glb();
+    EXPECT_EQ(loadBytes("a.glb", resized(good + more)).triangles.size(), 2u);
+    EXPECT_EQ(loadBytes("a.glb", good + "bytes behind").triangles.size(), 2u);
+    expectError([&] { loadBytes("a.glb", good.substr(0, good.size() - 4)); }, "a.glb",
+                "is not a complete glTF 2.0 file");
+}
+
+TEST(GltfVersions, ThatAreNeededAndNewerAreRefused) {
+    GltfBuilder file = square();
+    file.json["asset"] = {{"version", "2.1"}, {"minVersion", "2.0"}};
+    EXPECT_EQ(said(file), "2 triangles");
+    file.json["asset"]["minVersion"] = "2.1";
+    expectError([&] { said(file); }, "a.glb", "needs glTF 2.1, expected 2.0");
+}
+
+TEST(GltfPrimitives, WhatIsNotWholeIsNamed) {
+    GltfBuilder file;
+    file.mesh({{"attributes", {{"POSITION", file.vectors(kSquare)}}},
+               {"indices", file.accessor(std::vector<std::uint16_t>{0, 1, 2, 0, 2}, "SCALAR", 1)}});
+    file.root({{"mesh", 0}});
+    EXPECT_NE(said(file).find("1 primitive whose last corners make no triangle and are left out"),
+              std::string::npos)
+        << said(file);
+    GltfBuilder bare = square();
+    bare.append("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 7, 1, 1}}}}});
+    bare.json["meshes"][0]["primitives"][0]["material"] = 0;
+    EXPECT_EQ(said(bare), std::string("2 triangles; 1 ") + kClampedMaterials);
+}
+
+/// What tinygltf passes over.
+TEST(GltfShapes, OfAnotherKindAreRefused) {
+    const auto refused = [](const char* list, const Json& object, const std::string& cause) {
+        GltfBuilder file = square();
+        const int index = file.append(list, object);
+        expectError([&] { said(file); }, "a.glb",
+                    std::string(list).substr(0, std::string(list).size() - 1) + " " +
+                        std::to_string(index) + cause);
+    };
+    refused("nodes", {{"translation", {0, 1}}},
+            ": translation [0,1], expected a list of 3 numbers");
+    refused("nodes", {{"rotation", {0, 0, 0, "1"}}}, ": rotation [0,0,0,\"1\"], expected a list");
+    refused("nodes", {{"scale", "2"}}, ": scale \"2\", expected a list of 3 numbers");
+    refused("nodes", {{"matrix", {1, 0, 0, 0}}}, ": matrix [1,0,0,0], expected a list of 16");
+    refused("nodes", {{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2}}},
+            ": matrix [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,2], expected 0, 0, 0, 1 in the last row");
+    refused("materials", {{"alphaMode", "blend"}},
+            ": alphaMode \"blend\", expected one of OPAQUE, MASK, BLEND");
+    refused("materials", {{"doubleSided", "true"}},
+            ": doubleSided \"true\", expected true or false");
+    refused("materials", {{"alphaCutoff", nullptr}}, ": alphaCutoff null, expected a number");
+    refused("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0}}}}},
+            ": baseColorFactor [1,0,0], expected a list of 4 numbers");
+    refused("materials", {{"pbrMetallicRoughness", {{"metallicFactor", {0}}}}},
+            ": metallicFactor [0], expected a number");
+    refused("samplers", {{"wrapS", 99}}, ": wrapS 99, expected 33071, 33648 or 10497");
+    refused("animations", {{"samplers", {{{"interpolation", "FOO"}}}}, {"channels", Json::array()}},
+            ", sampler 0: interpolation \"FOO\", expected one of LINEAR, STEP, CUBICSPLINE");
+    refused("animations",
+            {{"samplers", Json::array()}, {"channels", {{{"target", {{"path", "size"}}}}}}},
+            ", channel 0: path \"size\", expected one of translation");
+}
+
+}  // namespace
+}  // namespace shadowcache::test
