@@ -3,7 +3,6 @@
 #include <draco/compression/decode.h>
 
 #include <exception>
-#include <memory>
 #include <new>
 
 namespace shadowcache {
@@ -48,15 +47,20 @@ std::string badHeader(std::string_view bytes) {
     return {};
 }
 
-/// Whole numbers stay as they are stored, normalized or not.
+/// Numbers of a type as they are stored, normalized or not. libdraco's own conversion looks at what
+/// a stream says of that, which may be no truth value, and at the first byte of a number only.
 template <class T>
 bool readValues(const draco::PointAttribute& from, std::uint32_t points, DracoAttribute& to) {
-    const auto components = static_cast<std::int8_t>(to.components);
     std::vector<T> row(to.components);
+    const std::size_t bytes = row.size() * sizeof(T);
+    const std::size_t room = from.buffer() ? from.buffer()->data_size() : 0;
     for (std::uint32_t i = 0; i < points; ++i) {
         const draco::AttributeValueIndex at = from.mapped_index(draco::PointIndex(i));
-        if (at.value() >= from.size() || !from.ConvertValue<T>(at, components, row.data()))
+        const std::int64_t first = from.GetBytePos(at);
+        if (at.value() >= from.size() || first < 0 || bytes > room ||
+            static_cast<std::uint64_t>(first) > room - bytes)
             return false;
+        from.buffer()->Read(first, row.data(), bytes);
         for (const T value : row) to.values.push_back(static_cast<double>(value));
     }
     return true;
@@ -65,9 +69,26 @@ bool readValues(const draco::PointAttribute& from, std::uint32_t points, DracoAt
 bool readAttribute(const draco::PointAttribute& from, std::uint32_t points, DracoAttribute& to) {
     to.components = static_cast<std::size_t>(from.num_components());
     to.values.reserve(points * to.components);
-    if (from.data_type() == draco::DT_FLOAT32) return readValues<float>(from, points, to);
-    if (from.data_type() == draco::DT_FLOAT64) return readValues<double>(from, points, to);
-    return readValues<std::int64_t>(from, points, to);
+    switch (from.data_type()) {
+        case draco::DT_INT8:
+            return readValues<std::int8_t>(from, points, to);
+        case draco::DT_UINT8:
+            return readValues<std::uint8_t>(from, points, to);
+        case draco::DT_INT16:
+            return readValues<std::int16_t>(from, points, to);
+        case draco::DT_UINT16:
+            return readValues<std::uint16_t>(from, points, to);
+        case draco::DT_INT32:
+            return readValues<std::int32_t>(from, points, to);
+        case draco::DT_UINT32:
+            return readValues<std::uint32_t>(from, points, to);
+        case draco::DT_FLOAT32:
+            return readValues<float>(from, points, to);
+        case draco::DT_FLOAT64:
+            return readValues<double>(from, points, to);
+        default:  // none that an accessor has
+            return false;
+    }
 }
 
 std::string readMesh(const draco::Mesh& from, DracoMesh& to) {
@@ -81,8 +102,10 @@ std::string readMesh(const draco::Mesh& from, DracoMesh& to) {
         }
     for (int i = 0; i < from.num_attributes(); ++i) {
         const draco::PointAttribute& attribute = *from.attribute(i);
-        if (!readAttribute(attribute, from.num_points(), to.attributes[attribute.unique_id()]))
-            return "damaged values of attribute " + std::to_string(attribute.unique_id());
+        const auto [place, isNew] = to.attributes.try_emplace(attribute.unique_id());
+        if (!isNew || !readAttribute(attribute, from.num_points(), place->second))
+            return (isNew ? "damaged values of attribute " : "two attributes ") +
+                   std::to_string(attribute.unique_id());
     }
     return {};
 }
