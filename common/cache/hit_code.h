@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "common/base/hash.h"
+#include "common/base/tuned.h"
 #include "common/cache/cache_header.h"
 #include "common/cache/patch_code.h"
 #include "common/math/vec.h"
@@ -45,6 +46,9 @@ private:
     float shift_[2], rays_;
 };
 
+/// Distance up to which a surface hides another, in spacings: a cupboard's door, a picture on a wall.
+inline SHADOWCACHE_TUNED(float, kHiding, 0.3f);
+
 /// What a ray met, as a cache keeps it: 16 bits.
 class HitCode {
 public:
@@ -65,6 +69,11 @@ public:
     }
     static constexpr bool isSurface(std::uint16_t code) { return code >= kFirst; }
     static constexpr int side(std::uint16_t code) { return (code - kFirst) % kSides; }
+    /// Whether the ray got away from the surface that it started on: it reached the sky, or what it
+    /// met is farther than a surface that hides another.
+    static bool isFree(std::uint16_t code) {
+        return code == kSky || (isSurface(code) && distance(code) > static_cast<double>(kHiding));
+    }
     static double distance(std::uint16_t code) {
         const int step = (code - kFirst) / kSides;
         return kNear * (std::exp2(step / kSteps) - 1);

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include "common/base/error.h"
 #include "common/base/hash.h"
+#include "common/cache/hit_code.h"
 #include "common/cache/lookup_weight.h"
 #include "common/cache/open_cache.h"
 
@@ -15,6 +17,9 @@ namespace {
 
 /// Weight of subpatches that do not reach a place: they count where nothing else does.
 constexpr float kLeastOfPart = 1e-6f;
+
+/// Exposure of items that no ray got away from: they count where nothing else does.
+constexpr float kLeastExposure = 1e-3f;
 
 /// Voxels have coordinates below this, which leaves room for those around them.
 constexpr double kMostVoxel = 2e9;
@@ -36,6 +41,16 @@ float nearnessOf(const ItemTable::Item& item, const Vec3f& fromMiddle) {
     return nearOf(trilinear);
 }
 
+/// Of the rays that met something known; some of them at least, since something was baked.
+float exposureOf(const LeafView& leaf, std::uint32_t item) {
+    const std::span codes(leaf.hits + std::size_t{item} * leaf.hitsPerItem, leaf.hitsPerItem);
+    const auto known = std::ranges::count_if(
+        codes, [](std::uint16_t code) { return code != HitCode::kUnknown; });
+    const auto free = std::ranges::count_if(codes, HitCode::isFree);
+    return std::max(kLeastExposure,
+                    static_cast<float>(free) / static_cast<float>(std::max<std::ptrdiff_t>(1, known)));
+}
+
 }  // namespace
 
 ItemTable::ItemTable(const ShadowCache& cache) : spacing_(cache.header().spacing) {
@@ -43,8 +58,9 @@ ItemTable::ItemTable(const ShadowCache& cache) : spacing_(cache.header().spacing
         throw Error("a cache of " + std::to_string(cache.itemCount()) +
                     " items, expected less than " + std::to_string(kNoItem));
     items_.reserve(cache.itemCount());
+    const bool hits = cache.header().hits > 0;
     OpenCache::of(cache).visitLeaves(
-        false, [&](const openvdb::Coord& origin, const LeafView& leaf) {
+        hits, [&](const openvdb::Coord& origin, const LeafView& leaf) {
             std::uint32_t i = 0;
             for (openvdb::Index v = 0; v < kLeafVoxels; ++v) {
                 const openvdb::Coord voxel = origin + PointLeaf::offsetToLocalCoord(v);
@@ -52,7 +68,8 @@ ItemTable::ItemTable(const ShadowCache& cache) : spacing_(cache.header().spacing
                     items_.push_back({{voxel.x(), voxel.y(), voxel.z()},
                                       leaf.patch[i],
                                       leaf.position[i],
-                                      leaf.normal[i]});
+                                      leaf.normal[i],
+                                      hits ? exposureOf(leaf, i) : 1});
             }
         });
     index();
@@ -92,7 +109,7 @@ std::uint32_t ItemTable::heaviest(const Vec3d& place, int low, int high,
                 const Vec3f fromMiddle(place - Vec3d(voxel));
                 for (std::uint32_t i = slots_[slotOf(voxel)];
                      i < items_.size() && items_[i].voxel == voxel; ++i) {
-                    const float weight = weigh(items_[i], fromMiddle);
+                    const float weight = weigh(items_[i], fromMiddle) * items_[i].exposure;
                     if (weight > most || (weight > 0 && weight == most && i < best)) {
                         most = weight;
                         best = i;

@@ -15,7 +15,7 @@ constexpr std::size_t kItemsPerChunk = 1024;
 std::uint32_t resolve(std::uint16_t code, const Vec3d& from, const Vec3f& direction,
                       const ItemTable& items) {
     if (code == HitCode::kSky) return kSky;
-    if (!HitCode::isSurface(code)) return kNoItem;
+    if (!HitCode::isFree(code)) return kNoItem;
     return items.itemOfSide(from + Vec3d(direction) * HitCode::distance(code), HitCode::side(code));
 }
 

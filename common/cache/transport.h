@@ -19,7 +19,8 @@ inline constexpr std::uint32_t kSky = 0xffffffff;
 struct Transport {
     int raysPerItem = 0;
     /// Items times raysPerItem, by number (ItemView::number): the item that a ray met; kSky; or
-    /// kNoItem where it met a surface without an item in the cache, or could not leave its own.
+    /// kNoItem where it met a surface without an item in the cache, or did not get away from
+    /// its own (HitCode::isFree).
     std::vector<std::uint32_t> hit;
 
     std::size_t memoryBytes() const { return hit.capacity() * sizeof hit[0]; }

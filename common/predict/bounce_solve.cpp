@@ -19,6 +19,14 @@ constexpr int kMostSolved = 64;
 /// Part of the irradiance, in the mean, that ends a solve without a number of bounces.
 constexpr double kLeastAdded = 1e-4;
 
+/// Irradiance of the exposed part of an item's surface, where all of it has `mean` and the hidden
+/// part has none.
+Rgb ofExposed(const Rgb& mean, float exposure) {
+    /// Less than one ray of the most that there may be: nothing is exposed.
+    constexpr float kNothing = 1.0f / (kMostHits + 1);
+    return exposure < kNothing ? mean : mean * (1 / exposure);
+}
+
 /// Direct irradiance of all items, by their own counts at their own normals.
 std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
                           const Environment& environment) {
@@ -33,7 +41,8 @@ std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
             const int count = reader.lookUp(items.position(number), normal, found);
             const auto views = std::span(found).first(static_cast<std::size_t>(count));
             const auto self = std::ranges::find(views, std::uint64_t{number}, &ItemView::number);
-            if (self != views.end()) direct[i] = preview.irradiance(*self, normal);
+            if (self != views.end()) 
+                direct[i] = ofExposed(preview.irradiance(*self, normal), items.exposure(number));
         }
     });
     return direct;
@@ -85,9 +94,21 @@ BounceSolve::BounceSolve(const ShadowCache& cache, const ItemTable& items,
 
 Rgb BounceSolve::indirect(std::span<const ItemView> items, int bounces) const {
     Rgb sum(0, 0, 0);
+    float weights = 0;
+    for (const ItemView& item : items) {
+        const auto number = static_cast<std::uint32_t>(item.number);
+        const float weight = item.weight * items_.exposure(number);
+        sum += indirect(number, bounces) * weight;
+        weights += weight;
+    }
+    return weights > 0 ? sum * (1 / weights) : sum;
+}
+
+float BounceSolve::exposure(std::span<const ItemView> items) const {
+    float sum = 0;
     for (const ItemView& item : items)
-        sum += indirect(static_cast<std::uint32_t>(item.number), bounces) * item.weight;
-    return sum;
+        sum += item.weight * items_.exposure(static_cast<std::uint32_t>(item.number));
+    return items.empty() ? 1 : sum;
 }
 
 }  // namespace shadowcache

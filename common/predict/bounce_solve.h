@@ -42,6 +42,9 @@ public:
     }
     /// The same at a place, by the items of a lookup there; 0 without items.
     Rgb indirect(std::span<const ItemView> items, int bounces) const;
+    /// Exposed share of the surface of the items of a lookup, above 0: by it what their counts
+    /// predict is too dark. 1 without items.
+    float exposure(std::span<const ItemView> items) const;
 
 private:
     std::size_t lastOf(int bounces) const {

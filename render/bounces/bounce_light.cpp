@@ -117,8 +117,9 @@ void BounceLight::predict(std::span<const BounceReceiver> receivers,
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const ShadingPoint& point = *receivers[i].point;
             const int found = reader.lookUp(point.position, point.geometricNormal, items);
-            light[i].predicted = context.solve->indirect(
-                std::span(items).first(static_cast<std::size_t>(found)), options_.most);
+            const auto near = std::span(items).first(static_cast<std::size_t>(found));
+            light[i].predicted = context.solve->indirect(near, options_.most);
+            light[i].exposure = context.solve->exposure(near);
         }
     });
 }

@@ -36,6 +36,8 @@ struct BouncedLight {
     Rgb irradiance{0, 0, 0};  ///< [radiance sr]
     Rgb glossy{0, 0, 0};      ///< reflected by its lobe [radiance]
     Rgb predicted{0, 0, 0};   ///< irradiance predicted without rays, if it is [radiance sr]
+    float exposure = 1;  ///< share of what was counted there that is exposed: it divides the direct
+                         ///< light that is predicted
 };
 
 /// What light that bounces took.

@@ -76,13 +76,16 @@ void BlockRenderer::addCameraRays(std::span<const TileBlocks::Tile> block, int f
     forEachTile(frame_, tiles, workspaces_, stats, [&](const TileTurn& turn) {
         sums[turn.index].resize(turn.places.size());
         const int rays = raysOf(block[turn.index], first, count);
+        using Lighting = TileRenderer::Lighting;
+        const Lighting lighting = block[turn.index].index ? Lighting::direct : Lighting::none;
         if (rays > 0)
-            renderer_.lightCameraRays(turn.places, first, rays, turn.scratch, turn.workspace,
-                                      sums[turn.index], batches[turn.index]);
+            renderer_.lightCameraRays(turn.places, first, rays, lighting, turn.scratch,
+                                      turn.workspace, sums[turn.index], batches[turn.index]);
     });
     gather(batches, stats);
     forEachTile(frame_, tiles, workspaces_, stats, [&](const TileTurn& turn) {
-        renderer_.addBatches(batches[turn.index], turn.workspace, sums[turn.index]);
+        if (block[turn.index].index)
+            renderer_.addBatches(batches[turn.index], turn.workspace, sums[turn.index]);
     });
 }
 

@@ -197,7 +197,7 @@ void TileRenderer::addCameraRays(std::span<const FilmPlace> places, int first, i
 }
 
 void TileRenderer::lightCameraRays(std::span<const FilmPlace> places, int first, int count,
-                                   TileScratch& scratch, Workspace& workspace,
+                                   Lighting lighting, TileScratch& scratch, Workspace& workspace,
                                    std::span<PixelSum> sums,
                                    std::vector<TileBatch>& batches) const {
     batches.clear();
@@ -206,8 +206,12 @@ void TileRenderer::lightCameraRays(std::span<const FilmPlace> places, int first,
     forEachBatch(places.size(), first, count,
                  [&](std::size_t p, std::size_t some, int k, int rays) {
                      TileBatch& batch = batches.emplace_back(TileBatch{p, some, {}});
-                     lightBatch(places.subspan(p, some), k, rays, batch.scratch, workspace,
-                                sums.subspan(p, some));
+                     if (lighting == Lighting::none)
+                         meetBatch(places.subspan(p, some), k, rays, batch.scratch,
+                                   sums.subspan(p, some));
+                     else
+                         lightBatch(places.subspan(p, some), k, rays, batch.scratch, workspace,
+                                    sums.subspan(p, some));
                  });
 }
 
@@ -236,11 +240,16 @@ PointBatch TileRenderer::batchOf(std::span<const ShadingPoint> points, std::size
             plan_.estimator.get()};
 }
 
+void TileRenderer::meetBatch(std::span<const FilmPlace> places, int first, int count,
+                             TileScratch& scratch, std::span<PixelSum> sums) const {
+    sendCameraRays(places, first, count, scratch, sums);
+    findPoints(scratch);
+}
+
 void TileRenderer::lightBatch(std::span<const FilmPlace> places, int first, int count,
                               TileScratch& scratch, Workspace& workspace,
                               std::span<PixelSum> sums) const {
-    sendCameraRays(places, first, count, scratch, sums);
-    findPoints(scratch);
+    meetBatch(places, first, count, scratch, sums);
     const int most = std::ranges::max(sums, {}, &PixelSum::rayFactor).rayFactor * count;
     const PointBatch batch = batchOf(scratch.points, places.size(), most);
     workspace.watchedPixel.reset();
@@ -338,6 +347,8 @@ void TileRenderer::addToPixel(const TileScratch& scratch, std::size_t number, co
     Estimate e = place.diffuse ? scratch.estimates[*place.diffuse] : Estimate{};
     GlossEstimate gloss = place.glossy ? scratch.glossEstimates[*place.glossy] : GlossEstimate{};
     const BouncedLight bounced = scratch.bounced.empty() ? BouncedLight{} : scratch.bounced[number];
+    e.predicted *= 1 / bounced.exposure;
+    if (options_.samples == 0) e.irradiance *= 1 / bounced.exposure;
     e.irradiance += bounced.irradiance;
     e.predicted += bounced.predicted;
     gloss.radiance += bounced.glossy;

@@ -86,8 +86,13 @@ public:
     void addCameraRays(std::span<const FilmPlace> places, int first, int count,
                        TileScratch& scratch, Workspace& workspace, std::span<PixelSum> sums) const;
 
+    /// What is to be known of camera rays.
+    enum class Lighting {
+        direct,  ///< the direct light of what they meet
+        none     ///< only what they meet: others share what bounces there
+    };
     /// Lights the same camera rays, but adds them to no pixel yet: they go to `batches`.
-    void lightCameraRays(std::span<const FilmPlace> places, int first, int count,
+    void lightCameraRays(std::span<const FilmPlace> places, int first, int count, Lighting lighting,
                          TileScratch& scratch, Workspace& workspace, std::span<PixelSum> sums,
                          std::vector<TileBatch>& batches) const;
     /// Adds them to the tile's pixels.
@@ -115,7 +120,10 @@ private:
     /// the number of pixels, the first camera ray and the number of camera rays of each.
     template <class Visit>
     void forEachBatch(std::size_t pixels, int first, int count, const Visit& visit) const;
-    /// Sends the camera rays of a batch, and estimates the light of what they meet.
+    /// Sends the camera rays of a batch, and sorts what they meet.
+    void meetBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
+                   std::span<PixelSum> sums) const;
+    /// Does so, and estimates the light of what they meet.
     void lightBatch(std::span<const FilmPlace> places, int first, int count, TileScratch& scratch,
                     Workspace& workspace, std::span<PixelSum> sums) const;
     void addBatch(const TileScratch& scratch, Workspace& workspace, std::span<PixelSum> sums) const;
