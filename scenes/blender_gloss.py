@@ -1,13 +1,13 @@
 """Makes a small set of smooth, textured and glossy things in Blender, exports it as glTF, and renders it with Cycles.
 
 Usage: blender -b --factory-startup --python-exit-code 1 --python blender_gloss.py -- MAP.exr SET.glb PICTURE.exr SAMPLES
-       [WIDTH HEIGHT]     of the picture [160 90]
+       [WIDTH HEIGHT [BOUNCES]]     of the picture [160 90 0]
 
 Exported are Blender's own materials (Principled BSDF). Cycles then renders the BRDF that glTF's specification makes of
 them, built from nodes: a dielectric whose reflectance is the same at all angles is a mix of Diffuse and Glossy by that
 share, and a white metal is Glossy alone. The glTF file asks for that reflectance through KHR_materials_specular, which
-is added to it. Direct light of the map only. Cycles 3.4 multiplies masking and shadowing, which the specification
-correlates; below a roughness of 0.6 and away from grazing angles that is hardly seen.
+is added to it. Light is that of the map, which met up to BOUNCES surfaces before the one that is seen. Cycles 3.4
+multiplies masking and shadowing, which the specification correlates; below a roughness of 0.6 and away from grazing angles that is hardly seen.
 """
 
 import json
@@ -143,7 +143,7 @@ def use_nodes_of_the_brdf(material, metallic, reflectance):
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
 
 
-def render(sky, picture_path, samples, width=160, height=90):
+def render(sky, picture_path, samples, width=160, height=90, bounces=0):
     scene = bpy.context.scene
     world = bpy.data.worlds.new("sky")
     scene.world = world
@@ -161,7 +161,9 @@ def render(sky, picture_path, samples, width=160, height=90):
     cycles = scene.cycles
     cycles.samples = samples
     cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.max_bounces = 0
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = bounces
+    cycles.caustics_reflective = True
+    cycles.light_sampling_threshold = 0  # else dim light is dropped at random, for speed
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0
     cycles.pixel_filter_type = "BOX"
     cycles.filter_width = 1

@@ -104,10 +104,14 @@ double shareConfirmed(const TriangleMesh& mesh, const Met& met, std::uint32_t sh
 
 TEST(Transport, MeetsTheItemsThatARayMeets) {
     const TriangleMesh mesh = test::smallMesh();
-    const Met met(bakeSmall(smallOptions()));
+    const BakeResult baked = bakeSmall(smallOptions());
+    const Met met(baked);
     EXPECT_EQ(met.transport.raysPerItem, kHitRays);
     EXPECT_EQ(met.transport.hit.size(), met.items.size() * kHitRays);
-    EXPECT_EQ(std::ranges::count(met.transport.hit, kNoItem), 0);
+    const auto stuck = std::ranges::count_if(
+        baked.items.hits, [](std::uint16_t code) { return !HitCode::isFree(code); });
+    EXPECT_EQ(std::ranges::count(met.transport.hit, kNoItem), stuck);
+    EXPECT_LT(static_cast<double>(stuck), 0.1 * static_cast<double>(met.transport.hit.size()));
     EXPECT_GT(shareConfirmed(mesh, met, 0), 0.93);
     EXPECT_LT(shareConfirmed(mesh, met, 7), 0.5) << "control";
     // Nothing meets itself, but for what is bent.
@@ -264,12 +268,46 @@ TEST(ItemTables, FindTheItemThatWeighsMost) {
             if (count == 0) continue;
             const auto views = std::span(found).first(static_cast<std::size_t>(count));
             ++all;
-            same += std::ranges::max(views, {}, &ItemView::weight).number == item;
+            const auto weight = [&](const ItemView& view) {
+                return view.weight * met.items.exposure(static_cast<std::uint32_t>(view.number));
+            };
+            same += std::ranges::max(views, {}, weight).number == item;
         }
     EXPECT_GT(same / all, 0.95);
     EXPECT_EQ(met.items.itemAt({0, 50, 0}, {0, 1, 0}), kNoItem);
     EXPECT_EQ(met.items.itemAt({std::nan(""), 0, 0}, {0, 1, 0}), kNoItem);
     EXPECT_EQ(met.items.itemAt({1e300, 0, 0}, {0, 1, 0}), kNoItem);
+}
+
+/// A floor, a half of which lies `gap` below another one.
+TriangleMesh halfHiddenFloor(float gap) {
+    TriangleMesh mesh;
+    test::addFloor(mesh, 0, -1, 1, -1, 1);
+    test::addFloor(mesh, gap, -1, 0.01f, -1, 1);
+    return mesh;
+}
+
+/// Mean exposure of the lower floor's items, of its hidden and its open half.
+std::array<double, 2> exposures(float gap) {
+    const TriangleMesh mesh = halfHiddenFloor(gap);
+    const Scene scene(mesh);
+    const Met met(bake(scene, smallOptions()));
+    std::array<double, 2> sum{}, count{};
+    for (std::uint32_t i = 0; i < met.items.size(); ++i) {
+        const Vec3d place = met.items.position(i);
+        if (std::abs(place.y) > 1e-3 || std::abs(place.x) < 0.3 || met.items.normal(i).y < 0.9f)
+            continue;
+        sum[place.x > 0] += static_cast<double>(met.items.exposure(i));
+        ++count[place.x > 0];
+    }
+    return {sum[0] / count[0], sum[1] / count[1]};
+}
+
+TEST(ItemTables, TellWhatIsHidden) {
+    const auto [below, open] = exposures(0.02f);
+    EXPECT_LT(below, 0.1);
+    EXPECT_EQ(open, 1);
+    EXPECT_EQ(exposures(0.5f)[0], 1) << "control";
 }
 
 }  // namespace

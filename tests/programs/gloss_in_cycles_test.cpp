@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -61,17 +62,22 @@ protected:
 
     void SetUp() override {
         SHADOWCACHE_NEEDS("Blender (Debian package: blender)", "command -v blender");
+    }
+
+    /// Makes the set, and the picture that is wanted.
+    void renderInCycles(int samples, int bounces) {
         const auto& folder = folder_.path();
         writeMap(folder / "sky.exr", map_);
         const std::string command =
             "cd " + folder.string() +
             " && blender -b --factory-startup --python-exit-code 1 --python " SHADOWCACHE_SCENES
-            "/blender_gloss.py -- sky.exr set.glb cycles.exr 128 > log 2>&1";
+            "/blender_gloss.py -- sky.exr set.glb cycles.exr " +
+            std::to_string(samples) + " 160 90 " + std::to_string(bounces) + " > log 2>&1";
         ASSERT_EQ(std::system(command.c_str()), 0) << readBytes(folder / "log");
         wanted_ = readRadiance(folder / "cycles.exr").image;
     }
 
-    Film render(const MeshOptions& options) {
+    Film render(const MeshOptions& options, int bounces = 0) {
         const std::filesystem::path file = folder_.path() / "set.glb";
         const TriangleMesh mesh = loadMesh({&file, 1}, options);
         const Scene scene(mesh);
@@ -85,6 +91,7 @@ protected:
         chosen.filter = FilterKind::box;
         chosen.cameraRays = 16;
         chosen.samples = 8;
+        chosen.bounces = bounces;
         RenderStats stats;
         return shadowcache::render({*estimator, camera, 1, chosen}, stats);
     }
@@ -132,6 +139,7 @@ protected:
 };
 
 TEST_F(GlossInCycles, IsTheSamePicture) {
+    ASSERT_NO_FATAL_FAILURE(renderInCycles(128, 0));
     MeshOptions options;
     options.shadingNormals = options.gloss = true;
     const Comparison same = compare(render(options));
@@ -144,6 +152,20 @@ TEST_F(GlossInCycles, IsTheSamePicture) {
     options.gloss = true;
     options.shadingNormals = false;
     EXPECT_GT(compare(render(options)).worstTile, 0.1);
+}
+
+TEST_F(GlossInCycles, HasTheSameLightWithBounces) {
+    constexpr int kBounces = 4;
+    ASSERT_NO_FATAL_FAILURE(renderInCycles(256, kBounces));
+    MeshOptions options;
+    options.shadingNormals = options.gloss = true;
+    const Comparison same = compare(render(options, kBounces));
+    std::printf("light over that of Cycles: %.4f in %d tiles, worst tile off by %.4f\n", same.ratio,
+                same.tiles, same.worstTile);
+    EXPECT_GT(same.tiles, 150);
+    EXPECT_NEAR(same.ratio, 1, 0.005);
+    // Control: no bounces.
+    EXPECT_LT(compare(render(options, 0)).ratio, 0.95);
 }
 
 }  // namespace
