@@ -46,7 +46,8 @@ private:
     float shift_[2], rays_;
 };
 
-/// Distance up to which a surface hides another, in spacings: a cupboard's door, a picture on a wall.
+/// Distance up to which a surface hides another, in spacings: a cupboard's door, a picture on a
+/// wall.
 inline SHADOWCACHE_TUNED(float, kHiding, 0.3f);
 
 /// What a ray met, as a cache keeps it: 16 bits.

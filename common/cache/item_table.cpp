@@ -44,11 +44,11 @@ float nearnessOf(const ItemTable::Item& item, const Vec3f& fromMiddle) {
 /// Of the rays that met something known; some of them at least, since something was baked.
 float exposureOf(const LeafView& leaf, std::uint32_t item) {
     const std::span codes(leaf.hits + std::size_t{item} * leaf.hitsPerItem, leaf.hitsPerItem);
-    const auto known = std::ranges::count_if(
-        codes, [](std::uint16_t code) { return code != HitCode::kUnknown; });
+    const auto known =
+        std::ranges::count_if(codes, [](std::uint16_t code) { return code != HitCode::kUnknown; });
     const auto free = std::ranges::count_if(codes, HitCode::isFree);
-    return std::max(kLeastExposure,
-                    static_cast<float>(free) / static_cast<float>(std::max<std::ptrdiff_t>(1, known)));
+    return std::max(kLeastExposure, static_cast<float>(free) /
+                                        static_cast<float>(std::max<std::ptrdiff_t>(1, known)));
 }
 
 }  // namespace
@@ -59,19 +59,18 @@ ItemTable::ItemTable(const ShadowCache& cache) : spacing_(cache.header().spacing
                     " items, expected less than " + std::to_string(kNoItem));
     items_.reserve(cache.itemCount());
     const bool hits = cache.header().hits > 0;
-    OpenCache::of(cache).visitLeaves(
-        hits, [&](const openvdb::Coord& origin, const LeafView& leaf) {
-            std::uint32_t i = 0;
-            for (openvdb::Index v = 0; v < kLeafVoxels; ++v) {
-                const openvdb::Coord voxel = origin + PointLeaf::offsetToLocalCoord(v);
-                for (; i < leaf.voxelEnd[v]; ++i)
-                    items_.push_back({{voxel.x(), voxel.y(), voxel.z()},
-                                      leaf.patch[i],
-                                      leaf.position[i],
-                                      leaf.normal[i],
-                                      hits ? exposureOf(leaf, i) : 1});
-            }
-        });
+    OpenCache::of(cache).visitLeaves(hits, [&](const openvdb::Coord& origin, const LeafView& leaf) {
+        std::uint32_t i = 0;
+        for (openvdb::Index v = 0; v < kLeafVoxels; ++v) {
+            const openvdb::Coord voxel = origin + PointLeaf::offsetToLocalCoord(v);
+            for (; i < leaf.voxelEnd[v]; ++i)
+                items_.push_back({{voxel.x(), voxel.y(), voxel.z()},
+                                  leaf.patch[i],
+                                  leaf.position[i],
+                                  leaf.normal[i],
+                                  hits ? exposureOf(leaf, i) : 1});
+        }
+    });
     index();
 }
 

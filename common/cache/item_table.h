@@ -29,13 +29,14 @@ public:
     /// Unit mean normal of the item's surface, world space.
     const Vec3f& normal(std::uint32_t item) const { return items_[item].normal; }
 
-    /// Share of the item's surface that is exposed, above 0: of the rays whose hits the cache keeps,
-    /// those that got away from it. The rest starts where another surface hides it, which nobody
-    /// sees and the sky does not light. 1 without hits.
+    /// Share of the item's surface that is exposed, above 0: of the rays whose hits the cache
+    /// keeps, those that got away from it. The rest starts where another surface hides it, which
+    /// nobody sees and the sky does not light. 1 without hits.
     float exposure(std::uint32_t item) const { return items_[item].exposure; }
 
     /// The item that would weigh most in a lookup at a place (ShadowCache::Reader::lookUp)
-    /// that counts items as far as they are exposed, or kNoItem if a lookup would find none. Of equal ones the first.
+    /// that counts items as far as they are exposed, or kNoItem if a lookup would find none. Of
+    /// equal ones the first.
     ///
     /// @param position  world space
     /// @param normal    unit, towards the side that is lit

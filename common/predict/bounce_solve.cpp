@@ -41,7 +41,7 @@ std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
             const int count = reader.lookUp(items.position(number), normal, found);
             const auto views = std::span(found).first(static_cast<std::size_t>(count));
             const auto self = std::ranges::find(views, std::uint64_t{number}, &ItemView::number);
-            if (self != views.end()) 
+            if (self != views.end())
                 direct[i] = ofExposed(preview.irradiance(*self, normal), items.exposure(number));
         }
     });

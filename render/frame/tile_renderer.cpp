@@ -203,16 +203,15 @@ void TileRenderer::lightCameraRays(std::span<const FilmPlace> places, int first,
     batches.clear();
     if (places.empty()) return;
     if (plan_.antialiasing && first == 0) planPixels(places, scratch, workspace, sums);
-    forEachBatch(places.size(), first, count,
-                 [&](std::size_t p, std::size_t some, int k, int rays) {
-                     TileBatch& batch = batches.emplace_back(TileBatch{p, some, {}});
-                     if (lighting == Lighting::none)
-                         meetBatch(places.subspan(p, some), k, rays, batch.scratch,
-                                   sums.subspan(p, some));
-                     else
-                         lightBatch(places.subspan(p, some), k, rays, batch.scratch, workspace,
-                                    sums.subspan(p, some));
-                 });
+    forEachBatch(
+        places.size(), first, count, [&](std::size_t p, std::size_t some, int k, int rays) {
+            TileBatch& batch = batches.emplace_back(TileBatch{p, some, {}});
+            if (lighting == Lighting::none)
+                meetBatch(places.subspan(p, some), k, rays, batch.scratch, sums.subspan(p, some));
+            else
+                lightBatch(places.subspan(p, some), k, rays, batch.scratch, workspace,
+                           sums.subspan(p, some));
+        });
 }
 
 void TileRenderer::addBatches(std::span<const TileBatch> batches, Workspace& workspace,
