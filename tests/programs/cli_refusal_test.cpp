@@ -239,8 +239,9 @@ TEST_F(CliRefusal, WrongUsage) {
         EXPECT_EQ(run(program, "--no-such-option").status, 2) << program;
     }
     const std::vector<std::array<std::string, 2>> cases{
-        {"--seed -1", "--seed -1: expected 0 or more"},
-        {"--seed 18446744073709551616", "--seed 18446744073709551616: expected below 2^64"},
+        {"--seed -1", "--seed -1: expected a whole number from 0 to below 2^64"},
+        {"--seed 18446744073709551616",
+         "--seed 18446744073709551616: expected a whole number from 0 to below 2^64"},
         {"--samples many", "--samples many: expected a whole number"},
         {"--exposure bright", "--exposure bright: expected a number"},
         {"--up x", "--up x: expected one of y, z"},
