@@ -15,9 +15,9 @@
 #include "common/cli/command_line.h"
 #include "common/cli/options.h"
 #include "common/command/shot_arguments.h"
+#include "common/farm/farm_files.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/frames.h"
-#include "common/farm/farm_files.h"
 
 namespace shadowcache {
 namespace {

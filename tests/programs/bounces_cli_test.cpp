@@ -49,8 +49,8 @@ TEST_F(BouncesCli, AreFourUnlessOthersAreAskedFor) {
 
 TEST_F(BouncesCli, ArePredictedByTheTransportInTheCache) {
     bake();
-    const auto predicted =
-        runWell("render", still("--cache set.vdb --preview --samples 0 --bounces 4 -o preview.exr"));
+    const auto predicted = runWell(
+        "render", still("--cache set.vdb --preview --samples 0 --bounces 4 -o preview.exr"));
     EXPECT_NE(predicted.out.find(" 0.0 M shadow rays in"), std::string::npos) << predicted.out;
     runWell("render", still("--cache set.vdb --preview --samples 0 --bounces 0 -o direct.exr"));
     EXPECT_GT(light("preview.exr"), 1.005 * light("direct.exr"));
@@ -58,8 +58,9 @@ TEST_F(BouncesCli, ArePredictedByTheTransportInTheCache) {
     const auto unpredicted =
         runWell("render", still("--cache bare.vdb --bounces 4 -o unpredicted.exr"));
     EXPECT_NE(unpredicted.out.find("holds no transport"), std::string::npos) << unpredicted.out;
-    expectRefusal(run("render", still("--cache bare.vdb --preview --samples 0 --bounces 4 -o new.exr")),
-                  "render", "bare.vdb", "--no-transport");
+    expectRefusal(
+        run("render", still("--cache bare.vdb --preview --samples 0 --bounces 4 -o new.exr")),
+        "render", "bare.vdb", "--no-transport");
 }
 
 TEST_F(BouncesCli, AreRefusedWhereTheyCannotBe) {

@@ -68,11 +68,11 @@ protected:
     void renderInCycles(int samples, int bounces) {
         const auto& folder = folder_.path();
         writeMap(folder / "sky.exr", map_);
-        const std::string command =
-            "cd " + folder.string() +
-            " && blender -b --factory-startup --python-exit-code 1 --python " SHADOWCACHE_SCENES
-            "/blender_gloss.py -- sky.exr set.glb cycles.exr " +
-            std::to_string(samples) + " 160 90 " + std::to_string(bounces) + " > log 2>&1";
+        const std::string script = SHADOWCACHE_SCENES "/blender_gloss.py";
+        std::string command = "cd " + folder.string();
+        command += " && blender -b --factory-startup --python-exit-code 1 --python " + script;
+        command += " -- sky.exr set.glb cycles.exr " + std::to_string(samples) + " 160 90 ";
+        command += std::to_string(bounces) + " > log 2>&1";
         ASSERT_EQ(std::system(command.c_str()), 0) << readBytes(folder / "log");
         wanted_ = readRadiance(folder / "cycles.exr").image;
     }
