@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -127,6 +128,9 @@ FileHead readHead(std::istream& in, std::uint64_t size, const fs::path& path) {
     return head;
 }
 
+/// Most of what OpenVDB says of a file that is told. [bytes]
+constexpr std::size_t kMostReason = 300;
+
 /// What is wrong with a file without sound checksums. Nothing of it is decoded but its metadata.
 [[noreturn]] void refuseUnchecked(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
@@ -140,8 +144,9 @@ auto withReadErrors(const fs::path& path, const Read& read) {
     try {
         return read();
     } catch (const openvdb::Exception& e) {
-        throwFileError(path,
-                       std::string("not a readable OpenVDB file, or cut short (") + e.what() + ")");
+        // It quotes names from the file, which may claim to have gigabytes.
+        const std::string reason(e.what(), ::strnlen(e.what(), kMostReason));
+        throwFileError(path, "not a readable OpenVDB file, or cut short (" + reason + ")");
     } catch (const std::bad_alloc&) {
         throwFileError(path, "cut short or damaged (it asks for more memory than there is)");
     } catch (const std::length_error&) {
