@@ -12,7 +12,7 @@ namespace {
 /// Fewest samples of a point, in means: a place predicted quiet may be mispredicted.
 SHADOWCACHE_TUNED(double, kLeastBudget, 0.25);
 /// Most samples of a point, in means.
-constexpr double kMostBudget = 16;
+SHADOWCACHE_TUNED(double, kMostBudget, 16);
 
 double need(const PredictedNoise& noise) {
     return noise.deviation / noise.scale;

@@ -42,7 +42,7 @@ inline SHADOWCACHE_TUNED(double, kJudgedSamples, 64);
 
 /// Samples of the irradiance drawn in proportion to the light alone, for each that follows the
 /// counts: bounds what light can weigh that was predicted occluded.
-inline constexpr double kDefensiveShare = 0.2;
+inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.2);
 
 /// Samples of the irradiance drawn in proportion to the light that is almost surely seen, for each
 /// that follows the counts: bounds what that light can weigh where a near wall hides it.
