@@ -143,8 +143,8 @@ struct Deal {
     std::vector<std::uint32_t> members, ends, places;
 };
 
-/// Cuts a cluster into groups of at most `most`. What one pixel's camera rays met follow each other
-/// in the sequence, and go to different groups.
+/// Cuts a cluster into groups of at most `sizes.vertices`. What one pixel's camera rays met follow
+/// each other in the sequence, and go to different groups.
 Deal deal(const PathLevel& level, std::span<const Placed> cluster, const GroupSizes& sizes) {
     std::vector<DealKey> keys;
     for (const Placed& p : cluster)
