@@ -62,7 +62,7 @@ Camera View::camera() {
 
 ShadingPoint View::place(double filmX, double filmY) {
     const Vec3d p((filmX - 0.5) * kFloorWidth, 0, (filmY - 0.5) * kFloorHeight);
-    return {Vec3f(p), p, {0, 1, 0}, {0, 1, 0}, 0};
+    return {{Vec3f(p), p, {0, 1, 0}, {0, 1, 0}}, {}};
 }
 
 std::vector<CacheKind> cacheKinds() {
