@@ -1,5 +1,6 @@
 #include "common/base/content_hash.h"
 
+#include <fmt/core.h>
 #define XXH_INLINE_ALL  // compiled in, for the processor that the program is built for
 #include <xxhash.h>
 
@@ -58,10 +59,7 @@ void ContentHash::addText(std::string_view text) {
 
 std::string ContentHash::text() const {
     const XXH128_hash_t hash = XXH3_128bits_digest(&state_->hash);
-    char text[33];
-    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
-                  static_cast<unsigned long long>(hash.low64));
-    return text;
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
 std::string contentHash(const std::filesystem::path& path) {

@@ -1,5 +1,7 @@
 #include "common/base/file_bytes.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -165,7 +167,7 @@ long long TextScanner::integer(std::string_view word) const {
 }
 
 void TextScanner::fail(const std::string& cause) const {
-    throwFileError(path_, "line " + std::to_string(line_) + ": " + cause);
+    throwFileError(path_, fmt::format("line {}: {}", line_, cause));
 }
 
 }  // namespace shadowcache

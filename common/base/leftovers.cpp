@@ -1,5 +1,6 @@
 #include "common/base/leftovers.h"
 
+#include <fmt/core.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -40,7 +41,7 @@ std::string jobName() {
 }  // namespace
 
 const std::string& runName() {
-    static const std::string name = std::to_string(getpid()) + "-" + jobName() + "-" + hostName();
+    static const std::string name = fmt::format("{}-{}-{}", getpid(), jobName(), hostName());
     return name;
 }
 

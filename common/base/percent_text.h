@@ -1,9 +1,9 @@
 #pragma once
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 namespace shadowcache {
@@ -15,12 +15,10 @@ namespace shadowcache {
 inline std::string percentText(double share, int digits) {
     constexpr int kMostDecimals = 12;
     const double percent = 100 * share;
-    std::array<char, 400> text{};  // room for the largest double
     const double place =
         percent != 0 && std::isfinite(percent) ? std::floor(std::log10(std::abs(percent))) : 0;
     const int decimals = std::clamp(digits - 1 - static_cast<int>(place), 0, kMostDecimals);
-    std::snprintf(text.data(), text.size(), "%.*f", decimals, percent);
-    std::string result = text.data();
+    std::string result = fmt::format("{:.{}f}", percent, decimals);
     if (result.find('.') != std::string::npos) {
         result.erase(result.find_last_not_of('0') + 1);
         if (result.ends_with('.')) result.pop_back();

@@ -1,5 +1,7 @@
 #include "common/cli/command_line.h"
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
@@ -89,7 +91,7 @@ public:
             else
                 text += make_group(group, false, options) + "\n";
         }
-        text += "--help-all shows " + std::to_string(others) + " more options.\n\n";
+        text += fmt::format("--help-all shows {} more options.\n\n", others);
         return text + make_footer(app);
     }
 
