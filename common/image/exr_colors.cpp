@@ -2,6 +2,7 @@
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
@@ -110,7 +111,7 @@ std::string listOf(const std::vector<Layer>& layers) {
 std::string partName(const Imf::MultiPartInputFile& file, int part) {
     const Imf::Header& header = file.header(part);
     return header.hasName() ? "part '" + oneLine(header.name()) + "'"
-                            : "part " + std::to_string(part);
+                            : fmt::format("part {}", part);
 }
 
 ExrColors fromLayer(const Layer& layer) {
@@ -148,8 +149,8 @@ ExrColors chooseColors(const std::filesystem::path& path, const Imf::MultiPartIn
     if (!plain.empty()) {
         ExrColors colors = fromLayer(plain.front());
         if (plain.size() > 1)
-            colors.note = "colours of " + partName(file, colors.part) + ", the first of " +
-                          std::to_string(plain.size()) + " parts that have some";
+            colors.note = fmt::format("colours of {}, the first of {} parts that have some",
+                                      partName(file, colors.part), plain.size());
         return colors;
     }
     if (luminancePart >= 0) {
@@ -162,11 +163,12 @@ ExrColors chooseColors(const std::filesystem::path& path, const Imf::MultiPartIn
     std::vector<Layer> main = named;
     preferMain(file, main);
     if (main.size() != 1)
-        throwFileError(path, "colours in " + std::to_string(main.size()) + " layers (" +
-                                 listOf(main) + "), expected R, G, B or one such layer");
+        throwFileError(path,
+                       fmt::format("colours in {} layers ({}), expected R, G, B or one such layer",
+                                   main.size(), listOf(main)));
     ExrColors colors = fromLayer(main.front());
     colors.note = "colours of the layer " + oneLine(main.front().name);
-    if (named.size() > 1) colors.note += ", of " + std::to_string(named.size());
+    if (named.size() > 1) colors.note += fmt::format(", of {}", named.size());
     return colors;
 }
 

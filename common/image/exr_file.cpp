@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfPartType.h>
+#include <fmt/core.h>
 
 #include <array>
 #include <fstream>
@@ -29,8 +30,8 @@ void requireKnownVersion(const std::filesystem::path& path) {
         throwFileError(path, "is not an OpenEXR file");
     }
     if (head[4] > kNewestVersion) {
-        throwFileError(path, "OpenEXR version " + std::to_string(int{head[4]}) +
-                                 ", expected at most " + std::to_string(kNewestVersion));
+        throwFileError(path, fmt::format("OpenEXR version {}, expected at most {}", int{head[4]},
+                                         kNewestVersion));
     }
 }
 
@@ -51,9 +52,9 @@ Imath::Box2i checkedWindow(const std::filesystem::path& path, const Imf::MultiPa
     const double width = static_cast<double>(window.max.x) - window.min.x + 1.0;
     const double height = static_cast<double>(window.max.y) - window.min.y + 1.0;
     if (width * height > kMostExrPixels) {
-        throwFileError(path, "data window of " + std::to_string(static_cast<long long>(width)) +
-                                 " x " + std::to_string(static_cast<long long>(height)) +
-                                 " pixels, expected at most 2^29");
+        throwFileError(path,
+                       fmt::format("data window of {} x {} pixels, expected at most 2^29",
+                                   static_cast<long long>(width), static_cast<long long>(height)));
     }
     return window;
 }

@@ -1,5 +1,7 @@
 #include "common/image/exr_header.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -72,14 +74,14 @@ private:
             const std::uint64_t length = number();
             const auto begin = static_cast<std::uint64_t>(in_.tellg());
             if (length > size_ - std::min(begin, size_))
-                throwFileError(path_, "truncated or damaged: attribute '" +
-                                          attribute.substr(0, 40) + "' of " +
-                                          std::to_string(length) + " bytes in a file of " +
-                                          std::to_string(size_));
+                throwFileError(
+                    path_,
+                    fmt::format("truncated or damaged: attribute '{}' of {} bytes in a file of {}",
+                                attribute.substr(0, 40), length, size_));
             if (!isOfLength(type, length))
-                throwFileError(path_, "damaged: attribute '" + attribute.substr(0, 40) +
-                                          "' of type " + type.substr(0, 20) + " with " +
-                                          std::to_string(length) + " bytes");
+                throwFileError(path_,
+                               fmt::format("damaged: attribute '{}' of type {} with {} bytes",
+                                           attribute.substr(0, 40), type.substr(0, 20), length));
             in_.seekg(static_cast<std::streamoff>(begin));
             if (attribute == "dataWindow" && length == sizeof part.window)
                 in_.read(reinterpret_cast<char*>(part.window.data()), sizeof part.window);
@@ -146,9 +148,10 @@ private:
         const double values = static_cast<double>(width) * static_cast<double>(height) *
                               static_cast<double>(std::max<std::uint64_t>(part.channels, 1));
         if (chunks <= size_ / 8 && mayHoldValues(size_, values)) return;
-        throwFileError(path_, "data window of " + std::to_string(width) + " x " +
-                                  std::to_string(height) + " pixels in a file of " +
-                                  std::to_string(size_) + " bytes, damaged or too large");
+        throwFileError(
+            path_,
+            fmt::format("data window of {} x {} pixels in a file of {} bytes, damaged or too large",
+                        width, height, size_));
     }
 
     const std::filesystem::path& path_;

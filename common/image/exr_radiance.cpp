@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfRgbaYca.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -85,10 +86,10 @@ Rgb luminanceWeights(const std::filesystem::path& path, const Imf::Header& heade
 
 void requireLatLong(const std::filesystem::path& path, const Imf::Header& header) {
     if (!Imf::hasEnvmap(header) || Imf::envmap(header) == Imf::ENVMAP_LATLONG) return;
-    throwFileError(path, (Imf::envmap(header) == Imf::ENVMAP_CUBE
-                              ? std::string("envmap = cube")
-                              : "envmap = " + std::to_string(int{Imf::envmap(header)})) +
-                             ", expected a lat-long map");
+    const Imf::Envmap kind = Imf::envmap(header);
+    throwFileError(path,
+                   fmt::format("envmap = {}, expected a lat-long map",
+                               kind == Imf::ENVMAP_CUBE ? "cube" : std::to_string(int{kind})));
 }
 
 struct Window {
@@ -102,7 +103,7 @@ struct Window {
 };
 
 std::string sizeOf(const Window& window) {
-    return std::to_string(window.width) + "x" + std::to_string(window.height);
+    return fmt::format("{}x{}", window.width, window.height);
 }
 
 /// The pixels of the data window at their places in the display window; outside of them 0.
@@ -134,10 +135,10 @@ void fitToDisplay(const std::filesystem::path& path, const Imath::Box2i& dataWin
         throwFileError(
             path, "display window of " + sizeOf(to) + " pixels, too large for a file of its size");
     result.image = onDisplay(path, result.image, from, to);
-    result.notes.push_back("data window of " + sizeOf(from) + " pixels at " +
-                           std::to_string(from.left - to.left) + "," +
-                           std::to_string(from.top - to.top) + " of a display window of " +
-                           sizeOf(to) + ", which the map covers; 0 where there is no pixel");
+    result.notes.push_back(
+        fmt::format("data window of {} pixels at {},{} of a display window of {}, which the map "
+                    "covers; 0 where there is no pixel",
+                    sizeOf(from), from.left - to.left, from.top - to.top, sizeOf(to)));
 }
 
 void readPlanes(Imf::MultiPartInputFile& file, const ExrColors& colors, Image& image) {

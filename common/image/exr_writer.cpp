@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -103,9 +104,9 @@ void writeExr(const std::filesystem::path& path, int width, int height,
             Imf::FrameBuffer frame;
             for (const Channel& channel : channels) {
                 if (channel.values.size() != columns * static_cast<std::size_t>(height)) {
-                    throwFileError(path, "channel " + channel.name + " has " +
-                                             std::to_string(channel.values.size()) +
-                                             " values, expected width * height");
+                    throwFileError(path,
+                                   fmt::format("channel {} has {} values, expected width * height",
+                                               channel.name, channel.values.size()));
                 }
                 const void* values = channel.values.data();
                 std::size_t stride = sizeof(float);

@@ -1,5 +1,7 @@
 #include "common/image/hdr.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -112,9 +114,9 @@ Image readHdr(const std::filesystem::path& path) {
     const HdrHeader header = parseHdrHeader(path, content);
     if (!mayHoldValues(content.size(), 3.0 * static_cast<double>(header.width) *
                                            static_cast<double>(header.height)))
-        throwFileError(path, std::to_string(header.width) + " x " + std::to_string(header.height) +
-                                 " pixels in a file of " + std::to_string(content.size()) +
-                                 " bytes, damaged or too large");
+        throwFileError(path,
+                       fmt::format("{} x {} pixels in a file of {} bytes, damaged or too large",
+                                   header.width, header.height, content.size()));
     Image image{static_cast<int>(header.width), static_cast<int>(header.height), {}};
     image.pixels.resize(header.width * header.height);
     const std::size_t lines = header.byColumns ? header.width : header.height;
@@ -123,8 +125,9 @@ Image readHdr(const std::filesystem::path& path) {
     const Decoder decode(header);
     for (std::size_t i = 0; i < lines; ++i) {
         if (!scanLines.read(line))
-            throwFileError(path, "truncated or damaged: scan line " + std::to_string(i) + " of " +
-                                     std::to_string(lines) + " is not whole");
+            throwFileError(
+                path,
+                fmt::format("truncated or damaged: scan line {} of {} is not whole", i, lines));
         for (std::size_t k = 0; k < line.size(); ++k) {
             const std::size_t across = header.byColumns ? i : k, down = header.byColumns ? k : i;
             const std::size_t x = header.fromRight ? header.width - 1 - across : across;

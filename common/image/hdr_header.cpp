@@ -1,5 +1,7 @@
 #include "common/image/hdr_header.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <string_view>
 
@@ -48,8 +50,8 @@ void multiply(TextScanner text, const std::string& name, bool eachColor, HdrHead
         double& product = header.multiplier[k];
         product *= value;
         if (!(value > 0 && product > 0 && std::isfinite(product)))
-            text.fail(name + " of " + std::to_string(value) +
-                      ", expected above 0 and finite, with those before it too");
+            text.fail(fmt::format(
+                "{} of {:f}, expected above 0 and finite, with those before it too", name, value));
     }
 }
 
@@ -82,8 +84,7 @@ void parseResolution(TextScanner text, HdrHeader& header) {
                       "', expected one of +X and -X, and one of +Y and -Y");
         const long long size = text.integer(text.wordOnLine());
         if (size < 1 || size > kMostSide)
-            text.fail("side of " + std::to_string(size) + " pixels, expected 1 to " +
-                      std::to_string(kMostSide));
+            text.fail(fmt::format("side of {} pixels, expected 1 to {}", size, kMostSide));
         (isX ? header.width : header.height) = static_cast<std::size_t>(size);
         if (axis == 0) header.byColumns = isX;
         // +Y points up.

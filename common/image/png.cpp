@@ -1,5 +1,7 @@
 #include "common/image/png.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -58,8 +60,8 @@ std::string encodePng(const Image& image, float exposure) {
     };
     if (!stbi_write_png_to_func(append, &png, image.width, image.height, 3, bytes.data(),
                                 image.width * 3)) {
-        throw Error("a picture of " + std::to_string(image.width) + "x" +
-                    std::to_string(image.height) + " could not be encoded as PNG");
+        throw Error(fmt::format("a picture of {}x{} could not be encoded as PNG", image.width,
+                                image.height));
     }
     return png;
 }

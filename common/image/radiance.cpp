@@ -1,5 +1,7 @@
 #include "common/image/radiance.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -50,11 +52,11 @@ void mend(RadianceImage& result) {
         result.infinite += infinite ? 1 : 0;
     }
     if (result.notANumber + result.negative > 0)
-        result.notes.push_back(std::to_string(result.notANumber) + " texels not a number and " +
-                               std::to_string(result.negative) + " negative, set to 0");
+        result.notes.push_back(fmt::format("{} texels not a number and {} negative, set to 0",
+                                           result.notANumber, result.negative));
     if (result.infinite > 0)
-        result.notes.push_back(std::to_string(result.infinite) + " texels of +Inf, set to " +
-                               numberText(static_cast<double>(infinity)));
+        result.notes.push_back(fmt::format("{} texels of +Inf, set to {}", result.infinite,
+                                           numberText(static_cast<double>(infinity))));
 }
 
 }  // namespace
