@@ -1,5 +1,7 @@
 #include "common/light/environment.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -65,8 +67,8 @@ Environment::Environment(const Image& map, double rotationDegrees, const Rgb& lu
     width_ = mapWidth * repeatX;
     height_ = mapHeight * repeatY;
     if (width_ * height_ > std::size_t{1} << 31)
-        throw Error("environment map: " + std::to_string(map.width) + "x" +
-                    std::to_string(map.height) + " texels, at most 2^31 are supported");
+        throw Error(fmt::format("environment map: {}x{} texels, at most 2^31 are supported",
+                                map.width, map.height));
     map_.resize(width_ * height_);
     for (std::size_t y = 0; y < height_; ++y)
         for (std::size_t x = 0; x < width_; ++x)

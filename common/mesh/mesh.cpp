@@ -1,5 +1,7 @@
 #include "common/mesh/mesh.h"
 
+#include <fmt/core.h>
+
 #include <cctype>
 
 namespace shadowcache {
@@ -19,12 +21,11 @@ std::string printable(std::string name) {
 }  // namespace
 
 std::string describe(const MeshReport& report) {
-    std::string text = std::to_string(report.triangles) + " triangles";
+    std::string text = fmt::format("{} triangles", report.triangles);
     const auto add = [&](std::size_t count, const std::string& what) {
-        if (count > 0) text += "; " + std::to_string(count) + " " + what;
+        if (count > 0) text += fmt::format("; {} {}", count, what);
     };
-    add(report.polygons,
-        "n-gons cut into " + std::to_string(report.trianglesFromPolygons) + " triangles");
+    add(report.polygons, fmt::format("n-gons cut into {} triangles", report.trianglesFromPolygons));
     add(report.badVertexFaces, "dropped for a bad vertex (NaN, Inf or out of range)");
     add(report.degenerate, "without area dropped");
     add(report.duplicates, "duplicates kept");
@@ -47,7 +48,7 @@ std::string describe(const MeshReport& report) {
         add(count, kind + (count == 1 ? "" : plural) + " whose " + cause);
     }
     add(report.instances,
-        "instances, with which " + std::to_string(report.placed) + " triangles are in the world");
+        fmt::format("instances, with which {} triangles are in the world", report.placed));
     return text;
 }
 

@@ -1,10 +1,11 @@
 #include "common/mesh/traceable.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <map>
 
 #include "common/base/error.h"
-#include "common/base/text_streams.h"
 #include "common/math/limits.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -45,19 +46,15 @@ void requireTraceable(const TriangleMesh& mesh, const std::string& owner) {
         if (found == boxes.end())
             found = boxes.emplace(instance.firstPart, localBounds(mesh, instance)).first;
         const auto fail = [&](const std::string& cause) {
-            throw Error(owner + ": instance " + std::to_string(instance.source) + ": " + cause);
+            throw Error(fmt::format("{}: instance {}: {}", owner, instance.source, cause));
         };
-        TextWriter cause;
-        if (!staysInReach(instance.toWorld, found->second)) {
-            cause << "out of reach, expected coordinates within " << kMostCoordinate
-                  << " of the set";
-            fail(cause.str());
-        }
+        if (!staysInReach(instance.toWorld, found->second))
+            fail(fmt::format("out of reach, expected coordinates within {:g} of the set",
+                             kMostCoordinate));
         if (!instance.toWorld.invertible()) continue;
         const double inverse = inverseScale(instance.toWorld);
         if (inverse <= kMostInverse) continue;
-        cause << "scaled by " << 1 / inverse << ", expected at least " << 1 / kMostInverse;
-        fail(cause.str());
+        fail(fmt::format("scaled by {:g}, expected at least {:g}", 1 / inverse, 1 / kMostInverse));
     }
 }
 
