@@ -1,8 +1,9 @@
 #include "common/cache/cache_header.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 
 namespace shadowcache {
 
@@ -50,16 +51,14 @@ bool takeShards(Scanner& scan, BakeRecord& bake) {
 }  // namespace
 
 std::string fingerprintText(std::uint64_t fingerprint) {
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(fingerprint));
-    return text;
+    return fmt::format("{:016x}", fingerprint);
 }
 
 std::string shardsText(const std::vector<ShardRange>& shards) {
     std::string text;
     for (const auto& [first, last] : shards) {
-        text.append(text.empty() ? "" : ",").append(std::to_string(first + 1));
-        if (last > first) text.append("-").append(std::to_string(last + 1));
+        text += fmt::format("{}{}", text.empty() ? "" : ",", first + 1);
+        if (last > first) text += fmt::format("-{}", last + 1);
     }
     return text;
 }
@@ -78,15 +77,8 @@ std::vector<ShardRange> missingShards(const BakeRecord& bake) {
 std::string bakesText(const std::vector<BakeRecord>& bakes) {
     std::string text;
     for (const BakeRecord& bake : bakes) {
-        text.append(text.empty() ? "seed=" : "; seed=")
-            .append(std::to_string(bake.seed))
-            .append(" rays=")
-            .append(std::to_string(bake.rays));
-        if (!bake.whole())
-            text.append(" shards=")
-                .append(shardsText(bake.held))
-                .append("/")
-                .append(std::to_string(bake.shards));
+        text += fmt::format("{}seed={} rays={}", text.empty() ? "" : "; ", bake.seed, bake.rays);
+        if (!bake.whole()) text += fmt::format(" shards={}/{}", shardsText(bake.held), bake.shards);
     }
     return text;
 }
@@ -116,7 +108,7 @@ int CacheHeader::rays() const {
 std::string CacheHeader::seeds() const {
     std::string text;
     for (const BakeRecord& bake : bakes)
-        text.append(text.empty() ? "" : ",").append(std::to_string(bake.seed));
+        text += fmt::format("{}{}", text.empty() ? "" : ",", bake.seed);
     return text;
 }
 

@@ -1,5 +1,7 @@
 #include "common/cache/cache_metadata.h"
 
+#include <fmt/core.h>
+
 #include <charconv>
 #include <system_error>
 
@@ -54,11 +56,10 @@ CacheHeader fromMetadata(const openvdb::MetaMap& meta, const std::filesystem::pa
         throwFileError(path, "an OpenVDB file, but not a shadow cache (no 'shadowcache_format')");
     const auto format = metaValue<std::int32_t>(meta, kFormatKey, path);
     if (format < kOldestCacheFormat || format > kCacheFormat)
-        throwFileError(
-            path,
-            "cache format " + std::to_string(format) + ", this program reads " +
-                std::to_string(kOldestCacheFormat) + " to " + std::to_string(kCacheFormat) +
-                (format > kCacheFormat ? " (written by a newer version)" : ": bake the set again"));
+        throwFileError(path, fmt::format("cache format {}, this program reads {} to {}{}", format,
+                                         kOldestCacheFormat, kCacheFormat,
+                                         format > kCacheFormat ? " (written by a newer version)"
+                                                               : ": bake the set again"));
     CacheHeader header;
     header.format = format;
     header.level = metaValue<std::int32_t>(meta, "level", path);
@@ -85,16 +86,15 @@ CacheHeader fromMetadata(const openvdb::MetaMap& meta, const std::filesystem::pa
     if (parsed.ec != std::errc() || parsed.ptr != print.data() + print.size())
         throwFileError(path, "fingerprint '" + print + "', expected 16 hexadecimal digits");
     if (header.level < 0 || header.level > kMaxCacheLevel)
-        throwFileError(path,
-                       "direction level " + std::to_string(header.level) + ", expected 0 to 5");
+        throwFileError(path, fmt::format("direction level {}, expected 0 to 5", header.level));
     if (format >= kFirstFormatWithHits) header.hits = metaValue<std::int32_t>(meta, "hits", path);
     if (header.hits < 0 || header.hits > kMostHits)
-        throwFileError(path, "hits of " + std::to_string(header.hits) +
-                                 " rays an item, expected 0 to " + std::to_string(kMostHits));
+        throwFileError(
+            path, fmt::format("hits of {} rays an item, expected 0 to {}", header.hits, kMostHits));
     const auto requirePositive = [&](const char* key, double value) {
         if (!(value > 0 && value <= kMostMetadata))
-            throwFileError(path, std::string(key) + " " + std::to_string(value) +
-                                     ", expected above 0 and at most 1e12");
+            throwFileError(path,
+                           fmt::format("{} {:f}, expected above 0 and at most 1e12", key, value));
     };
     requirePositive("spacing", header.spacing);
     requirePositive("unit", header.unit);

@@ -1,5 +1,6 @@
 #include "common/cache/cache_pages.h"
 
+#include <fmt/core.h>
 #include <openvdb/points/StreamCompression.h>
 #include <openvdb/util/NodeMasks.h>
 
@@ -152,9 +153,9 @@ PagePin CachePages::load(const FilePage& page) const {
         else
             unpackVoxelEnds({packed.get(), page.stored}, {bytes.get(), page.size});
     } catch (const openvdb::Exception& e) {
-        throwFileError(file_.path(), "damaged: the " + std::to_string(page.stored) + " bytes at " +
-                                         std::to_string(page.offset) + " cannot be unpacked (" +
-                                         e.what() + ")");
+        throwFileError(file_.path(),
+                       fmt::format("damaged: the {} bytes at {} cannot be unpacked ({})",
+                                   page.stored, page.offset, e.what()));
     }
     return bytes;
 }

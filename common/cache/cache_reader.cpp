@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <openvdb/io/File.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
@@ -106,9 +107,8 @@ FileHead readHead(std::istream& in, std::uint64_t size, const fs::path& path) {
     try {
         const auto format = number(std::uint32_t{0});
         if (format > openvdb::OPENVDB_FILE_VERSION)
-            throwFileError(path, "version " + std::to_string(format) +
-                                     " of OpenVDB's format, expected at most " +
-                                     std::to_string(openvdb::OPENVDB_FILE_VERSION));
+            throwFileError(path, fmt::format("version {} of OpenVDB's format, expected at most {}",
+                                             format, openvdb::OPENVDB_FILE_VERSION));
         const auto major = number(std::uint32_t{0}), minor = number(std::uint32_t{0});
         openvdb::io::setVersion(in, {major, minor}, format);
         in.seekg(1 + 36, std::ios::cur);
@@ -123,7 +123,7 @@ FileHead readHead(std::istream& in, std::uint64_t size, const fs::path& path) {
             in.seekg(grid.getEndPos());
         }
     } catch (const std::ios::failure&) {
-        throwFileError(path, "cut short: " + std::to_string(size) + " bytes do not hold its grids");
+        throwFileError(path, fmt::format("cut short: {} bytes do not hold its grids", size));
     }
     return head;
 }
@@ -197,12 +197,12 @@ void requireWhole(const CheckedFile& file, const FileHead& head) {
     std::string places;
     constexpr std::size_t kShown = 3;
     for (std::size_t i = 0; i < std::min(begins.size(), kShown); ++i)
-        places += (i ? ", at " : "at ") + std::to_string(begins[i]) + placeText(head, begins[i]);
+        places += fmt::format("{}{}{}", i ? ", at " : "at ", begins[i], placeText(head, begins[i]));
     if (begins.size() > kShown) places += ", ...";
-    throwFileError(file.path(), "damaged: " + std::to_string(begins.size()) + " of " +
-                                    std::to_string(file.pieces()) + " pieces of " +
-                                    std::to_string(kChecksumBytes) +
-                                    " bytes differ from their checksums: " + places);
+    throwFileError(
+        file.path(),
+        fmt::format("damaged: {} of {} pieces of {} bytes differ from their checksums: {}",
+                    begins.size(), file.pieces(), kChecksumBytes, places));
 }
 
 }  // namespace

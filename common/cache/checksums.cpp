@@ -1,6 +1,7 @@
 #include "common/cache/checksums.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -135,8 +136,8 @@ std::span<const std::byte> CheckedFile::piece(std::size_t number,
     const std::size_t count = readAt(file_, path_, begin, room);
     if (count < room.size())
         throwFileError(path_,
-                       "cut short while it was in use: " + std::to_string(room.size() - count) +
-                           " bytes are missing at " + std::to_string(begin + count));
+                       fmt::format("cut short while it was in use: {} bytes are missing at {}",
+                                   room.size() - count, begin + count));
     if (checksum(room) != sums_[number]) return {};
     return room;
 }
@@ -148,10 +149,9 @@ std::size_t CheckedFile::read(std::uint64_t offset, std::span<std::byte> out) co
         const std::size_t number = (offset + done) / kChecksumBytes;
         const std::span<const std::byte> bytes = piece(number, room);
         if (bytes.empty())
-            throwFileError(path_, "damaged: bytes " + std::to_string(number * kChecksumBytes) +
-                                      " to " +
-                                      std::to_string(number * kChecksumBytes + room.size()) +
-                                      " differ from their checksum");
+            throwFileError(
+                path_, fmt::format("damaged: bytes {} to {} differ from their checksum",
+                                   number * kChecksumBytes, number * kChecksumBytes + room.size()));
         const auto wanted = bytes.subspan((offset + done) % kChecksumBytes);
         const std::size_t count = std::min(wanted.size(), out.size() - done);
         std::copy_n(wanted.begin(), count, out.begin() + static_cast<std::ptrdiff_t>(done));

@@ -1,5 +1,7 @@
 #include "common/cache/item_table.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -55,8 +57,8 @@ float exposureOf(const LeafView& leaf, std::uint32_t item) {
 
 ItemTable::ItemTable(const ShadowCache& cache) : spacing_(cache.header().spacing) {
     if (cache.itemCount() >= kNoItem)
-        throw Error("a cache of " + std::to_string(cache.itemCount()) +
-                    " items, expected less than " + std::to_string(kNoItem));
+        throw Error(
+            fmt::format("a cache of {} items, expected less than {}", cache.itemCount(), kNoItem));
     items_.reserve(cache.itemCount());
     const bool hits = cache.header().hits > 0;
     OpenCache::of(cache).visitLeaves(hits, [&](const openvdb::Coord& origin, const LeafView& leaf) {
