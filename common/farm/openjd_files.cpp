@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <nlohmann/json.hpp>
 
 #include "common/farm/farm_files.h"
@@ -17,7 +19,7 @@ ordered_json stepOf(const FarmStep& step, const FarmStep* before) {
     ordered_json json{{"name", step.name}};
     if (before) json["dependencies"] = ordered_json::array({{{"dependsOn", before->name}}});
     const std::size_t tasks = step.values.size();
-    const std::string range = tasks > 1 ? "1-" + std::to_string(tasks) : "1";
+    const std::string range = tasks > 1 ? fmt::format("1-{}", tasks) : "1";
     json["parameterSpace"]["taskParameterDefinitions"] =
         ordered_json::array({{{"name", "Task"}, {"type", "INT"}, {"range", range}}});
     json["script"]["actions"]["onRun"] = {

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include "common/farm/farm_files.h"
 #include "common/farm/shell.h"
 
@@ -25,7 +27,7 @@ std::vector<FarmFile> parallelFiles(const FarmPlan& plan) {
         "        '\"$SHADOWCACHE_RUN\"' again \"$step\" {}\n"
         "}\n";
     for (const FarmStep& step : plan.steps)
-        text += "step " + step.name + " " + std::to_string(step.values.size()) + " \"$@\"\n";
+        text += fmt::format("step {} {} \"$@\"\n", step.name, step.values.size());
     return {{"submit", text, true}};
 }
 

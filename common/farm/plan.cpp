@@ -1,5 +1,7 @@
 #include "common/farm/plan.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "common/base/option_checks.h"
@@ -73,7 +75,7 @@ private:
             append(step.arguments, {{"--lookups"},
                                     {lookups()},
                                     {"--shard"},
-                                    {"", true, "/" + std::to_string(job_.shards)}});
+                                    {"", true, fmt::format("/{}", job_.shards)}});
         if (job_.shards > 1) step.sources.emplace_back(lookups());
         append(step.arguments, {{"-o"}, output, {"--resume"}});
         append(step.arguments, running());
@@ -144,10 +146,9 @@ std::string framesText(const std::vector<int>& frames) {
     bool even = step > 0;
     for (std::size_t i = 1; i < frames.size(); ++i) even &= frames[i] - frames[i - 1] == step;
     if (even && frames.size() > 1)
-        return std::to_string(first) + "-" + std::to_string(last) +
-               (step > 1 ? "x" + std::to_string(step) : "");
+        return fmt::format("{}-{}{}", first, last, step > 1 ? fmt::format("x{}", step) : "");
     std::string text;
-    for (const int frame : frames) text += (text.empty() ? "" : ",") + std::to_string(frame);
+    for (const int frame : frames) text += fmt::format("{}{}", text.empty() ? "" : ",", frame);
     return text;
 }
 

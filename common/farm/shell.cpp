@@ -1,5 +1,7 @@
 #include "common/farm/shell.h"
 
+#include <fmt/core.h>
+
 #include "common/base/version.h"
 
 namespace shadowcache {
@@ -10,33 +12,39 @@ namespace {
 std::string scriptWord(const FarmWord& word) {
     if (!word.varies) return shellWord(word.text);
     const auto part = [](const std::string& text) { return text.empty() ? "" : shellWord(text); };
-    return part(word.text) + "\"$value\"" + part(word.after);
+    return fmt::format("{}\"$value\"{}", part(word.text), part(word.after));
 }
 
 /// Lines that end the script where the task's product is there, and newer than its sources.
 std::string skipWhatIsDone(const FarmStep& step) {
     if (step.product.text.empty() && !step.product.varies) return "";
     const std::string product = scriptWord(step.product);
-    std::string condition = "-f " + product;
+    std::string condition = fmt::format("-f {}", product);
     if (!step.sources.empty()) {
         condition += " && -z $(find -L";
-        for (const auto& source : step.sources) condition += " " + shellWord(source.string());
-        condition += " -type f -newer " + product + " -print -quit)";
+        for (const auto& source : step.sources)
+            condition += fmt::format(" {}", shellWord(source.string()));
+        condition += fmt::format(" -type f -newer {} -print -quit)", product);
     }
-    return "        if [[ " + condition + " ]]; then\n            printf '%s: done\\n' " + product +
-           "\n            exit 0\n        fi\n";
+    return fmt::format(
+        "        if [[ {} ]]; then\n"
+        "            printf '%s: done\\n' {}\n"
+        "            exit 0\n"
+        "        fi\n",
+        condition, product);
 }
 
 /// The branch of a step.
 std::string branchOf(const FarmStep& step) {
-    std::string text = "    " + step.name + ")\n        values=(";
+    std::string text = fmt::format("    {})\n        values=(", step.name);
     for (const std::string& value : step.values)
-        text += (text.ends_with("(") ? "" : " ") + shellWord(value);
+        text += fmt::format("{}{}", text.ends_with("(") ? "" : " ", shellWord(value));
     text += ")\n        value=${values[task - 1]-}\n        [[ -n $value ]] || usage\n";
     text += skipWhatIsDone(step);
-    text += "        exec " + shellWord(step.program);
+    text += fmt::format("        exec {}", shellWord(step.program));
     for (const FarmWord& word : step.arguments)
-        text += (word.text.starts_with("-") ? " \\\n            " : " ") + scriptWord(word);
+        text += fmt::format("{}{}", word.text.starts_with("-") ? " \\\n            " : " ",
+                            scriptWord(word));
     return text + "\n        ;;\n";
 }
 
@@ -68,8 +76,7 @@ std::string forwardingSignals() {
 std::string runScript(const FarmPlan& plan) {
     std::string usage, branches;
     for (const FarmStep& step : plan.steps) {
-        usage +=
-            "#   run " + step.name + " TASK    (1 to " + std::to_string(step.values.size()) + ")\n";
+        usage += fmt::format("#   run {} TASK    (1 to {})\n", step.name, step.values.size());
         branches += branchOf(step);
     }
     return "#!/usr/bin/env bash\n"

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include "common/farm/farm_files.h"
 #include "common/farm/shell.h"
 
@@ -25,7 +27,7 @@ std::string taskScript(const FarmPlan& plan) {
 
 std::string submitScript(const FarmPlan& plan) {
     const std::string cores =
-        plan.threads > 0 ? "--cpus-per-task=" + std::to_string(plan.threads) : "--exclusive";
+        plan.threads > 0 ? fmt::format("--cpus-per-task={}", plan.threads) : "--exclusive";
     std::string text =
         "#!/usr/bin/env bash\n"
         "# Submits the job to Slurm. Options go to every sbatch, as in:\n"
@@ -52,8 +54,8 @@ std::string submitScript(const FarmPlan& plan) {
         "}\n";
     for (const FarmStep& step : plan.steps) {
         const std::size_t tasks = step.values.size();
-        text += "submit " + step.name + " --output=log/" + step.name +
-                (tasks > 1 ? ".%a.log --array=1-" + std::to_string(tasks) : ".log") + " \"$@\"\n";
+        text += fmt::format("submit {0} --output=log/{0}{1} \"$@\"\n", step.name,
+                            tasks > 1 ? fmt::format(".%a.log --array=1-{}", tasks) : ".log");
     }
     return text;
 }

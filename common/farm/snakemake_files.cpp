@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include "common/farm/farm_files.h"
 #include "common/farm/shell.h"
 
@@ -17,18 +19,14 @@ std::string snakefile(const FarmPlan& plan) {
     for (const FarmStep& step : plan.steps) {
         text += "\nrule " + step.name + ":\n";
         if (before)
-            text += "    input: expand(\"done/" + before->name + ".{task}\", task=range(1, " +
-                    std::to_string(before->values.size() + 1) + "))\n";
-        text += "    output: touch(\"done/" + step.name +
-                ".{task}\")\n"
-                "    log: \"log/" +
-                step.name +
-                ".{task}.log\"\n"
-                "    threads: " +
-                (plan.threads > 0 ? std::to_string(plan.threads) : "workflow.cores") +
-                "\n"
-                "    shell: \"./run again " +
-                step.name + " {wildcards.task} > {log} 2>&1\"\n";
+            text += fmt::format("    input: expand(\"done/{}.{{task}}\", task=range(1, {}))\n",
+                                before->name, before->values.size() + 1);
+        text += fmt::format(
+            "    output: touch(\"done/{0}.{{task}}\")\n"
+            "    log: \"log/{0}.{{task}}.log\"\n"
+            "    threads: {1}\n"
+            "    shell: \"./run again {0} {{wildcards.task}} > {{log}} 2>&1\"\n",
+            step.name, plan.threads > 0 ? std::to_string(plan.threads) : "workflow.cores");
         before = &step;
     }
     return text;
