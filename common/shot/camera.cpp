@@ -1,5 +1,7 @@
 #include "common/shot/camera.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -8,7 +10,6 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
-#include "common/base/text_streams.h"
 #include "common/math/limits.h"
 
 namespace shadowcache {
@@ -85,15 +86,11 @@ Vec3d uprightOf(const Vec3d& forward, const Vec3d& up) {
 }
 
 std::string reachText() {
-    TextWriter text;
-    text << kMostCoordinate;
-    return text.str();
+    return fmt::format("{:g}", kMostCoordinate);
 }
 
 std::string placeText(const Vec3d& p) {
-    TextWriter text;
-    text << p.x << ',' << p.y << ',' << p.z;
-    return text.str();
+    return fmt::format("{:g},{:g},{:g}", p.x, p.y, p.z);
 }
 
 Camera parseFrame(const Value& frame, double fovY) {
@@ -116,8 +113,7 @@ Json parseJson(const std::filesystem::path& path) {
         return Json::parse(text);
     } catch (const Json::parse_error& e) {
         if (e.byte > text.size()) throwFileError(path, "truncated: the JSON text is incomplete");
-        throwFileError(path,
-                       "no JSON at byte " + std::to_string(e.byte) + ", expected a camera file");
+        throwFileError(path, fmt::format("no JSON at byte {}, expected a camera file", e.byte));
     } catch (const Json::exception&) {
         throwFileError(path, "holds a number out of range");
     }
@@ -127,7 +123,7 @@ Json parseJson(const std::filesystem::path& path) {
 
 Camera lookAt(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double fovY) {
     if (!(fovY > 0.0 && fovY < kPi)) {
-        throw Error("angle of view " + std::to_string(fovY) + ", expected one in (0, pi)");
+        throw Error(fmt::format("angle of view {:f}, expected one in (0, pi)", fovY));
     }
     for (const Vec3d& place : {eye, target})
         if (!isInReach(place))
@@ -178,7 +174,7 @@ CameraTrack readCameraFile(const std::filesystem::path& path) {
     if (!frames.json.is_array() || frames.json.empty()) frames.fail("a list of frames");
     track.frames.reserve(frames.json.size());
     for (std::size_t i = 0; i < frames.json.size(); ++i) {
-        const Value frame{path, "cam.frames[" + std::to_string(i) + "]", frames.json[i]};
+        const Value frame{path, fmt::format("cam.frames[{}]", i), frames.json[i]};
         if (!frame.json.is_object()) frame.fail("an object");
         track.frames.push_back(parseFrame(frame, track.fovY));
     }
@@ -188,9 +184,8 @@ CameraTrack readCameraFile(const std::filesystem::path& path) {
 const Camera& cameraAtFrame(const CameraTrack& track, long long frame) {
     const auto count = static_cast<long long>(track.frames.size());
     if (frame < 1 || frame > count) {
-        throwFileError(track.path, "frame " + std::to_string(frame) + " of " +
-                                       std::to_string(count) + ", expected 1 to " +
-                                       std::to_string(count));
+        throwFileError(track.path,
+                       fmt::format("frame {0} of {1}, expected 1 to {1}", frame, count));
     }
     return track.frames[static_cast<std::size_t>(frame - 1)];
 }

@@ -1,8 +1,9 @@
 #include "common/shot/gltf_shot.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 #include "common/base/error.h"
@@ -13,13 +14,6 @@
 namespace shadowcache {
 
 namespace {
-
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-    char text[256];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-}
 
 /// Triangles of a mesh as its accessors announce them.
 std::size_t announcedTriangles(const GltfDocument& document, int mesh) {
@@ -94,12 +88,12 @@ Camera GltfShot::camera(int node, int frame) const {
     Camera camera;
     camera.origin = at.position;
     const auto fail = [&](const std::string& cause) {
-        throwFileError(document_->path, "camera " + cameraName(node) + ", frame " +
-                                            std::to_string(frame) + ": " + cause);
+        throwFileError(document_->path,
+                       fmt::format("camera {}, frame {}: {}", cameraName(node), frame, cause));
     };
     if (!isInReach(camera.origin))
-        fail(formatted("at %g, %g, %g, expected coordinates up to %g", camera.origin.x,
-                       camera.origin.y, camera.origin.z, kMostCoordinate));
+        fail(fmt::format("at {:g}, {:g}, {:g}, expected coordinates up to {:g}", camera.origin.x,
+                         camera.origin.y, camera.origin.z, kMostCoordinate));
     // A camera looks along its -z; a scale has no say in that, and a shear of parents is undone.
     camera.forward = unit(-at.axis[2]);
     const Vec3d right = camera.forward.cross(unit(at.axis[1]));
@@ -109,7 +103,8 @@ Camera GltfShot::camera(int node, int frame) const {
     camera.fovY = from.fovY;
     if (from.orthographic) camera.height = from.height * world_.axis[0].length();
     if (!(camera.height <= kMostViewHeight))
-        fail(formatted("a view %g high, expected at most %g", camera.height, kMostViewHeight));
+        fail(
+            fmt::format("a view {:g} high, expected at most {:g}", camera.height, kMostViewHeight));
     return camera;
 }
 
@@ -135,8 +130,9 @@ NamedCamera findCamera(std::span<const GltfShot> shots, const std::string& name)
         throw Error("--camera " + name + ": expected one of the set's cameras: " +
                     (known.empty() ? "it has none" : known));
     if (found.size() > 1)
-        throw Error("--camera " + name + ": " + std::to_string(found.size()) +
-                    " cameras of the set have this name, expected one; cameras: " + known);
+        throw Error(fmt::format(
+            "--camera {}: {} cameras of the set have this name, expected one; cameras: {}", name,
+            found.size(), known));
     return found[0];
 }
 
@@ -152,28 +148,28 @@ std::string describe(const GltfShot& shot) {
         ++nodes;
     }
     std::string text = document.path.string() + ":\n";
-    text += formatted("  %zu meshes with %zu triangles; %zu nodes place %zu triangles\n",
-                      meshes.size(), unique, nodes, placed);
+    text += fmt::format("  {} meshes with {} triangles; {} nodes place {} triangles\n",
+                        meshes.size(), unique, nodes, placed);
     for (const int node : shot.cameraNodes()) {
         const Camera camera = shot.camera(node, 1);
         const Vec3d& at = camera.origin;
         text += "  camera " + shot.cameraName(node) + ": ";
         text += camera.height > 0
-                    ? formatted("orthographic, %g high", camera.height)
-                    : formatted("perspective, %.4g degrees high", camera.fovY * 180 / kPi);
-        text += formatted(", at %.4g, %.4g, %.4g in frame 1%s\n", at.x, at.y, at.z,
-                          shot.nodes().moves(node) ? ", moves" : "");
+                    ? fmt::format("orthographic, {:g} high", camera.height)
+                    : fmt::format("perspective, {:.4g} degrees high", camera.fovY * 180 / kPi);
+        text += fmt::format(", at {:.4g}, {:.4g}, {:.4g} in frame 1{}\n", at.x, at.y, at.z,
+                            shot.nodes().moves(node) ? ", moves" : "");
     }
     for (const GltfAnimation& animation : document.animations)
-        text += "  animation " + animation.name + ": " + std::to_string(animation.channels.size()) +
-                " channels\n";
+        text +=
+            fmt::format("  animation {}: {} channels\n", animation.name, animation.channels.size());
     for (const int node : shot.movingNodes())
         text += "  moves: " + document.nodes[static_cast<std::size_t>(node)].name +
                 " (not baked, rendered in every frame)\n";
     if (!document.animations.empty())
         text +=
-            formatted("  the last key is at %.4g s: frame %.0f at %g frames a second\n",
-                      shot.nodes().duration(), shot.nodes().duration() * shot.fps(), shot.fps());
+            fmt::format("  the last key is at {:.4g} s: frame {:.0f} at {:g} frames a second\n",
+                        shot.nodes().duration(), shot.nodes().duration() * shot.fps(), shot.fps());
     return text;
 }
 

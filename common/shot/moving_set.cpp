@@ -1,5 +1,7 @@
 #include "common/shot/moving_set.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -47,8 +49,8 @@ std::vector<double> numbers(const std::filesystem::path& path, const Json& frame
         std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
     if (values.size() != fallback.size() || !found->is_array() ||
         found->size() != fallback.size() || !finite)
-        throwFileError(path, std::string(name) + " is not a list of " +
-                                 std::to_string(fallback.size()) + " finite numbers");
+        throwFileError(path,
+                       fmt::format("{} is not a list of {} finite numbers", name, fallback.size()));
     return values;
 }
 
@@ -73,7 +75,7 @@ std::vector<Affine> readTransformTrack(const std::filesystem::path& path) {
     std::vector<Affine> track;
     for (const Json& frame : *frames) {
         if (!frame.is_object())
-            throwFileError(path, "frame " + std::to_string(track.size() + 1) + " is not an object");
+            throwFileError(path, fmt::format("frame {} is not an object", track.size() + 1));
         const auto t = numbers(path, frame, "translation", {0, 0, 0});
         const auto q = numbers(path, frame, "rotation", {0, 0, 0, 1});
         const auto s = numbers(path, frame, "scale", {1, 1, 1});
@@ -149,8 +151,8 @@ std::size_t MovingSet::triangles() const {
 Affine MovingSet::trackAt(const Source& source, int frame) {
     if (source.track.empty()) return {};
     if (frame < 1 || static_cast<std::size_t>(frame) > source.track.size())
-        throwFileError(source.trackPath, "frame " + std::to_string(frame) + ", expected 1 to " +
-                                             std::to_string(source.track.size()));
+        throwFileError(source.trackPath,
+                       fmt::format("frame {}, expected 1 to {}", frame, source.track.size()));
     return source.track[static_cast<std::size_t>(frame - 1)];
 }
 
@@ -188,7 +190,7 @@ const Scene* MovingSet::pose(int frame) {
                 isVisible ? compose(track, placeOf(source, instance, i, frame)) : kPoint;
             instance.toWorld.position -= source.mesh.origin;
         }
-        requireTraceable(source.mesh, source.path.string() + ", frame " + std::to_string(frame));
+        requireTraceable(source.mesh, fmt::format("{}, frame {}", source.path.string(), frame));
         scenes_.push_back(std::make_unique<Scene>(source.mesh));
         if (scenes_.size() > 1) scenes_.back()->setMoving(scenes_[scenes_.size() - 2].get());
     }

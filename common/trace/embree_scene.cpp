@@ -1,5 +1,7 @@
 #include "common/trace/embree_scene.h"
 
+#include <fmt/core.h>
+
 #include <memory>
 #include <string>
 
@@ -15,7 +17,7 @@ EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : mesh_(mesh), parts_(mesh.pa
     if (parts_.empty())
         parts_.push_back({0, static_cast<std::uint32_t>(mesh.triangles.size()), -1});
     const std::size_t direct = mesh.instances.empty() ? parts_.size() : mesh.firstSharedPart;
-    const std::string config = "threads=" + std::to_string(threadCount());
+    const std::string config = fmt::format("threads={}", threadCount());
     device_ = rtcNewDevice(config.c_str());
     if (!device_) throw Error("ray tracing: no device (Embree found no usable processor)");
     root_ = rtcNewScene(device_);
