@@ -1,6 +1,7 @@
 #include "common/import/draco_decoder.h"
 
 #include <draco/compression/decode.h>
+#include <fmt/core.h>
 
 #include <exception>
 #include <new>
@@ -27,8 +28,7 @@ std::string badHeader(std::string_view bytes) {
     };
     if (!bytes.starts_with("DRACO")) return "the bytes do not begin with DRACO";
     if (byte(kVersion) != 2 || byte(kVersion + 1) != 2)
-        return "version " + std::to_string(byte(kVersion)) + "." +
-               std::to_string(byte(kVersion + 1)) + ", expected 2.2";
+        return fmt::format("version {}.{}, expected 2.2", byte(kVersion), byte(kVersion + 1));
     // What follows it could not be found.
     if ((byte(kFlags + 1) & kHasMetadata) != 0) return "metadata in the stream, expected none";
     std::size_t at = kBegin + (byte(kMethod) == kEdgebreaker ? 1 : 0);  // the kind of traversal
@@ -41,8 +41,7 @@ std::string badHeader(std::string_view bytes) {
         }
         if (static_cast<double>(count) >
             kAlwaysAllowed + kMostPerByte * static_cast<double>(bytes.size()))
-            return std::to_string(count) + " triangles or points in " +
-                   std::to_string(bytes.size()) + " bytes";
+            return fmt::format("{} triangles or points in {} bytes", count, bytes.size());
     }
     return {};
 }
@@ -96,16 +95,16 @@ std::string readMesh(const draco::Mesh& from, DracoMesh& to) {
     for (std::uint32_t i = 0; i < from.num_faces(); ++i)
         for (const draco::PointIndex& corner : from.face(draco::FaceIndex(i))) {
             if (corner.value() >= to.points)
-                return "corner " + std::to_string(corner.value()) + ", expected one of " +
-                       std::to_string(to.points) + " points";
+                return fmt::format("corner {}, expected one of {} points", corner.value(),
+                                   to.points);
             to.corners.push_back(corner.value());
         }
     for (int i = 0; i < from.num_attributes(); ++i) {
         const draco::PointAttribute& attribute = *from.attribute(i);
         const auto [place, isNew] = to.attributes.try_emplace(attribute.unique_id());
         if (!isNew || !readAttribute(attribute, from.num_points(), place->second))
-            return (isNew ? "damaged values of attribute " : "two attributes ") +
-                   std::to_string(attribute.unique_id());
+            return fmt::format("{} {}", isNew ? "damaged values of attribute" : "two attributes",
+                               attribute.unique_id());
     }
     return {};
 }

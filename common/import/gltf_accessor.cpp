@@ -1,5 +1,7 @@
 #include "common/import/gltf_accessor.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -76,7 +78,7 @@ std::size_t gltfTypeSize(int type) {
 std::string badIndexType(int type) {
     for (const GltfType good : {GltfType::uint8, GltfType::uint16, GltfType::uint32})
         if (type == static_cast<int>(good)) return {};
-    return "type " + std::to_string(type) + ", expected 5121, 5123 or 5125";
+    return fmt::format("type {}, expected 5121, 5123 or 5125", type);
 }
 
 std::vector<double> decode(const GltfAccessor& accessor, std::string& cause) {
@@ -91,8 +93,8 @@ std::vector<double> decode(const GltfAccessor& accessor, std::string& cause) {
         for (std::size_t i = 0; i < sparse.count; ++i) {
             const double at = read(sparse.indices, i, 0);
             if (at >= static_cast<double>(accessor.count)) {
-                cause = "sparse index " + std::to_string(static_cast<long long>(at)) +
-                        ", expected 0 to " + std::to_string(accessor.count - 1);
+                cause = fmt::format("sparse index {}, expected 0 to {}", static_cast<long long>(at),
+                                    accessor.count - 1);
                 return {};
             }
             for (std::size_t k = 0; k < array.components; ++k)

@@ -1,5 +1,7 @@
 #include "common/import/gltf_budget.h"
 
+#include <fmt/core.h>
+
 #include <string>
 
 #include "common/base/error.h"
@@ -22,10 +24,11 @@ GltfBudget::GltfBudget(const GltfDocument& document) : document_(document), most
 
 void GltfBudget::take(std::size_t elements) {
     if (elements > most_ - taken_)
-        throwFileError(document_.path,
-                       "shares data so often that they become more than " + std::to_string(most_) +
-                           " vertices, corners, key numbers or texels; expected no more of "
-                           "buffers of this size");
+        throwFileError(
+            document_.path,
+            fmt::format("shares data so often that they become more than {} vertices, corners, key "
+                        "numbers or texels; expected no more of buffers of this size",
+                        most_));
     taken_ += elements;
 }
 

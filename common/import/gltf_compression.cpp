@@ -2,6 +2,7 @@
 
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <fmt/core.h>
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -76,12 +77,12 @@ private:
 
     std::string_view bytesOf(const tinygltf::BufferView& view) const {
         if (view.buffer < 0 || static_cast<std::size_t>(view.buffer) >= model_.buffers.size())
-            fail("buffer " + std::to_string(view.buffer) + ", expected 0 to " +
-                 std::to_string(static_cast<long long>(model_.buffers.size()) - 1));
+            fail(fmt::format("buffer {}, expected 0 to {}", view.buffer,
+                             static_cast<long long>(model_.buffers.size()) - 1));
         const auto& data = model_.buffers[static_cast<std::size_t>(view.buffer)].data;
         if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
-            fail(std::to_string(view.byteLength) + " bytes at " + std::to_string(view.byteOffset) +
-                 " of a buffer of " + std::to_string(data.size()) + ", expected them within it");
+            fail(fmt::format("{} bytes at {} of a buffer of {}, expected them within it",
+                             view.byteLength, view.byteOffset, data.size()));
         return {reinterpret_cast<const char*>(data.data()) + view.byteOffset, view.byteLength};
     }
 
@@ -94,7 +95,7 @@ private:
     }
 
     void decodeView(std::size_t index) {
-        owner_ = "buffer view " + std::to_string(index) + ": " + kMeshopt;
+        owner_ = fmt::format("buffer view {}: {}", index, kMeshopt);
         const tinygltf::Value& extension = model_.bufferViews[index].extensions.at(kMeshopt);
         MeshoptView view;
         const auto word = [&](const char* name, std::string& to) {
@@ -115,12 +116,12 @@ private:
     }
 
     void decodePrimitive(std::size_t mesh, tinygltf::Primitive& primitive) {
-        owner_ = "mesh " + std::to_string(mesh) + ": " + kDraco;
+        owner_ = fmt::format("mesh {}: {}", mesh, kDraco);
         const tinygltf::Value& extension = primitive.extensions.at(kDraco);
         const std::size_t view = number(extension, "bufferView");
         if (view >= model_.bufferViews.size())
-            fail("buffer view " + std::to_string(view) + ", but the file has " +
-                 std::to_string(model_.bufferViews.size()));
+            fail(fmt::format("buffer view {}, but the file has {}", view,
+                             model_.bufferViews.size()));
         std::string cause;
         const DracoMesh decoded = decodeDraco(bytesOf(model_.bufferViews[view]), cause);
         if (!cause.empty()) fail(cause);
@@ -136,8 +137,8 @@ private:
 
     const tinygltf::Accessor& accessorAt(const std::string& name, std::size_t index) const {
         if (index >= model_.accessors.size())
-            fail(name + ": accessor " + std::to_string(static_cast<std::ptrdiff_t>(index)) +
-                 ", but the file has " + std::to_string(model_.accessors.size()));
+            fail(fmt::format("{}: accessor {}, but the file has {}", name,
+                             static_cast<std::ptrdiff_t>(index), model_.accessors.size()));
         return model_.accessors[index];
     }
 
@@ -159,13 +160,12 @@ private:
                                ? decoded.attributes.end()
                                : decoded.attributes.find(static_cast<std::uint32_t>(id));
         if (found == decoded.attributes.end())
-            fail(name + ": no attribute " + std::to_string(id) + " in the stream");
+            fail(fmt::format("{}: no attribute {} in the stream", name, id));
         const DracoAttribute& from = found->second;
         const int components =
             tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
         if (from.components != static_cast<std::size_t>(components))
-            fail(name + ": " + std::to_string(from.components) + " components, expected " +
-                 std::to_string(components));
+            fail(fmt::format("{}: {} components, expected {}", name, from.components, components));
         requireCount(name, decoded.points, accessor.count);
         return addAccessor(accessor, encoded(from.values, accessor.componentType));
     }
@@ -182,8 +182,7 @@ private:
 
     void requireCount(const std::string& name, std::size_t found, std::size_t expected) const {
         if (found != expected)
-            fail(name + ": " + std::to_string(found) + " in the stream, expected " +
-                 std::to_string(expected));
+            fail(fmt::format("{}: {} in the stream, expected {}", name, found, expected));
     }
 
     template <class T>
@@ -215,7 +214,7 @@ private:
             case GltfType::float32:
                 return packed<float>(values);
         }
-        fail("component type " + std::to_string(type) + ", expected 5120 to 5123, 5125 or 5126");
+        fail(fmt::format("component type {}, expected 5120 to 5123, 5125 or 5126", type));
     }
 
     const std::filesystem::path& path_;

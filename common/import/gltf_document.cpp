@@ -2,6 +2,7 @@
 
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <fmt/core.h>
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -47,9 +48,9 @@ private:
     template <class T>
     void requireIndex(const std::string& what, int index, const std::vector<T>& list) const {
         if (index < 0 || static_cast<std::size_t>(index) >= list.size())
-            fail(what + " " + std::to_string(index) +
-                 (list.empty() ? ", but the file has none"
-                               : ", expected 0 to " + std::to_string(list.size() - 1)));
+            fail(fmt::format("{} {}{}", what, index,
+                             list.empty() ? ", but the file has none"
+                                          : fmt::format(", expected 0 to {}", list.size() - 1)));
     }
 
     void requireFinite(const std::string& what, const std::vector<double>& values) const {
@@ -63,9 +64,8 @@ private:
         requireIndex(owner + ": buffer", view.buffer, out_.storage);
         const auto& data = out_.storage[static_cast<std::size_t>(view.buffer)];
         if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
-            fail(owner + ": " + std::to_string(view.byteLength) + " bytes at " +
-                 std::to_string(view.byteOffset) + " of a buffer of " +
-                 std::to_string(data.size()) + ", expected them within it");
+            fail(fmt::format("{}: {} bytes at {} of a buffer of {}, expected them within it", owner,
+                             view.byteLength, view.byteOffset, data.size()));
         return {reinterpret_cast<const char*>(data.data()) + view.byteOffset, view.byteLength};
     }
 
@@ -74,8 +74,8 @@ private:
                     std::size_t components, std::size_t count) const {
         const std::size_t element = gltfTypeSize(type) * components;
         if (element == 0)
-            fail(owner + ": component type " + std::to_string(type) +
-                 ", expected 5120 to 5123, 5125 or 5126");
+            fail(fmt::format("{}: component type {}, expected 5120 to 5123, 5125 or 5126", owner,
+                             type));
         GltfArray result{{}, static_cast<GltfType>(type), components, element};
         if (view < 0) return result;
         const std::string_view bytes = viewBytes(owner, view);
@@ -84,15 +84,16 @@ private:
         const std::size_t room = bytes.size() < offset ? 0 : bytes.size() - offset;
         if (result.stride < element || room < element ||
             (room - element) / result.stride < count - 1)
-            fail(owner + ": " + std::to_string(count) + " elements of " + std::to_string(element) +
-                 " bytes do not fit into the " + std::to_string(room) + " of its buffer view");
+            fail(
+                fmt::format("{}: {} elements of {} bytes do not fit into the {} of its buffer view",
+                            owner, count, element, room));
         result.bytes = bytes.substr(offset);
         return result;
     }
 
     void addAccessor(std::size_t i) {
         const tinygltf::Accessor& from = model_.accessors[i];
-        const std::string owner = "accessor " + std::to_string(i);
+        const std::string owner = fmt::format("accessor {}", i);
         if (from.count == 0) fail(owner + ": no elements, expected at least one");
         const int components =
             tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(from.type));
@@ -100,8 +101,7 @@ private:
         to.array = array(owner, from.bufferView, from.byteOffset, from.componentType,
                          static_cast<std::size_t>(std::max(0, components)), from.count);
         if (to.array.bytes.empty() && from.count > kMaxZeros)
-            fail(owner + ": " + std::to_string(from.count) + " zeros, expected at most " +
-                 std::to_string(kMaxZeros));
+            fail(fmt::format("{}: {} zeros, expected at most {}", owner, from.count, kMaxZeros));
         if (from.sparse.isSparse) addSparse(owner, from, to);
         out_.accessors.push_back(to);
     }
@@ -152,8 +152,9 @@ private:
         if (const int source = sourceOf(from); source >= 0) {
             requireIndex("image", source, model_.images);
             auto& image = model_.images[static_cast<std::size_t>(source)];
-            to.name = "image " + std::to_string(source) +
-                      (image.uri.empty() || isDataUri(image.uri) ? "" : " (" + image.uri + ")");
+            to.name = fmt::format(
+                "image {}{}", source,
+                image.uri.empty() || isDataUri(image.uri) ? "" : fmt::format(" ({})", image.uri));
             if (image.bufferView >= 0) {
                 to.encoded = viewBytes(to.name, image.bufferView);
             } else if (!image.image.empty()) {
@@ -183,8 +184,7 @@ private:
             GltfPrimitive p{primitive.mode < 0 ? 4 : primitive.mode, primitive.indices,
                             primitive.material, primitive.attributes, primitive.targets};
             if (p.mode > 6)
-                fail("mesh " + from.name + ": mode " + std::to_string(p.mode) +
-                     ", expected 0 to 6");
+                fail(fmt::format("mesh {}: mode {}, expected 0 to 6", from.name, p.mode));
             if (p.indices >= 0) requireIndex("index accessor", p.indices, out_.accessors);
             if (p.material >= 0) requireIndex("material", p.material, out_.materials);
             for (const auto& [name, accessor] : p.attributes)
@@ -204,11 +204,11 @@ private:
         to.fovY = from.perspective.yfov;
         to.height = 2 * from.orthographic.ymag;
         if (!to.orthographic && !(to.fovY > 0 && to.fovY < 3.14159))
-            fail("camera " + from.name + ": yfov " + std::to_string(to.fovY) +
-                 ", expected radians in (0, pi)");
+            fail(fmt::format("camera {}: yfov {:f}, expected radians in (0, pi)", from.name,
+                             to.fovY));
         if (to.orthographic && !(to.height > 0 && std::isfinite(to.height)))
-            fail("camera " + from.name + ": ymag " + std::to_string(to.height / 2) +
-                 ", expected a number above 0");
+            fail(fmt::format("camera {}: ymag {:f}, expected a number above 0", from.name,
+                             to.height / 2));
         out_.cameras.push_back(to);
     }
 
@@ -267,8 +267,7 @@ private:
             for (const int child : model_.nodes[i].children) {
                 requireIndex("child node", child, out_.nodes);
                 int& parent = out_.nodes[static_cast<std::size_t>(child)].parent;
-                if (parent >= 0)
-                    fail("node " + std::to_string(child) + " has two parents, expected one");
+                if (parent >= 0) fail(fmt::format("node {} has two parents, expected one", child));
                 parent = static_cast<int>(i);
             }
         for (const int root : sceneRoots()) enterScene(root);
@@ -289,8 +288,8 @@ private:
                         model_.nodes[i].children.end());
         }
         if (reached < out_.nodes.size())
-            fail(std::to_string(out_.nodes.size() - reached) +
-                 " nodes are below themselves, expected a tree");
+            fail(fmt::format("{} nodes are below themselves, expected a tree",
+                             out_.nodes.size() - reached));
     }
 
     /// Of the default scene, or the first; all of a file without scenes.
@@ -307,7 +306,7 @@ private:
         for (const int root : roots) {
             requireIndex("scene's node", root, out_.nodes);
             if (out_.nodes[static_cast<std::size_t>(root)].parent >= 0)
-                fail("node " + std::to_string(root) + " of the scene has a parent, expected none");
+                fail(fmt::format("node {} of the scene has a parent, expected none", root));
         }
         return roots;
     }
@@ -328,8 +327,7 @@ private:
             const bool hidden = open.back().second || isHidden(i);
             open.pop_back();
             GltfNode& node = out_.nodes[i];
-            if (node.inScene)
-                fail("node " + std::to_string(i) + " is in the scene twice, expected once");
+            if (node.inScene) fail(fmt::format("node {} is in the scene twice, expected once", i));
             node.inScene = true;
             if (hidden) node.mesh = -1;
             for (const int child : model_.nodes[i].children) open.emplace_back(child, hidden);

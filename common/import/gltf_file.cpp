@@ -4,6 +4,7 @@
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <fmt/core.h>
 #include <tiny_gltf.h>
 
 #include <cstring>
@@ -67,9 +68,9 @@ void requireViewsInBuffers(const std::filesystem::path& path, const nlohmann::js
         const std::size_t size =
             buffer < buffers.size() ? number(buffers[buffer], "byteLength") : 0;
         if (buffer < buffers.size() && first >= size)
-            throwFileError(path, "a buffer view at byte " + std::to_string(first) +
-                                     " of a buffer of " + std::to_string(size) +
-                                     ", expected it within");
+            throwFileError(
+                path, fmt::format("a buffer view at byte {} of a buffer of {}, expected it within",
+                                  first, size));
     }
 }
 

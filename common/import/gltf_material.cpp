@@ -2,6 +2,7 @@
 
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <fmt/core.h>
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -87,9 +88,9 @@ private:
 
     TextureSlot slot(int texture, int texcoordSet, const tinygltf::Value* transform) {
         if (texture < 0 || static_cast<std::size_t>(texture) >= textures_)
-            fail("texture " + std::to_string(texture) +
-                 (textures_ == 0 ? ", but the file has none"
-                                 : ", expected 0 to " + std::to_string(textures_ - 1)));
+            fail(fmt::format("texture {}{}", texture,
+                             textures_ == 0 ? ", but the file has none"
+                                            : fmt::format(", expected 0 to {}", textures_ - 1)));
         const GltfTexturePlace place =
             transform ? placeOf(texcoordSet, *transform) : GltfTexturePlace{texcoordSet};
         const Vec3f sum = place.toS + place.toT;
@@ -123,7 +124,7 @@ private:
     void readBaseColor() {
         const auto& factor = from_.pbrMetallicRoughness.baseColorFactor;
         if (factor.size() != 4)
-            fail("baseColorFactor of " + std::to_string(factor.size()) + " numbers, expected 4");
+            fail(fmt::format("baseColorFactor of {} numbers, expected 4", factor.size()));
         Material& to = to_.material;
         to.albedo = Rgb(share(factor[0]), share(factor[1]), share(factor[2]));
         to.opacity = share(factor[3]);

@@ -1,5 +1,7 @@
 #include "common/import/gltf_mesh.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <set>
 #include <string>
@@ -75,7 +77,7 @@ private:
         std::size_t components = 0;
         const std::vector<double> positions = from.attribute("POSITION", components);
         if (positions.empty() || components != 3)
-            from.fail("POSITION of " + std::to_string(components) + " components, expected 3");
+            from.fail(fmt::format("POSITION of {} components, expected 3", components));
         const std::size_t first = out_.vertices.size(), count = positions.size() / 3;
         for (std::size_t i = 0; i < count; ++i)
             out_.vertices.push_back(from.place(i).point(
@@ -167,7 +169,7 @@ private:
                                      const GltfTexturePlace& place) {
         std::size_t components = 2;
         const std::vector<double> values =
-            from.attribute("TEXCOORD_" + std::to_string(place.texcoordSet), components);
+            from.attribute(fmt::format("TEXCOORD_{}", place.texcoordSet), components);
         std::vector<Vec2f> places(out_.vertices.size() - first, Vec2f(0.0f));
         if (values.empty()) {
             ++out_.leftOutOf[{"primitive",
@@ -254,8 +256,8 @@ private:
         if (p.indices >= 0) {
             const GltfAccessor& accessor = document_.accessor(p.indices);
             if (accessor.array.components != 1)
-                from.fail("indices of " + std::to_string(accessor.array.components) +
-                          " components, expected 1");
+                from.fail(
+                    fmt::format("indices of {} components, expected 1", accessor.array.components));
             corners = decodeIndices(accessor, cause);
             if (!cause.empty()) from.fail("indices: " + cause);
         } else {
@@ -286,10 +288,10 @@ private:
         if (!texture.rgba.empty()) return;
         const GltfTexture& from = document_.textures[static_cast<std::size_t>(index)];
         if (from.encoded.empty())
-            throwFileError(document_.path, from.name.empty()
-                                               ? "texture " + std::to_string(index) +
-                                                     " has no image in PNG, JPEG or WebP"
-                                               : from.name + " was not found");
+            throwFileError(document_.path,
+                           from.name.empty()
+                               ? fmt::format("texture {} has no image in PNG, JPEG or WebP", index)
+                               : from.name + " was not found");
         std::string cause;
         texture = decodeTexture(from.encoded, cause);
         if (texture.rgba.empty())

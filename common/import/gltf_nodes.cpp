@@ -1,5 +1,7 @@
 #include "common/import/gltf_nodes.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -64,9 +66,8 @@ GltfTrack decodeTrack(const GltfDocument& document, const std::string& animation
     if (document.accessor(channel.times).array.components != 1 ||
         document.accessor(channel.values).array.components != components ||
         track.values.size() != track.times.size() * numbers)
-        fail(std::to_string(track.values.size()) + " numbers for " +
-             std::to_string(track.times.size()) + " keys, expected " + std::to_string(numbers) +
-             " for each");
+        fail(fmt::format("{} numbers for {} keys, expected {} for each", track.values.size(),
+                         track.times.size(), numbers));
     const auto finite = [](double x) { return std::isfinite(x); };
     if (!std::all_of(track.values.begin(), track.values.end(), finite) ||
         !std::all_of(track.times.begin(), track.times.end(), finite))

@@ -1,5 +1,7 @@
 #include "common/import/gltf_pose.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -90,10 +92,10 @@ private:
             bind = decode(accessor, cause);
             if (!cause.empty()) fail(node, "inverse bind matrices: " + cause);
             if (accessor.array.components != 16 || accessor.count < skin.joints.size())
-                fail(node, std::to_string(accessor.count) + " inverse bind matrices of " +
-                               std::to_string(accessor.array.components) +
-                               " numbers for a skin of " + std::to_string(skin.joints.size()) +
-                               " joints, expected one of 16 for each");
+                fail(node,
+                     fmt::format("{} inverse bind matrices of {} numbers for a skin of {} joints, "
+                                 "expected one of 16 for each",
+                                 accessor.count, accessor.array.components, skin.joints.size()));
         }
         std::vector<Affine> joints;
         joints.reserve(skin.joints.size());
@@ -102,7 +104,7 @@ private:
             if (!bind.empty()) toJoint = affineOf(&bind[16 * i]);
             joints.push_back(compose(world(skin.joints[i]), toJoint));
             if (!joints.back().isFinite())
-                fail(node, "joint " + std::to_string(i) + " of its skin is not finite");
+                fail(node, fmt::format("joint {} of its skin is not finite", i));
         }
         return joints;
     }
@@ -131,8 +133,7 @@ private:
             std::array<double, 4> rotation{0, 0, 0, 1};
             for (std::size_t k = 0; k < 4 && !turn.empty(); ++k) rotation[k] = turn[4 * i + k];
             copies.push_back(fromParts(vector(move, 0), rotation, vector(scale, 1)));
-            if (!copies.back().isFinite())
-                fail(node, "instance " + std::to_string(i) + " is not finite");
+            if (!copies.back().isFinite()) fail(node, fmt::format("instance {} is not finite", i));
         }
         return copies;
     }
@@ -147,11 +148,11 @@ private:
         if (!cause.empty())
             fail(node, std::string("EXT_mesh_gpu_instancing ") + name + ": " + cause);
         if (accessor.array.components != components || accessor.count != document_.copiesOf(node))
-            fail(node, std::string("EXT_mesh_gpu_instancing ") + name + ": " +
-                           std::to_string(accessor.count) + " elements of " +
-                           std::to_string(accessor.array.components) + " components, expected " +
-                           std::to_string(document_.copiesOf(node)) + " of " +
-                           std::to_string(components));
+            fail(node,
+                 fmt::format(
+                     "EXT_mesh_gpu_instancing {}: {} elements of {} components, expected {} of {}",
+                     name, accessor.count, accessor.array.components, document_.copiesOf(node),
+                     components));
         return values;
     }
 

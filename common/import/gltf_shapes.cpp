@@ -1,5 +1,7 @@
 #include "common/import/gltf_shapes.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -49,7 +51,7 @@ private:
         const Json* found = member(object, list);
         if (!found || !found->is_array()) return;
         for (std::size_t i = 0; i < found->size(); ++i) {
-            owner_ = std::string(kind) + " " + std::to_string(i);
+            owner_ = fmt::format("{} {}", kind, i);
             take((*found)[i]);
         }
     }
@@ -64,11 +66,10 @@ private:
     }
 
     void requireNumbers(const Json& object, const char* key, std::size_t count) const {
-        require(object, key, "a list of " + std::to_string(count) + " numbers",
-                [&](const Json& value) {
-                    return value.is_array() && value.size() == count &&
-                           std::ranges::all_of(value, [](const Json& x) { return x.is_number(); });
-                });
+        require(object, key, fmt::format("a list of {} numbers", count), [&](const Json& value) {
+            return value.is_array() && value.size() == count &&
+                   std::ranges::all_of(value, [](const Json& x) { return x.is_number(); });
+        });
     }
 
     void requireNumber(const Json& object, const char* key) const {

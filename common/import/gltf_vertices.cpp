@@ -1,5 +1,7 @@
 #include "common/import/gltf_vertices.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -31,8 +33,9 @@ GltfVertices::GltfVertices(const GltfDocument& document, const GltfShape& shape,
 
 void GltfVertices::fail(const std::string& cause) const {
     const std::string& name = document_.meshes[static_cast<std::size_t>(shape_.mesh)].name;
-    throwFileError(document_.path, "mesh " + std::to_string(shape_.mesh) +
-                                       (name.empty() ? "" : " (" + name + ")") + ": " + cause);
+    throwFileError(document_.path,
+                   fmt::format("mesh {}{}: {}", shape_.mesh,
+                               name.empty() ? "" : fmt::format(" ({})", name), cause));
 }
 
 void GltfVertices::takeBudget(GltfBudget& budget) const {
@@ -72,15 +75,15 @@ void GltfVertices::addTargets(const std::string& name, std::size_t components,
         const double weight = shape_.weights[i];
         const auto found = primitive_.targets[i].find(name);
         if (weight == 0 || found == primitive_.targets[i].end()) continue;
-        const std::string owner = "morph target " + std::to_string(i) + ", " + name;
+        const std::string owner = fmt::format("morph target {}, {}", i, name);
         const std::vector<double> more = decoded(owner, found->second);
         // A target adds to a tangent's direction and leaves its side.
         const std::size_t added = document_.accessor(found->second).array.components;
         const std::size_t wanted = name == "TANGENT" ? 3 : components;
         const std::size_t vertices = values.size() / components;
         if (added != wanted || more.size() != wanted * vertices)
-            fail(owner + ": " + std::to_string(more.size()) + " numbers, expected " +
-                 std::to_string(wanted) + " for each of " + std::to_string(vertices) + " vertices");
+            fail(fmt::format("{}: {} numbers, expected {} for each of {} vertices", owner,
+                             more.size(), wanted, vertices));
         for (std::size_t v = 0; v < vertices; ++v)
             for (std::size_t k = 0; k < wanted; ++k)
                 values[v * components + k] += weight * more[v * wanted + k];
@@ -110,8 +113,8 @@ void GltfVertices::placeBySkin() {
         for (std::size_t i = 0; i < which.size(); ++i) {
             if (share[i] == 0) continue;
             if (which[i] >= shape_.joints.size())
-                fail(joints->first + ": joint " + std::to_string(which[i]) + ", expected 0 to " +
-                     std::to_string(shape_.joints.size() - 1));
+                fail(fmt::format("{}: joint {}, expected 0 to {}", joints->first, which[i],
+                                 shape_.joints.size() - 1));
             addScaled(places_[i / kOfSet], shape_.joints[which[i]], share[i]);
             sums[i / kOfSet] += share[i];
         }

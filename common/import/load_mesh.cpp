@@ -1,5 +1,7 @@
 #include "common/import/load_mesh.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +12,6 @@
 
 #include "common/base/error.h"
 #include "common/base/parallel.h"
-#include "common/base/text_streams.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/mesh_soup.h"
 #include "common/mesh/mesh_statistics.h"
@@ -188,15 +189,17 @@ TriangleMesh finish(const std::filesystem::path& path, const MeshOptions& option
     std::optional<TriangleMesh> mesh = finishIfAny(path, options, soup);
     if (mesh) return *std::move(mesh);
     if (soup.moving > 0 && soup.report.facesRead == 0)
-        throwFileError(path, "everything moves: all nodes with a mesh, " +
-                                 std::to_string(soup.moving) +
-                                 ", are animated; expected something that stands still, to which "
-                                 "--dynamic adds this file, or --set-frame");
+        throwFileError(
+            path,
+            fmt::format(
+                "everything moves: all nodes with a mesh, {}, are animated; expected something "
+                "that stands still, to which --dynamic adds this file, or --set-frame",
+                soup.moving));
     if (soup.report.facesRead == 0)
         throwFileError(path, "has no face (points, lines or an empty scene), expected triangles");
-    TextWriter scaled;
-    if (options.scale != 1) scaled << "; with --scale " << options.scale;
-    throwFileError(path, "no triangle left: " + describe(soup.report) + scaled.str());
+    const std::string scaled =
+        options.scale != 1 ? fmt::format("; with --scale {:g}", options.scale) : "";
+    throwFileError(path, fmt::format("no triangle left: {}{}", describe(soup.report), scaled));
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 #include "common/import/mesh_options.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
-#include "common/base/text_streams.h"
 
 namespace shadowcache {
 
@@ -15,9 +16,7 @@ std::optional<double> timeOf(std::optional<int> frame, double fps) {
 
 void requireScale(double scale) {
     if (scale > 0.0 && std::isfinite(scale)) return;
-    TextWriter text;
-    text << "--scale " << scale << ": expected a number above 0";
-    throw Error(text.str());
+    throw Error(fmt::format("--scale {:g}: expected a number above 0", scale));
 }
 
 Affine worldOf(const MeshOptions& options) {

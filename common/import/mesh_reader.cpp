@@ -1,5 +1,7 @@
 #include "common/import/mesh_reader.h"
 
+#include <fmt/core.h>
+
 #include <OpenMesh/Core/IO/importer/BaseImporter.hh>
 #include <OpenMesh/Core/IO/reader/OMReader.hh>
 #include <OpenMesh/Core/IO/writer/OMWriter.hh>
@@ -204,9 +206,9 @@ RawMesh readOm(const std::filesystem::path& path) {
     if (!read || importer.n_vertices() != counts.vertices || importer.n_faces() != counts.faces ||
         !importer.finishFaces()) {
         throwFileError(
-            path, "damaged: " + std::to_string(importer.n_vertices()) + " vertices and " +
-                      std::to_string(importer.n_faces()) + " faces could be read, expected " +
-                      std::to_string(counts.vertices) + " and " + std::to_string(counts.faces));
+            path,
+            fmt::format("damaged: {} vertices and {} faces could be read, expected {} and {}",
+                        importer.n_vertices(), importer.n_faces(), counts.vertices, counts.faces));
     }
     importer.finishColors();
     return std::move(importer.mesh);

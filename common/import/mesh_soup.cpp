@@ -1,5 +1,7 @@
 #include "common/import/mesh_soup.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -56,9 +58,8 @@ private:
         pieces_.clear();
         for (const auto corner : corners) points_.push_back(soup_.vertices[firstVertex_ + corner]);
         if (!triangulate(points_, pieces_)) {
-            throwFileError(path_, "concave face with " + std::to_string(corners.size()) +
-                                      " corners, expected at most " +
-                                      std::to_string(kMaxConcaveCorners));
+            throwFileError(path_, fmt::format("concave face with {} corners, expected at most {}",
+                                              corners.size(), kMaxConcaveCorners));
         }
         const auto first = static_cast<std::uint32_t>(firstVertex_);
         for (const Corners& p : pieces_) {
@@ -94,9 +95,9 @@ void appendVertices(const std::filesystem::path& path, const RawMesh& raw,
     const std::size_t firstVertex = soup.vertices.size();
     const std::size_t vertices = firstVertex + raw.vertices.size();
     if (vertices > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-        throwFileError(path, std::to_string(vertices) +
-                                 " vertices with the files before it, "
-                                 "expected at most 2147483647");
+        throwFileError(
+            path, fmt::format("{} vertices with the files before it, expected at most 2147483647",
+                              vertices));
     }
     const Affine world = worldOf(options);
     const std::size_t direct = std::min(raw.firstLocalVertex, raw.vertices.size());

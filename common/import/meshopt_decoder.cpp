@@ -1,5 +1,6 @@
 #include "common/import/meshopt_decoder.h"
 
+#include <fmt/core.h>
 #include <meshoptimizer.h>
 
 namespace shadowcache {
@@ -19,7 +20,7 @@ bool isIndices(const MeshoptView& view) {
 
 /// Why the numbers of a view do not fit together, or nothing if they do.
 std::string badView(const MeshoptView& view, std::size_t bytes) {
-    const std::string stride = "byteStride " + std::to_string(view.stride);
+    const std::string stride = fmt::format("byteStride {}", view.stride);
     if (view.mode != "ATTRIBUTES" && !isIndices(view))
         return "mode '" + view.mode.substr(0, 20) + "', expected ATTRIBUTES, TRIANGLES or INDICES";
     if (isIndices(view) && view.stride != 2 && view.stride != 4)
@@ -27,12 +28,11 @@ std::string badView(const MeshoptView& view, std::size_t bytes) {
     if (view.stride == 0 || view.stride > kMostStride || (!isIndices(view) && view.stride % 4 != 0))
         return stride + ", expected a multiple of 4 up to 256";
     if (view.mode == "TRIANGLES" && view.count % 3 != 0)
-        return "count " + std::to_string(view.count) + ", expected a multiple of 3";
+        return fmt::format("count {}, expected a multiple of 3", view.count);
     const double perByte = isIndices(view) ? 3 * static_cast<double>(view.stride) : kMostPerByte;
     if (static_cast<double>(view.count) * static_cast<double>(view.stride) >
         perByte * static_cast<double>(bytes) + kBlock)
-        return std::to_string(view.count) + " elements in " + std::to_string(bytes) +
-               " bytes, expected fewer";
+        return fmt::format("{} elements in {} bytes, expected fewer", view.count, bytes);
     return {};
 }
 
@@ -48,8 +48,9 @@ std::string badFilter(const MeshoptView& view) {
                       : view.filter == "OCTAHEDRAL" ? view.stride == 4 || view.stride == 8
                                                     : view.stride == 8;
     return fits ? std::string()
-                : "byteStride " + std::to_string(view.stride) + " with filter " + view.filter +
-                      ", expected 4 or 8 (OCTAHEDRAL), 8 (QUATERNION)";
+                : fmt::format(
+                      "byteStride {} with filter {}, expected 4 or 8 (OCTAHEDRAL), 8 (QUATERNION)",
+                      view.stride, view.filter);
 }
 
 int decodeBytes(const MeshoptView& view, std::string_view bytes, std::string& to) {

@@ -1,5 +1,7 @@
 #include "common/import/mtl_file.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -138,7 +140,7 @@ private:
         const long long kind = text_.integer(text_.wordOnLine());
         material().illumination = static_cast<int>(std::clamp(kind, 0LL, 100LL));
         if (kind == 4 || kind == 6 || kind == 7 || kind == 9)
-            leaveOut("refraction (illum " + std::to_string(kind) + ")");
+            leaveOut(fmt::format("refraction (illum {})", kind));
     }
 
     /// Tf of 1 filters nothing.

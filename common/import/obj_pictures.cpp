@@ -1,5 +1,7 @@
 #include "common/import/obj_pictures.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "common/base/error.h"
@@ -46,9 +48,10 @@ int ObjPictures::combined(const std::string& kind, Combine combine, const fs::pa
     Texture texture = combine(a, b);
     texelsMade_ += texelsOf(texture);
     if (texelsMade_ > kAlwaysAllowed + kMostPerTexel * texelsRead_)
-        throwFileError(set_, "combines its pictures so often that they become more than " +
-                                 std::to_string(static_cast<long long>(texelsMade_)) +
-                                 " texels, expected no more of pictures of this size");
+        throwFileError(set_,
+                       fmt::format("combines its pictures so often that they become more than {} "
+                                   "texels, expected no more of pictures of this size",
+                                   static_cast<long long>(texelsMade_)));
     texture.wrapS = texture.wrapT = clamp ? Texture::Wrap::clamp : Texture::Wrap::repeat;
     transparent_.push_back(shadowcache::isTransparent(texture));
     mesh_.textures.push_back(std::move(texture));

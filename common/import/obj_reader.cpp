@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -28,7 +30,7 @@ void readVertex(TextScanner& text, ObjColors& colors, RawMesh& mesh) {
         ++count;
     }
     if (count < 3) {
-        text.fail("vertex with " + std::to_string(count) + " numbers, expected 3 (truncated?)");
+        text.fail(fmt::format("vertex with {} numbers, expected 3 (truncated?)", count));
     }
     mesh.vertices.emplace_back(values[0], values[1], values[2]);
     if (count >= 6) {
@@ -159,8 +161,8 @@ RawMesh readObj(const std::filesystem::path& path, References references) {
         } else if (keyword == "f" || keyword == "fo") {  // an older name
             const std::uint32_t size = readFace(text, mesh, looks);
             if (size < 3 && text.atEnd()) {
-                text.fail("file ends in a face with " + std::to_string(size) +
-                          " corners, expected 3 (truncated?)");
+                text.fail(fmt::format(
+                    "file ends in a face with {} corners, expected 3 (truncated?)", size));
             }
         } else {
             countStatement(keyword, mesh);

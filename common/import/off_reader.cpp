@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <array>
 #include <cctype>
 
@@ -67,8 +69,8 @@ private:
     std::string_view start(const char* what, long long index, long long count) {
         const std::string_view word = text_.word();
         if (word.empty())
-            throwFileError(path_, std::string("truncated: ends after ") + std::to_string(index) +
-                                      " of " + std::to_string(count) + " " + what);
+            throwFileError(path_,
+                           fmt::format("truncated: ends after {} of {} {}", index, count, what));
         return word;
     }
 
@@ -104,8 +106,7 @@ private:
 
     void readFace(std::string_view first) {
         const long long size = text_.integer(first);
-        if (size < 0)
-            text_.fail("face with " + std::to_string(size) + " corners, expected 3 or more");
+        if (size < 0) text_.fail(fmt::format("face with {} corners, expected 3 or more", size));
         for (long long i = 0; i < size; ++i) {
             const long long index = text_.integer(text_.word());
             mesh_.faceVertices.push_back(
@@ -178,9 +179,8 @@ RawMesh readOff(const std::filesystem::path& path) {
     if (vertices < 0 || faces < 0 ||
         static_cast<double>(vertices) * 6.0 + static_cast<double>(faces) * 2.0 >
             static_cast<double>(text.bytesLeft()) + 1.0) {
-        throwFileError(path, "truncated: " + std::to_string(text.bytesLeft()) +
-                                 " bytes cannot hold " + std::to_string(vertices) +
-                                 " vertices and " + std::to_string(faces) + " faces");
+        throwFileError(path, fmt::format("truncated: {} bytes cannot hold {} vertices and {} faces",
+                                         text.bytesLeft(), vertices, faces));
     }
     skipEdges(text);
     try {

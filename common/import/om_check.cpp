@@ -1,5 +1,7 @@
 #include "common/import/om_check.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cstring>
 #include <string>
@@ -28,7 +30,7 @@ struct ChunkHeader {
 };
 
 std::string versionText(unsigned version) {
-    return std::to_string(version >> 5) + "." + std::to_string(version & 31);
+    return fmt::format("{}.{}", version >> 5, version & 31);
 }
 
 class Walk {
@@ -52,9 +54,9 @@ private:
     unsigned major() const { return static_cast<unsigned char>(bytes_[3]) >> 5; }
 
     [[noreturn]] void truncated() const {
-        throwFileError(path_, "truncated: " + std::to_string(bytes_.size()) +
-                                  " bytes do not hold its " + std::to_string(counts_[0]) +
-                                  " vertices and " + std::to_string(counts_[1]) + " faces");
+        throwFileError(path_,
+                       fmt::format("truncated: {} bytes do not hold its {} vertices and {} faces",
+                                   bytes_.size(), counts_[0], counts_[1]));
     }
 
     unsigned number(std::size_t size) {
@@ -105,10 +107,9 @@ private:
     }
 
     [[noreturn]] void refuse(const ChunkHeader& chunk) const {
-        throwFileError(path_, "OM chunk of kind " + std::to_string(chunk.bits) +
-                                  (chunk.named() ? " with a name" : "") +
-                                  ", expected positions, normals, colours, texture coordinates or "
-                                  "topology");
+        throwFileError(path_, fmt::format("OM chunk of kind {}{}, expected positions, normals, "
+                                          "colours, texture coordinates or topology",
+                                          chunk.bits, chunk.named() ? " with a name" : ""));
     }
 
     /// One half-edge each; before version 2 all corners, after their number if that may differ.
@@ -137,8 +138,7 @@ OmCounts checkOm(const std::filesystem::path& path, std::string_view bytes,
         throwFileError(path, "does not start with 'OM', expected an OM file");
     if (bytes.size() < kHeaderBytes) throwFileError(path, "truncated: ends within the header");
     if (bytes[2] != 'T' && bytes[2] != 'Q' && bytes[2] != 'P') {
-        throwFileError(path,
-                       "OM mesh kind " + std::to_string(int{bytes[2]}) + ", expected T, Q or P");
+        throwFileError(path, fmt::format("OM mesh kind {}, expected T, Q or P", int{bytes[2]}));
     }
     const auto version = static_cast<std::uint8_t>(bytes[3]);
     if (version > newestVersion) {

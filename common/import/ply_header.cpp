@@ -1,5 +1,7 @@
 #include "common/import/ply_header.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -55,7 +57,7 @@ PlyElement parseElement(TextScanner& text) {
     PlyElement element;
     element.name = text.wordOnLine();
     const long long count = text.integer(text.wordOnLine());
-    if (count < 0) text.fail("element count " + std::to_string(count) + ", expected 0 or more");
+    if (count < 0) text.fail(fmt::format("element count {}, expected 0 or more", count));
     element.count = static_cast<std::size_t>(count);
     return element;
 }
@@ -95,11 +97,11 @@ void requireRoom(const std::filesystem::path& path, const PlyHeader& header, std
     for (const PlyElement& element : header.elements) {
         needed += static_cast<double>(element.count) *
                   static_cast<double>(leastRowBytes(element, header.encoding));
-        counts += (counts.empty() ? "" : ", ") + std::to_string(element.count) + " " + element.name;
+        counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", element.count, element.name);
     }
     if (needed > static_cast<double>(bytes)) {
-        throwFileError(path, "truncated: " + std::to_string(bytes) +
-                                 " bytes after the header cannot hold its " + counts);
+        throwFileError(path, fmt::format("truncated: {} bytes after the header cannot hold its {}",
+                                         bytes, counts));
     }
 }
 

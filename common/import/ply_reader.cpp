@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -36,9 +38,9 @@ public:
     void endRow(const PlyElement& element) {
         inRow_ = false;
         if (!text_.atLineEnd())
-            text_.fail("row of '" + element.name + "' with more numbers than its " +
-                       std::to_string(element.properties.size()) + " properties in the header" +
-                       shortRow());
+            text_.fail(
+                fmt::format("row of '{}' with more numbers than its {} properties in the header{}",
+                            element.name, element.properties.size(), shortRow()));
     }
     void finish() {
         const std::string_view word = text_.word();
@@ -52,9 +54,9 @@ public:
 private:
     /// The cause of what is found later, if a row was too short.
     std::string shortRow() const {
-        return shortLine_ == 0 ? ""
-                               : " (line " + std::to_string(shortLine_) +
-                                     " has fewer numbers than the header says)";
+        return shortLine_ == 0
+                   ? ""
+                   : fmt::format(" (line {} has fewer numbers than the header says)", shortLine_);
     }
 
     std::filesystem::path path_;
@@ -109,9 +111,10 @@ public:
     void finish() const {
         const std::string_view rest = body_.substr(at_);
         if (rest.find_first_not_of(std::string_view("\0\r\n\t ", 5)) != rest.npos)
-            throwFileError(path_, std::to_string(rest.size()) +
-                                      " bytes after the last row that the header counts, expected "
-                                      "none");
+            throwFileError(
+                path_,
+                fmt::format("{} bytes after the last row that the header counts, expected none",
+                            rest.size()));
     }
     std::size_t room(PlyType type) const { return (body_.size() - at_) / byteCount(type); }
 
@@ -127,9 +130,9 @@ std::size_t nextListSize(const std::filesystem::path& path, Numbers& numbers,
                          const PlyProperty& property) {
     const double size = numbers.next(property.countType);
     if (!(size >= 0.0 && size <= static_cast<double>(numbers.room(property.type)))) {
-        throwFileError(path, "truncated or damaged: list '" + property.name + "' of " +
-                                 std::to_string(size) + " values, at most " +
-                                 std::to_string(numbers.room(property.type)) + " follow");
+        throwFileError(
+            path, fmt::format("truncated or damaged: list '{}' of {:f} values, at most {} follow",
+                              property.name, size, numbers.room(property.type)));
     }
     return static_cast<std::size_t>(size);
 }

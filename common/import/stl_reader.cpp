@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <array>
 #include <cctype>
 #include <cstring>
@@ -71,8 +73,8 @@ public:
     RawMesh read() {
         for (std::string word = keyword(); !word.empty(); word = keyword()) take(word);
         if (corners_ > 0 || inFacet_)
-            throwFileError(path_, "truncated: ends within triangle " +
-                                      std::to_string(mesh_.faceSizes.size() + 1));
+            throwFileError(path_, fmt::format("truncated: ends within triangle {}",
+                                              mesh_.faceSizes.size() + 1));
         endSolid();
         useWeldedPoints(table_, mesh_);
         return std::move(mesh_);
@@ -111,7 +113,7 @@ private:
     }
 
     [[noreturn]] void refuse(const std::string& word, const std::string& expected) const {
-        text_.fail("'" + word.substr(0, 20) + "', expected " + expected);
+        text_.fail(fmt::format("'{}', expected {}", word.substr(0, 20), expected));
     }
 
     /// A solid that is still open has lost its end, and perhaps more.
@@ -158,17 +160,17 @@ bool isText(std::string_view content) {
 void requireBinarySize(const std::filesystem::path& path, const std::string& bytes) {
     const std::uint32_t count = binaryCount(bytes);
     const std::size_t wanted = kHeaderBytes + kTriangleBytes * count;
-    const std::string counted = std::to_string(count) + " triangles, which take " +
-                                std::to_string(wanted) + " bytes, in a file of " +
-                                std::to_string(bytes.size());
+    const std::string counted = fmt::format("{} triangles, which take {} bytes, in a file of {}",
+                                            count, wanted, bytes.size());
     if (bytes.size() < wanted)
-        throwFileError(path,
-                       "truncated, or neither STL text (no 'solid' at the start) nor binary "
-                       "STL: " +
-                           counted);
+        throwFileError(
+            path, fmt::format(
+                      "truncated, or neither STL text (no 'solid' at the start) nor binary STL: {}",
+                      counted));
     const std::size_t rest = bytes.size() - wanted;
     if (count == 0 || (rest > 0 && rest % kTriangleBytes == 0))
-        throwFileError(path, "binary STL with a wrong number of triangles: " + counted);
+        throwFileError(path,
+                       fmt::format("binary STL with a wrong number of triangles: {}", counted));
 }
 
 }  // namespace
@@ -184,8 +186,9 @@ RawMesh readStl(const std::filesystem::path& path) {
         return StlText(path, text).read();
     }
     if (bytes.size() < kHeaderBytes)
-        throwFileError(path, std::to_string(bytes.size()) +
-                                 " bytes without 'solid' at the start, expected an STL file");
+        throwFileError(path,
+                       fmt::format("{} bytes without 'solid' at the start, expected an STL file",
+                                   bytes.size()));
     requireBinarySize(path, bytes);
     RawMesh mesh = readBinary(bytes);
     mesh.remarks["bytes after the last triangle of a binary STL file, left out"] =

@@ -1,5 +1,7 @@
 #include "common/import/texture_decoder.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
@@ -109,8 +111,7 @@ Texture decodeTexture(std::string_view bytes, std::string& cause) {
         const double texels =
             static_cast<double>(texture.width) * static_cast<double>(texture.height);
         if (texels > mostTexels) {
-            cause = std::to_string(texture.width) + " x " + std::to_string(texture.height) +
-                    " pixels in " + std::to_string(size) + " bytes";
+            cause = fmt::format("{} x {} pixels in {} bytes", texture.width, texture.height, size);
             return {};
         }
     }

@@ -1,5 +1,6 @@
 #include "common/import/webp_decoder.h"
 
+#include <fmt/core.h>
 #include <webp/decode.h>
 
 namespace shadowcache {
@@ -24,8 +25,8 @@ Texture decodeWebp(std::string_view bytes, double mostTexels, std::string& cause
     texture.width = features.width;
     texture.height = features.height;
     if (static_cast<double>(texture.width) * static_cast<double>(texture.height) > mostTexels) {
-        cause = std::to_string(texture.width) + " x " + std::to_string(texture.height) +
-                " pixels in " + std::to_string(bytes.size()) + " bytes";
+        cause =
+            fmt::format("{} x {} pixels in {} bytes", texture.width, texture.height, bytes.size());
         return {};
     }
     texture.rgba.resize(4 * static_cast<std::size_t>(texture.width) *
