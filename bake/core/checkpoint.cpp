@@ -1,5 +1,7 @@
 #include "bake/core/checkpoint.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cstdio>
@@ -148,7 +150,7 @@ bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
     lock.unlock();
     // An ended run may have had this process's number.
     fs::path path;
-    do path = folder_ / (runName() + "." + std::to_string(number_++) + kExtension);
+    do path = folder_ / fmt::format("{}.{}{}", runName(), number_++, kExtension);
     while (fs::exists(path));
     std::string cause;
     std::size_t start = 0;  // of the records in the file

@@ -1,5 +1,7 @@
 #include "bake/core/merge_plan.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "bake/core/cache_match.h"
@@ -51,7 +53,7 @@ bool allWhole(const CacheHeader& header) {
 void requireOthers(const CacheHeader& header, const std::string& owner, const BakeRecord& bake,
                    const CacheHeader& more, const BakeRecord& other,
                    const std::filesystem::path& path) {
-    const std::string seed = "seed " + std::to_string(bake.seed);
+    const std::string seed = fmt::format("seed {}", bake.seed);
     const auto require = [&](const char* what, const auto& found, const auto& wanted) {
         requireSame(path, (seed + ": " + what).c_str(), found, wanted, ("as in " + owner).c_str());
     };
@@ -73,8 +75,8 @@ void requireOthers(const CacheHeader& header, const std::string& owner, const Ba
     const std::vector<ShardRange> shared = sharedShards(bake, other);
     if (shared.empty()) return;
     if (bake.shards == 1) throwFileError(path, seed + " is in " + owner + ", too");
-    throwFileError(path, seed + ": shard " + shardsText(shared) + " of " +
-                             std::to_string(bake.shards) + " is in " + owner + ", too");
+    throwFileError(path, fmt::format("{}: shard {} of {} is in {}, too", seed, shardsText(shared),
+                                     bake.shards, owner));
 }
 
 std::string shotsOf(const CacheHeader& header) {
@@ -188,9 +190,8 @@ std::string missingText(const CacheHeader& header) {
     std::string text;
     for (const BakeRecord& bake : header.bakes)
         if (!bake.whole())
-            text += (text.empty() ? "" : "; ") + ("seed " + std::to_string(bake.seed)) +
-                    ": shards " + shardsText(missingShards(bake)) + " of " +
-                    std::to_string(bake.shards);
+            text += fmt::format("{}seed {}: shards {} of {}", text.empty() ? "" : "; ", bake.seed,
+                                shardsText(missingShards(bake)), bake.shards);
     return text;
 }
 

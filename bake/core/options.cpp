@@ -1,5 +1,7 @@
 #include "bake/core/options.h"
 
+#include <fmt/core.h>
+
 #include <string>
 
 #include "common/base/error.h"
@@ -13,8 +15,8 @@ void validate(const BakeOptions& options) {
     requireRange("level", options.level, 0, kMaxCacheLevel);
     requireRange("rays", options.rays, 1, 255);
     if (options.shards < 1 || options.shard < 0 || options.shard >= options.shards)
-        throw Error("--shard " + std::to_string(options.shard + 1) + "/" +
-                    std::to_string(options.shards) + ": expected K/N with 1 <= K <= N");
+        throw Error(fmt::format("--shard {}/{}: expected K/N with 1 <= K <= N", options.shard + 1,
+                                options.shards));
 }
 
 }  // namespace shadowcache

@@ -1,11 +1,12 @@
 #include "bake/core/voxel_frame.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "common/base/error.h"
-#include "common/base/text_streams.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {
@@ -22,9 +23,8 @@ Vec3i floorVector(const Vec3d& v) {
 }
 
 std::string refusal(double spacing, double least) {
-    TextWriter text;
-    text << "--spacing " << spacing << ": too small for this set, expected at least " << least;
-    return text.str();
+    return fmt::format("--spacing {:g}: too small for this set, expected at least {:g}", spacing,
+                       least);
 }
 
 }  // namespace

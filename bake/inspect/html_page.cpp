@@ -1,9 +1,10 @@
 #include "bake/inspect/html_page.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 
 #include "common/image/false_color.h"
 #include "common/image/png.h"
@@ -62,13 +63,10 @@ std::string base64(const std::string& bytes) {
 }
 
 std::string hexColor(const Rgb& linear) {
-    char text[8];
     const auto byte = [](float value) {
         return static_cast<unsigned>(std::lround(255 * linearToSrgb(value)));
     };
-    std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(linear.x), byte(linear.y),
-                  byte(linear.z));
-    return text;
+    return fmt::format("#{:02x}{:02x}{:02x}", byte(linear.x), byte(linear.y), byte(linear.z));
 }
 
 }  // namespace
@@ -97,37 +95,33 @@ void HtmlPage::bars(const std::string& caption, const std::vector<std::string>& 
     std::uint64_t sum = 0;
     for (const std::uint64_t count : counts) sum += count;
     const std::uint64_t most = std::max<std::uint64_t>(1, *std::ranges::max_element(counts));
-    body_ += "<figure><svg viewBox=\"0 0 " + std::to_string(width) + " " +
-             std::to_string(kHeight + 40) + "\" width=\"" + std::to_string(width) +
-             "\" style=\"max-width:100%\" role=\"img\">\n";
+    body_ += fmt::format(
+        "<figure><svg viewBox=\"0 0 {} {}\" width=\"{}\" style=\"max-width:100%\" role=\"img\">\n",
+        width, kHeight + 40, width);
     for (std::size_t i = 0; i < counts.size(); ++i) {
         const int x = kBar * static_cast<int>(i);
         const int height =
             static_cast<int>(static_cast<double>(counts[i]) * kHeight / static_cast<double>(most));
         const int top = 16 + kHeight - height;
-        const auto number = [](int value) { return "\"" + std::to_string(value) + "\""; };
-        char percent[32];
-        std::snprintf(percent, sizeof percent, "%.1f %%",
-                      100 * static_cast<double>(counts[i]) /
-                          static_cast<double>(std::max<std::uint64_t>(1, sum)));
-        body_ += "<rect x=" + number(x + 3) + " y=" + number(top) + " width=" + number(kBar - 6) +
-                 " height=" + number(height) + " fill=\"#2c718e\"/>" +
-                 "<text text-anchor=\"middle\" x=" + number(x + kBar / 2) +
-                 " y=" + number(top - 4) + ">" + percent + "</text>" +
-                 "<text text-anchor=\"middle\" x=" + number(x + kBar / 2) +
-                 " y=" + number(kHeight + 32) + ">" + escaped(labels[i]) + "</text>\n";
+        const double percent = 100 * static_cast<double>(counts[i]) /
+                               static_cast<double>(std::max<std::uint64_t>(1, sum));
+        body_ += fmt::format(
+            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#2c718e\"/>"
+            "<text text-anchor=\"middle\" x=\"{}\" y=\"{}\">{:.1f} %</text>"
+            "<text text-anchor=\"middle\" x=\"{}\" y=\"{}\">{}</text>\n",
+            x + 3, top, kBar - 6, height, x + kBar / 2, top - 4, percent, x + kBar / 2,
+            kHeight + 32, escaped(labels[i]));
     }
     body_ += "</svg><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
 }
 
 void HtmlPage::colorScale(const std::string& low, const std::string& high) {
     constexpr int kSteps = 40, kStep = 6;
-    body_ += "<figure>" + escaped(low) + " <svg width=\"" + std::to_string(kSteps * kStep) +
-             "\" height=\"14\">";
+    body_ +=
+        fmt::format("<figure>{} <svg width=\"{}\" height=\"14\">", escaped(low), kSteps * kStep);
     for (int i = 0; i < kSteps; ++i)
-        body_ += "<rect x=\"" + std::to_string(i * kStep) + "\" y=\"0\" width=\"" +
-                 std::to_string(kStep + 1) + "\" height=\"14\" fill=\"" +
-                 hexColor(falseColor((i + 0.5) / kSteps)) + "\"/>";
+        body_ += fmt::format("<rect x=\"{}\" y=\"0\" width=\"{}\" height=\"14\" fill=\"{}\"/>",
+                             i * kStep, kStep + 1, hexColor(falseColor((i + 0.5) / kSteps)));
     body_ += "</svg> " + escaped(high) + "</figure>\n";
 }
 

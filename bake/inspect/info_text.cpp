@@ -1,9 +1,9 @@
 #include "bake/inspect/info_text.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
 #include "common/base/json_file.h"
 #include "common/cache/hit_bytes.h"
@@ -12,19 +12,9 @@ namespace shadowcache {
 
 namespace {
 
-/// printf into a string.
-[[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...) {
-    char line[512];
-    va_list values;
-    va_start(values, format);
-    std::vsnprintf(line, sizeof line, format, values);
-    va_end(values);
-    return line;
-}
-
 std::string tallyLine(const char* name, const RegionTally& tally) {
-    return print("%-14s %llu, %.1f %% of them pure\n", name,
-                 static_cast<unsigned long long>(tally.counted), 100 * tally.pureShare());
+    return fmt::format("{:<14} {}, {:.1f} % of them pure\n", name, tally.counted,
+                       100 * tally.pureShare());
 }
 
 template <std::size_t N>
@@ -37,8 +27,8 @@ std::string histogram(const std::array<std::uint64_t, N>& counts,
         const double share =
             static_cast<double>(counts[i]) / static_cast<double>(std::max<std::uint64_t>(1, sum));
         const std::string bar(static_cast<std::size_t>(std::lround(share * 50)), '#');
-        text += print("  %-12s %5.1f %%%s%s\n", labels[i].c_str(), 100 * share,
-                      bar.empty() ? "" : "  ", bar.c_str());
+        text += fmt::format("  {:<12} {:5.1f} %{}{}\n", labels[i], 100 * share,
+                            bar.empty() ? "" : "  ", bar);
     }
     return text;
 }
@@ -51,7 +41,7 @@ std::vector<std::uint64_t> asVector(const std::array<std::uint64_t, N>& counts) 
 std::vector<std::string> tenths() {
     std::vector<std::string> labels;
     labels.reserve(10);
-    for (int i = 0; i < 10; ++i) labels.push_back(print("%d to %d %%", i * 10, i * 10 + 10));
+    for (int i = 0; i < 10; ++i) labels.push_back(fmt::format("{} to {} %", i * 10, i * 10 + 10));
     return labels;
 }
 
@@ -64,14 +54,12 @@ std::string partText(const CacheHeader& header) {
     std::string text;
     for (const BakeRecord& bake : header.bakes)
         if (!bake.whole())
-            text += "shards         " + shardsText(bake.held) + " of " +
-                    std::to_string(bake.shards) + " of seed " + std::to_string(bake.seed) +
-                    "; missing " + shardsText(missingShards(bake)) + "\n";
+            text += fmt::format("shards         {} of {} of seed {}; missing {}\n",
+                                shardsText(bake.held), bake.shards, bake.seed,
+                                shardsText(missingShards(bake)));
     if (header.part)
-        text += print("part           %llu of %llu sides of voxels, for ",
-                      static_cast<unsigned long long>(header.part->sides),
-                      static_cast<unsigned long long>(header.part->sidesOfSet)) +
-                header.part->shots + "\n";
+        text += fmt::format("part           {} of {} sides of voxels, for {}\n", header.part->sides,
+                            header.part->sidesOfSet, header.part->shots);
     return text;
 }
 
@@ -79,8 +67,8 @@ std::string partText(const CacheHeader& header) {
 std::string hitsText(const CacheFacts& facts) {
     if (facts.header.hits == 0) return "hits           none: baked with --no-transport or before\n";
     const double share = static_cast<double>(facts.hitBytes) / static_cast<double>(facts.fileBytes);
-    return print("hits           %d an item, %llu bytes of the file (%.1f %%)\n", facts.header.hits,
-                 static_cast<unsigned long long>(facts.hitBytes), 100 * share);
+    return fmt::format("hits           {} an item, {} bytes of the file ({:.1f} %)\n",
+                       facts.header.hits, facts.hitBytes, 100 * share);
 }
 
 }  // namespace
@@ -96,7 +84,8 @@ CacheFacts readFacts(const std::filesystem::path& path) {
 
 std::vector<std::string> rayLabels() {
     std::vector<std::string> labels{"none", "1"};
-    for (int low = 2; low < 256; low *= 2) labels.push_back(print("%d to %d", low, 2 * low - 1));
+    for (int low = 2; low < 256; low *= 2)
+        labels.push_back(fmt::format("{} to {}", low, 2 * low - 1));
     return labels;
 }
 
@@ -149,46 +138,44 @@ std::string factsAsJson(const CacheFacts& facts) {
 std::string factsAsText(const CacheFacts& facts) {
     const auto& [header, items, summary, fileBytes, hitBytes] = facts;
     std::string text =
-        print("baked by       shadowcache-bake %s, format %d\n", header.version.c_str(),
-              header.format) +
-        print("set            fingerprint %s, up axis %s, %g metres a unit\n",
-              fingerprintText(header.fingerprint).c_str(), header.upAxis.c_str(), header.unit) +
-        print("bounds         %g, %g, %g to %g, %g, %g\n", summary.low.x, summary.low.y,
-              summary.low.z, summary.high.x, summary.high.y, summary.high.z) +
-        print("directions     level %d (%s), %d rays, seeds %s\n", header.level,
-              header.adaptive ? "adaptive" : "uniform", header.rays(), header.seeds().c_str()) +
+        fmt::format("baked by       shadowcache-bake {}, format {}\n", header.version,
+                    header.format) +
+        fmt::format("set            fingerprint {}, up axis {}, {:g} metres a unit\n",
+                    fingerprintText(header.fingerprint), header.upAxis, header.unit) +
+        fmt::format("bounds         {:g}, {:g}, {:g} to {:g}, {:g}, {:g}\n", summary.low.x,
+                    summary.low.y, summary.low.z, summary.high.x, summary.high.y, summary.high.z) +
+        fmt::format("directions     level {} ({}), {} rays, seeds {}\n", header.level,
+                    header.adaptive ? "adaptive" : "uniform", header.rays(), header.seeds()) +
         partText(header) +
-        print("items          %zu (%llu of them subpatches) in %llu voxels of %g, %zu blocks\n",
-              items.size(), static_cast<unsigned long long>(summary.subpatches),
-              static_cast<unsigned long long>(summary.voxels), header.spacing,
-              items.blocks.size()) +
+        fmt::format("items          {} ({} of them subpatches) in {} voxels of {:g}, {} blocks\n",
+                    items.size(), summary.subpatches, summary.voxels, header.spacing,
+                    items.blocks.size()) +
         hitsText(facts) + tallyLine("base regions", summary.base) +
         tallyLine("finer regions", summary.finer);
     text +=
         "items by visible share of their directions\n" + histogram(summary.skyVisibility, tenths());
     text += "regions by number of rays\n" + histogram(summary.rays, rayLabels());
     text += "regions by visible share of their rays\n" + histogram(summary.shares, shareLabels());
-    text += print("bytes          %llu in the file; uncompressed:\n",
-                  static_cast<unsigned long long>(fileBytes));
+    text += fmt::format("bytes          {} in the file; uncompressed:\n", fileBytes);
     for (const auto& [name, bytes] : summary.bytes)
-        text += print("  %-18s %llu\n", name.c_str(), static_cast<unsigned long long>(bytes));
+        text += fmt::format("  {:<18} {}\n", name, bytes);
     return text;
 }
 
 std::string skyAsText(const SkyView& view) {
-    std::string text = print("items          %zu", view.weights().size());
+    std::string text = fmt::format("items          {}", view.weights().size());
     if (view.weights().empty())
         return text + ": no items here (off the surfaces, or no side faces so)\n";
     text += ", weights";
-    for (const float weight : view.weights()) text += print(" %.3f", static_cast<double>(weight));
+    for (const float weight : view.weights()) text += fmt::format(" {:.3f}", weight);
     const SkyView::Figures f = view.figures();
     return text +
-           print("\nknown          %.1f %% of the hemisphere, %.1f %% of that pure\n",
-                 100 * f.known, 100 * f.pure) +
-           print("visible        %.1f %% of it, %.1f %% weighted by the cosine\n", 100 * f.visible,
-                 100 * f.visibleCosine) +
-           print("toward         %.3f, %.3f, %.3f: the middle of the visible part\n",
-                 f.bentNormal.x, f.bentNormal.y, f.bentNormal.z);
+           fmt::format("\nknown          {:.1f} % of the hemisphere, {:.1f} % of that pure\n",
+                       100 * f.known, 100 * f.pure) +
+           fmt::format("visible        {:.1f} % of it, {:.1f} % weighted by the cosine\n",
+                       100 * f.visible, 100 * f.visibleCosine) +
+           fmt::format("toward         {:.3f}, {:.3f}, {:.3f}: the middle of the visible part\n",
+                       f.bentNormal.x, f.bentNormal.y, f.bentNormal.z);
 }
 
 std::string skyAsJson(const SkyView& view) {

@@ -1,11 +1,10 @@
 #include "bake/inspect/report.h"
 
-#include <cstdio>
+#include <fmt/core.h>
 
 #include "bake/inspect/grid_export.h"
 #include "bake/inspect/html_page.h"
 #include "bake/inspect/section_view.h"
-#include "common/base/text_streams.h"
 
 namespace shadowcache {
 
@@ -14,44 +13,37 @@ namespace {
 constexpr int kPictureSide = 480;
 
 std::string text(double value) {
-    TextWriter out;
-    out << value;
-    return out.str();
+    return fmt::format("{:g}", value);
 }
 
 std::string text(const Vec3d& v) {
-    return text(v.x) + ", " + text(v.y) + ", " + text(v.z);
+    return fmt::format("{:g}, {:g}, {:g}", v.x, v.y, v.z);
 }
 
 std::string percent(double share) {
-    char out[32];
-    std::snprintf(out, sizeof out, "%.1f %%", 100 * share);
-    return out;
+    return fmt::format("{:.1f} %", 100 * share);
 }
 
 std::string megabytes(std::uint64_t bytes) {
-    char out[32];
-    std::snprintf(out, sizeof out, "%.2f MB", static_cast<double>(bytes) * 1e-6);
-    return out;
+    return fmt::format("{:.2f} MB", static_cast<double>(bytes) * 1e-6);
 }
 
 void addSettings(HtmlPage& page, const CacheFacts& facts) {
     const auto& [header, items, summary, fileBytes, hitBytes] = facts;
     page.heading("Settings");
-    page.table({{"baked by", "shadowcache-bake " + header.version + ", file format " +
-                                 std::to_string(kCacheFormat)},
+    page.table({{"baked by",
+                 fmt::format("shadowcache-bake {}, file format {}", header.version, kCacheFormat)},
                 {"fingerprint of the set", fingerprintText(header.fingerprint)},
                 {"files of the set",
                  "up axis " + header.upAxis + ", " + text(header.unit) + " metres a unit"},
                 {"bounds", text(summary.low) + " to " + text(summary.high)},
                 {"spacing", text(header.spacing) + " m"},
-                {"directions", "level " + std::to_string(header.level) +
-                                   (header.adaptive ? ", finer only where rays disagreed"
-                                                    : ", all at the finest level")},
-                {"rays a region", std::to_string(header.rays()) + " where rays disagreed"},
+                {"directions", fmt::format("level {}{}", header.level,
+                                           header.adaptive ? ", finer only where rays disagreed"
+                                                           : ", all at the finest level")},
+                {"rays a region", fmt::format("{} where rays disagreed", header.rays())},
                 {"seeds", header.seeds()},
-                {"items", std::to_string(items.size()) + " in " + std::to_string(summary.voxels) +
-                              " voxels"},
+                {"items", fmt::format("{} in {} voxels", items.size(), summary.voxels)},
                 {"finer blocks", std::to_string(items.blocks.size())},
                 {"pure regions", percent(summary.base.pureShare()) + " of the coarse, " +
                                      percent(summary.finer.pureShare()) + " of the finer"},

@@ -1,5 +1,7 @@
 #include "bake/shot/lookup_file.h"
 
+#include <fmt/core.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -34,21 +36,20 @@ ShotLookups parse(std::string_view content, const BakeIdentity& identity) {
         *count = in.get<std::uint64_t>();
     const std::size_t leastVoxels = ofSet.sides / kSides + (ofSet.sides % kSides != 0);
     if (ofSet.sides < 1 || leastVoxels > ofSet.voxels)
-        throw Error(std::to_string(ofSet.sides) + " sides of " + std::to_string(ofSet.voxels) +
-                    " voxels, expected 1 to 6 of each");
+        throw Error(fmt::format("{} sides of {} voxels, expected 1 to 6 of each", ofSet.sides,
+                                ofSet.voxels));
     const auto keys = in.getVector<std::uint64_t>();
     const auto codes = in.getVector<std::uint32_t>();
     if (keys.size() != codes.size())
-        throw Error(std::to_string(keys.size()) + " voxels of places, expected " +
-                    std::to_string(codes.size()));
+        throw Error(fmt::format("{} voxels of places, expected {}", keys.size(), codes.size()));
     if (!in.atEnd()) throw Error("bytes after the last place, expected none");
     std::vector<LookupPlaces::Place> places;
     places.reserve(keys.size());
     for (std::size_t i = 0; i < keys.size(); ++i) {
         places.push_back({keys[i], codes[i]});
         if (!places.back().isValid())
-            throw Error("place " + std::to_string(i) + " is " + std::to_string(keys[i]) + ", " +
-                        std::to_string(codes[i]) + ", which no bake writes");
+            throw Error(
+                fmt::format("place {} is {}, {}, which no bake writes", i, keys[i], codes[i]));
     }
     lookups.places.add(std::move(places));
     return lookups;

@@ -1,5 +1,7 @@
 #include "bake/shot/shot_source.h"
 
+#include <fmt/core.h>
+
 #include "bake/shot/shot_lookups.h"
 #include "common/base/content_hash.h"
 #include "common/base/number_text.h"
@@ -45,11 +47,11 @@ LookupPlaces ShotSource::lookups(Scene& scene, const VoxelFrame& frame) const {
 
 std::string ShotSource::text() const {
     const std::string& camera = options_.camera.name;
-    std::string text =
-        (options_.camera.isFile() ? std::filesystem::path(camera).filename().string() : camera) +
-        ", frames " + options_.frames + ", " + std::to_string(options_.size[0]) + "x" +
-        std::to_string(options_.size[1]);
-    if (options_.margin > 0) text += ", margin " + std::to_string(options_.margin);
+    std::string text = fmt::format(
+        "{}, frames {}, {}x{}",
+        options_.camera.isFile() ? std::filesystem::path(camera).filename().string() : camera,
+        options_.frames, options_.size[0], options_.size[1]);
+    if (options_.margin > 0) text += fmt::format(", margin {}", options_.margin);
     ContentHash shot;
     shot.addText(contents_);
     shot.addText(numberText(options_.fps));
