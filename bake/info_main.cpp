@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -123,9 +125,9 @@ void printPlace(const Arguments& a) {
 void printCheck(const Arguments& a) {
     const CacheCheck check = verifyCache(a.cache);
     const std::string missing = missingText(check.header);
-    print(a.cache.string() + ": whole: " + std::to_string(check.bytes) + " bytes, " +
-          std::to_string(check.checksums) + " checksums, " + std::to_string(check.items) +
-          " items" + (missing.empty() ? "" : ", of a bake without " + missing) + "\n");
+    print(fmt::format("{}: whole: {} bytes, {} checksums, {} items{}\n", a.cache.string(),
+                      check.bytes, check.checksums, check.items,
+                      missing.empty() ? "" : fmt::format(", of a bake without {}", missing)));
 }
 
 void writeReport(const Arguments& a, const CacheFacts& facts) {

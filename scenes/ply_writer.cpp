@@ -1,5 +1,7 @@
 #include "scenes/ply_writer.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -27,14 +29,17 @@ PlyWriter::PlyWriter(const std::filesystem::path& path, std::uint64_t vertices,
     : path_(path), out_(path, std::ios::binary) {
     if (!out_) throwFileError(path_, "cannot be written");
     buffer_.reserve(kBufferSize);
-    const std::string header =
-        "ply\nformat binary_little_endian 1.0\ncomment +Y up, metres; vertex colours are sRGB "
-        "albedo\n"
-        "element vertex " +
-        std::to_string(vertices) +
-        "\nproperty float x\nproperty float y\nproperty float z\n"
-        "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face " +
-        std::to_string(triangles) + "\nproperty list uchar int vertex_indices\nend_header\n";
+    const std::string header = fmt::format(
+        "ply\n"
+        "format binary_little_endian 1.0\n"
+        "comment +Y up, metres; vertex colours are sRGB albedo\n"
+        "element vertex {}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+        "element face {}\n"
+        "property list uchar int vertex_indices\n"
+        "end_header\n",
+        vertices, triangles);
     put(header.data(), header.size());
 }
 

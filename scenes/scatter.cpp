@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "common/base/error.h"
@@ -126,8 +128,8 @@ void forEachPart(const Layout& l, const Use& use) {
 
 void writeScatter(const std::filesystem::path& path, std::int64_t triangles) {
     if (triangles < kScatterMin || triangles > kScatterMax)
-        throw Error("--triangles: found " + std::to_string(triangles) + ", expected " +
-                    std::to_string(kScatterMin) + " to " + std::to_string(kScatterMax));
+        throw Error(fmt::format("--triangles: found {}, expected {} to {}", triangles, kScatterMin,
+                                kScatterMax));
     const Layout l = layout(triangles);
     const std::int64_t rocks = (l.pieces + 3) / 4;
     const std::int64_t vertices = 2 * l.ground * (l.ground + 1) + rocks * 18 * 41 +
@@ -147,8 +149,7 @@ void writeScatter(const std::filesystem::path& path, std::int64_t triangles) {
     });
     writer.finish();
     if (written != triangles || base != vertices)
-        throwFileError(path, std::to_string(written) + " triangles made, expected " +
-                                 std::to_string(triangles));
+        throwFileError(path, fmt::format("{} triangles made, expected {}", written, triangles));
 }
 
 std::vector<CameraKey> scatterWalk(std::int64_t triangles) {

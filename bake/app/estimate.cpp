@@ -1,5 +1,6 @@
 #include "bake/app/estimate.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -27,7 +28,7 @@ std::uint64_t rounded(double value) {
 std::uintmax_t fileBytes(const BakeSample& sample) {
     if (sample.items.size() == 0) return 0;
     const auto path = std::filesystem::temp_directory_path() /
-                      ("shadowcache-estimate-" + std::to_string(getpid()) + ".vdb");
+                      fmt::format("shadowcache-estimate-{}.vdb", getpid());
     const std::uintmax_t bytes = writeCache(path, sample.header, sample.items);
     std::filesystem::remove(path);
     return bytes;

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <cstdio>
 #include <optional>
 
@@ -87,8 +89,9 @@ BakeOptions optionsOf(const BakeJob& job, const TriangleMesh& mesh,
     BakeOptions options = job.bake;
     if (found) {
         if (options.spacing > 0 && options.spacing != found->spacing)
-            throwFileError(job.lookups, "spacing " + numberText(found->spacing) + ", expected " +
-                                            numberText(options.spacing));
+            throwFileError(job.lookups,
+                           fmt::format("spacing {}, expected {}", numberText(found->spacing),
+                                       numberText(options.spacing)));
         options.spacing = found->spacing;
         count = found->ofSet;
     }
@@ -140,8 +143,8 @@ BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, c
         const std::size_t sides = countSides(result.items),
                           ofSet = task.countOfSet(scene.mesh()).sides;
         if (!job.lookups.empty() && sides > ofSet)
-            throwFileError(job.lookups, std::to_string(ofSet) + " sides of the set, expected " +
-                                            std::to_string(sides) + " or more");
+            throwFileError(job.lookups,
+                           fmt::format("{} sides of the set, expected {} or more", ofSet, sides));
         result.header.part = CachePart{sides, ofSet, shot->text()};
     }
     if (task.old) {

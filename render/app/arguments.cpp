@@ -1,5 +1,7 @@
 #include "render/app/arguments.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -65,8 +67,8 @@ int parseBounces(const std::string& text) {
     int bounces = 0;
     std::string_view rest = text;
     if (!takeNumber(rest, bounces) || !rest.empty() || bounces < 0 || bounces > kMostBounces)
-        throw Error("--bounces " + text + ": expected a number from 0 to " +
-                    std::to_string(kMostBounces) + ", or unlimited");
+        throw Error(fmt::format("--bounces {}: expected a number from 0 to {}, or unlimited", text,
+                                kMostBounces));
     return bounces;
 }
 
@@ -124,8 +126,8 @@ RenderJob jobOf(const Arguments& arguments) {
     job.fps = arguments.shot.fps;
     job.dynamic = dynamicFilesOf(arguments.shot);
     if (!(job.mesh.smoothDegrees >= 0 && job.mesh.smoothDegrees <= 180))
-        throw Error("--smooth " + std::to_string(job.mesh.smoothDegrees) +
-                    ": expected an angle from 0 to 180 degrees");
+        throw Error(fmt::format("--smooth {:f}: expected an angle from 0 to 180 degrees",
+                                job.mesh.smoothDegrees));
     if (!job.mesh.shadingNormals && job.mesh.smoothDegrees > 0)
         throw Error(
             "--smooth makes shading normals, --normals geometric has none: expected one of them");

@@ -1,5 +1,7 @@
 #include "render/app/frame_check.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -88,8 +90,8 @@ void checkFrames(const RenderJob& job, const EstimatorEntry& entry, const LightP
             std::fprintf(stderr, "%s: %s\n", frameFile(job, job.frames[i]).c_str(), textOf(state));
     }
     if (wrong > 0)
-        throw Error("--check: " + std::to_string(count - wrong) + " of " + std::to_string(count) +
-                    " frames are done, expected all");
+        throw Error(
+            fmt::format("--check: {} of {} frames are done, expected all", count - wrong, count));
     std::printf("%zu frame%s, all done -> %s\n", count, count == 1 ? "" : "s",
                 outputName(job).c_str());
 }

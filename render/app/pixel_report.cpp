@@ -1,5 +1,7 @@
 #include "render/app/pixel_report.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -80,9 +82,7 @@ void reportPixel(const FrameRequest& frame, int x, int y) {
     const Pixel pixel = renderPixel(frame, x, y, report);
     if (pixel.depth == 0) std::printf("  sees the environment\n");
     std::printf("  colour: %s\n", text(pixel.color).c_str());
-    if (!isFinite(pixel))
-        throw Error("pixel " + std::to_string(x) + "," + std::to_string(y) +
-                    ": the estimate is not finite");
+    if (!isFinite(pixel)) throw Error(fmt::format("pixel {},{}: the estimate is not finite", x, y));
 }
 
 }  // namespace shadowcache

@@ -1,5 +1,7 @@
 #include "render/app/run_job.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <limits>
@@ -60,8 +62,8 @@ const EstimatorEntry& validate(const RenderJob& job) {
         throw Error("--estimator " + name +
                     " requires --cache: bake the set with shadowcache-bake first");
     if (job.render.samples < entry.minSamples)
-        throw Error("--samples " + std::to_string(job.render.samples) + ": --estimator " + name +
-                    " expected at least " + std::to_string(entry.minSamples));
+        throw Error(fmt::format("--samples {}: --estimator {} expected at least {}",
+                                job.render.samples, name, entry.minSamples));
     if (job.render.bounces != 0 && entry.inOrder)
         throw Error("--bounces: a pixel of --estimator " + name +
                     " depends on the pixels before it; expected --bounces 0");

@@ -1,5 +1,7 @@
 #include "render/frame/compare.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -11,9 +13,8 @@ namespace shadowcache {
 
 RelativeError relativeError(const Image& image, const Image& reference) {
     if (image.width != reference.width || image.height != reference.height)
-        throw Error("reference image: " + std::to_string(reference.width) + "x" +
-                    std::to_string(reference.height) + " pixels, expected " +
-                    std::to_string(image.width) + "x" + std::to_string(image.height));
+        throw Error(fmt::format("reference image: {}x{} pixels, expected {}x{}", reference.width,
+                                reference.height, image.width, image.height));
     const std::size_t count = image.pixels.size();
     double sum = 0;
     for (const Rgb& p : reference.pixels)
@@ -77,10 +78,9 @@ Image readReference(const std::filesystem::path& path, const RenderOptions& opti
     if (framed ? left < 0 || top < 0 || left + region.width > file.width ||
                      top + region.height > file.height
                : file.width != region.width || file.height != region.height)
-        throwFileError(path, std::to_string(file.width) + "x" + std::to_string(file.height) +
-                                 " pixels" + (framed ? " of another part of the frame" : "") +
-                                 ", expected " + std::to_string(region.width) + "x" +
-                                 std::to_string(region.height) + " as rendered");
+        throwFileError(path, fmt::format("{}x{} pixels{}, expected {}x{} as rendered", file.width,
+                                         file.height, framed ? " of another part of the frame" : "",
+                                         region.width, region.height));
     Image image{region.width, region.height, {}};
     image.pixels.resize(static_cast<std::size_t>(region.width) *
                         static_cast<std::size_t>(region.height));

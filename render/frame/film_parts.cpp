@@ -1,5 +1,7 @@
 #include "render/frame/film_parts.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <string>
 
@@ -12,13 +14,11 @@ void requireFinite(const Film& film, int frame, std::uint64_t seed) {
     const auto first = std::find_if(film.pixels.begin(), film.pixels.end(), failed);
     if (first == film.pixels.end()) return;
     const auto i = first - film.pixels.begin();
-    throw Error("frame " + std::to_string(frame) + ": " +
-                std::to_string(std::count_if(first, film.pixels.end(), failed)) +
-                " pixels without a finite estimate; replay the first with --debug " +
-                std::to_string(film.x + i % film.width) + "," +
-                std::to_string(film.y + i / film.width) +
-                (frame == 1 ? "" : " --frames " + std::to_string(frame)) + " --seed " +
-                std::to_string(seed));
+    throw Error(fmt::format(
+        "frame {}: {} pixels without a finite estimate; replay the first with --debug {},{}{} "
+        "--seed {}",
+        frame, std::count_if(first, film.pixels.end(), failed), film.x + i % film.width,
+        film.y + i / film.width, frame == 1 ? "" : fmt::format(" --frames {}", frame), seed));
 }
 
 Film makeFilm(const RenderOptions& options) {

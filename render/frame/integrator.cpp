@@ -1,5 +1,7 @@
 #include "render/frame/integrator.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -17,7 +19,7 @@ Film render(const FrameRequest& wanted, RenderStats& stats) {
     const RenderOptions& options = frame.options;
     Film film = makeFilm(options);
     const std::vector<std::size_t> tiles = Tiles(options).touching(options.region());
-    Progress progress("frame " + std::to_string(frame.number), tiles.size());
+    Progress progress(fmt::format("frame {}", frame.number), tiles.size());
     renderTiles(frame, tiles, BlockExtent::wholeFrame, stats, [&](const RenderedTile& tile) {
         placePixels(tile.places, tile.pixels, film);
         progress.add(1);

@@ -1,5 +1,7 @@
 #include "render/frame/options.h"
 
+#include <fmt/core.h>
+
 #include <cstdint>
 #include <string>
 
@@ -17,23 +19,21 @@ constexpr std::int64_t kMostPixelSamples = std::int64_t{1} << 31;
 void validate(const RenderOptions& options) {
     requireRange("size (width)", options.width, 1, 65536);
     requireRange("size (height)", options.height, 1, 65536);
-    const std::string size =
-        "--size " + std::to_string(options.width) + "x" + std::to_string(options.height);
+    const std::string size = fmt::format("--size {}x{}", options.width, options.height);
     const FilmRectangle region = options.region();
     const auto& [x, y, width, height] = region;
     if (width < 1 || height < 1 || x < 0 || y < 0 || width > options.width - x ||
         height > options.height - y)
-        throw Error("--crop " + std::to_string(x) + "," + std::to_string(y) + "," +
-                    std::to_string(width) + "x" + std::to_string(height) +
-                    ": expected a part of the frame, " + size);
+        throw Error(fmt::format("--crop {},{},{}x{}: expected a part of the frame, {}", x, y, width,
+                                height, size));
     if (std::int64_t{width} * height > kMaxPixels)
-        throw Error(size + ": expected at most " + std::to_string(kMaxPixels) + " pixels");
+        throw Error(fmt::format("{}: expected at most {} pixels", size, kMaxPixels));
     requireRange("samples", options.samples, 0, kMostSamples);
     requireRange("camera-rays", options.cameraRays, 1, kMostCameraRays);
     if (std::int64_t{options.cameraRays} * options.samples > kMostPixelSamples)
-        throw Error("--camera-rays " + std::to_string(options.cameraRays) + " with --samples " +
-                    std::to_string(options.samples) + ": wanted at most " +
-                    std::to_string(kMostPixelSamples) + " samples a pixel");
+        throw Error(
+            fmt::format("--camera-rays {} with --samples {}: wanted at most {} samples a pixel",
+                        options.cameraRays, options.samples, kMostPixelSamples));
     requireRange("pass-rays", options.passRays, 1, kMostCameraRays);
     requireRange("clamp-indirect", options.clampIndirect, 0.0f, 1e30f);
     requireRange("filter-width", options.filterWidth, 0.0, 16.0);

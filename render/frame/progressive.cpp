@@ -1,5 +1,7 @@
 #include "render/frame/progressive.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <string>
 
@@ -34,9 +36,9 @@ public:
     Film run(int first, int count, const std::function<bool()>& stop, RenderStats& stats) {
         Film film = makeFilm(frame_.options);
         counts_.assign(tiles_.size(), {});
-        Progress progress("frame " + std::to_string(frame_.number) + ", camera rays " +
-                              std::to_string(first + 1) + " to " + std::to_string(first + count),
-                          tiles_.size());
+        Progress progress(
+            fmt::format("frame {}, camera rays {} to {}", frame_.number, first + 1, first + count),
+            tiles_.size());
         const auto finish = [&](std::size_t index, std::span<const FilmPlace> places,
                                 std::span<const PixelSum> sums) {
             place(index, places, sums, film);

@@ -1,11 +1,12 @@
 #include "render/paper/paper_estimator.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
-#include "common/base/text_streams.h"
 #include "render/estimators/full_precision.h"
 #include "render/estimators/hemisphere.h"
 #include "render/paper/spherical_polygon.h"
@@ -210,10 +211,10 @@ void validate(const PaperOptions& options) {
     requireRange("beta", options.beta, 0.0, 1.0);
     requireRange("cache-level", options.cacheLevel, 0, 7);
     if (!(options.alpha >= 0 && options.alpha < 1)) {
-        TextWriter text;
-        text << "--alpha " << options.alpha
-             << ": expected 0 or more and below 1 (at 1 a cached 0 would never be sampled: biased)";
-        throw Error(text.str());
+        throw Error(
+            fmt::format("--alpha {:g}: expected 0 or more and below 1 (at 1 a cached 0 would never "
+                        "be sampled: biased)",
+                        options.alpha));
     }
 }
 

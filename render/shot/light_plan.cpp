@@ -1,5 +1,7 @@
 #include "render/shot/light_plan.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,9 +30,9 @@ std::vector<std::string> environmentsOf(const std::string& text, std::span<const
     TextReader parts(text);
     for (std::string part; std::getline(parts, part, ',');) all.push_back(part);
     if (all.size() > 1 && all.size() != frames.size())
-        throw Error("--env " + text + ": " + std::to_string(all.size()) + " maps for " +
-                    std::to_string(frames.size()) + (frames.size() > 1 ? " frames" : " frame") +
-                    ", expected one, or one for each frame");
+        throw Error(fmt::format("--env {}: {} maps for {} {}, expected one, or one for each frame",
+                                text, all.size(), frames.size(),
+                                frames.size() > 1 ? "frames" : "frame"));
     return all;
 }
 
@@ -59,8 +61,8 @@ LightPlan::LightPlan(const std::string& environments, const std::string& rotatio
         if (!shot.empty())
             place = static_cast<std::size_t>(std::ranges::find(shot, frames[i]) - shot.begin());
         if (place == all.size())
-            throw Error("--shot-frames: frame " + std::to_string(frames[i]) +
-                        " of --frames is missing, expected all of them");
+            throw Error(fmt::format(
+                "--shot-frames: frame {} of --frames is missing, expected all of them", frames[i]));
         const double share =
             all.size() > 1 ? static_cast<double>(place) / static_cast<double>(all.size() - 1) : 0;
         lights_.push_back({maps[std::min(place, maps.size() - 1)], first + (last - first) * share});

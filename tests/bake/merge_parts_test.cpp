@@ -1,5 +1,6 @@
 // What a cache says of the bakes, shards and shots in it, and what a merge makes of that.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -53,8 +54,7 @@ protected:
         BakeOptions options = smallOptions(seed);
         options.shard = shard;
         options.shards = shards;
-        const std::string name = "part" + std::to_string(shard) + "of" + std::to_string(shards) +
-                                 "seed" + std::to_string(seed) + ".vdb";
+        const std::string name = fmt::format("part{}of{}seed{}.vdb", shard, shards, seed);
         return write(name, bakeSmall(options));
     }
 
@@ -175,7 +175,7 @@ TEST_F(MergeParts, OfShotsOfSeveralSeedsInShardsAreOneInAnyOrder) {
         BakeResult baked = bakeSmall(options);
         const std::uint64_t sides = countSides(baked.items);
         baked.header.part = {sides, 4 * sides, shot};
-        return write(shot + std::to_string(seed) + std::to_string(number) + ".vdb", baked);
+        return write(fmt::format("{}{}{}.vdb", shot, seed, number), baked);
     };
     std::vector<fs::path> paths;
     for (const int number : {0, 1})

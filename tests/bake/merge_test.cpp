@@ -2,6 +2,7 @@
 
 #include "bake/core/merge.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +33,7 @@ TEST(Merge, OfSpatialShardsIsTheOneBakeByteForByte) {
         options.shard = shard;
         options.shards = 3;
         const BakeResult part = bakeSmall(options);
-        paths.push_back(folder.path() / ("part" + std::to_string(shard) + ".vdb"));
+        paths.push_back(folder.path() / fmt::format("part{}.vdb", shard));
         writeCache(paths.back(), part.header, part.items);
         items += part.items.size();
         rays += part.rays;

@@ -3,6 +3,7 @@
 
 #include "common/cache/transport.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -197,7 +198,7 @@ TEST(Transport, OfShardsIsThatOfTheWholeOnceMerged) {
         options.shard = shard;
         options.shards = 3;
         const BakeResult part = bakeSmall(options);
-        paths.push_back(folder.path() / (std::to_string(shard) + ".vdb"));
+        paths.push_back(folder.path() / fmt::format("{}.vdb", shard));
         writeCache(paths.back(), part.header, part.items);
         // Control: a part does not hold all that its rays met.
         EXPECT_GT(std::ranges::count(Met(part).transport.hit, kNoItem), 0);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/core.h>
+
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,7 +15,7 @@ namespace shadowcache::bench {
 struct Split {
     int cameraRays, samples;
 
-    std::string name() const { return std::to_string(cameraRays) + "x" + std::to_string(samples); }
+    std::string name() const { return fmt::format("{}x{}", cameraRays, samples); }
     int rays() const { return cameraRays * samples; }
     bool operator==(const Split&) const = default;
 };

@@ -1,5 +1,7 @@
 #include "tests/benchmarks/bench.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -185,10 +187,9 @@ Reference makeReference(const EstimatorContext& context, const Set& set, int fra
                         const RenderOptions& options, const std::filesystem::path& work,
                         const std::string& tag, int renders) {
     const std::filesystem::path path = work / (tag + "-reference.exr");
-    const std::string samples =
-        (renders > 2 ? std::to_string(renders) + "x" : "") +
-        (options.cameraRays > 1 ? std::to_string(options.cameraRays) + "x" : "") +
-        std::to_string(options.samples);
+    const std::string samples = fmt::format(
+        "{}{}{}", renders > 2 ? fmt::format("{}x", renders) : "",
+        options.cameraRays > 1 ? fmt::format("{}x", options.cameraRays) : "", options.samples);
     if (const auto stored = storedReference(path, samples, options.region())) return *stored;
     std::vector<Image> images;
     RenderOptions one = options;

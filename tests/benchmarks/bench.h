@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -74,7 +76,7 @@ struct Frame {
     int number;
 
     /// Name in the JSON files.
-    std::string key() const { return set.name + "." + map + ".frame" + std::to_string(number); }
+    std::string key() const { return fmt::format("{}.{}.frame{}", set.name, map, number); }
 };
 /// Each scene, with its kept cache, under each map and from each frame of the settings.
 void forEachFrame(const Settings& settings, const std::function<void(const Frame&)>& measure);

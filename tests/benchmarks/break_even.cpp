@@ -1,5 +1,6 @@
 // From how many frames on the bake of a shot pays.
 
+#include <fmt/core.h>
 #include <sys/resource.h>
 
 #include <cmath>
@@ -36,8 +37,8 @@ struct ShotBake {
 };
 
 ShotBake bakeShot(const Settings& settings, const Set& set, int frame) {
-    const auto path = std::filesystem::absolute(settings.work) /
-                      (set.name + "-shot" + std::to_string(frame) + ".vdb");
+    const auto path =
+        std::filesystem::absolute(settings.work) / fmt::format("{}-shot{}.vdb", set.name, frame);
     std::filesystem::create_directories(settings.work);
     const SetFiles files = setFiles(settings, set.name);
     const double start = processorSecondsOfPrograms();
@@ -45,8 +46,8 @@ ShotBake bakeShot(const Settings& settings, const Set& set, int frame) {
         "bake",
         {std::filesystem::absolute(files.mesh), "--camera",
          std::filesystem::absolute(files.cameras), "--frames", std::to_string(frame), "--size",
-         std::to_string(kWidth) + "x" + std::to_string(kHeight), "--threads",
-         std::to_string(threadCount()), "--progress", "none", "-o", path},
+         fmt::format("{}x{}", kWidth, kHeight), "--threads", std::to_string(threadCount()),
+         "--progress", "none", "-o", path},
         settings.work);
     if (run.status != 0) throw Error("shadowcache-bake failed: " + run.err);
     ShotBake baked;

@@ -1,5 +1,7 @@
 // Error and time of the estimators at equal samples, on real scenes under real maps.
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -89,7 +91,7 @@ struct Summary {
 
 void compare(const EstimatorContext& context, const Set& set, const std::string& map, int frame,
              const Settings& settings, JsonFile& json, Summary& summary) {
-    const std::string key = set.name + "." + map + ".frame" + std::to_string(frame);
+    const std::string key = fmt::format("{}.{}.frame{}", set.name, map, frame);
     const Reference reference =
         makeReference(context, set, frame, kReferenceSamples, settings, key);
     std::array<Measured, kColumnCount> m;

@@ -1,5 +1,7 @@
 // Memory of the bake and of the render, by triangles and by items; the time to open a large cache.
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -32,17 +34,17 @@ Run runScatter(const Settings& settings, std::int64_t triangles, double spacing)
     std::string eye, target;
     const scenes::CameraKey key = scenes::scatterWalk(triangles)[0];
     for (int k = 0; k < 3; ++k) {
-        eye += (k > 0 ? "," : "") + std::to_string(key.position[k]);
-        target += (k > 0 ? "," : "") + std::to_string(key.target[k]);
+        eye += fmt::format("{}{:f}", k > 0 ? "," : "", key.position[k]);
+        target += fmt::format("{}{:f}", k > 0 ? "," : "", key.target[k]);
     }
     const Stats baked =
         runForStats("bake", {set, "-o", run.cache, "--spacing", std::to_string(spacing)}, folder);
-    const Stats rendered = runForStats(
-        "render",
-        {set, "--env", "1,1,1", "--cache", run.cache, "--eye", eye, "--look-at", target, "--size",
-         std::to_string(settings.width) + "x" + std::to_string(settings.height), "--samples",
-         std::to_string(settings.samples), "-o", folder / "memory.exr"},
-        folder);
+    const Stats rendered =
+        runForStats("render",
+                    {set, "--env", "1,1,1", "--cache", run.cache, "--eye", eye, "--look-at", target,
+                     "--size", fmt::format("{}x{}", settings.width, settings.height), "--samples",
+                     std::to_string(settings.samples), "-o", folder / "memory.exr"},
+                    folder);
     run.triangles = baked.at("triangles");
     run.items = baked.at("cache.items");
     run.blocks = baked.at("cache.blocks");

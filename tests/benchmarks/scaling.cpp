@@ -1,5 +1,7 @@
 // Time per pixel of `cache` and of `mis` as items and triangles grow by powers of ten.
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -77,7 +79,7 @@ void judge(const char* what, const std::vector<Point>& points, JsonFile& json) {
         json.set(std::string(what) + "." + name + ".slowest_over_fastest", most / least);
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const std::string key = std::string(what) + ".step" + std::to_string(i);
+        const std::string key = fmt::format("{}.step{}", what, i);
         json.set(key + ".triangles", points[i].triangles);
         json.set(key + ".items", points[i].items);
         json.set(key + ".seconds_per_pixel.prediction", points[i].prediction);

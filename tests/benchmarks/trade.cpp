@@ -1,6 +1,8 @@
 // The trade of speed for accuracy: error against what the bake and the render cost, for each thing
 // a user can choose. docs/benchmarks/trade.md shows it as curves.
 
+#include <fmt/core.h>
+
 #include <cstdio>
 
 #include "bake/core/default_spacing.h"
@@ -94,7 +96,7 @@ private:
                     choice, baked.seconds, baked.rays * 1e-6, baked.fileBytes * 1e-6, error.mean,
                     error.p99, seconds, preview.mean);
         std::fflush(stdout);
-        const std::string key = key_ + "." + series + ".run" + std::to_string(points_++);
+        const std::string key = fmt::format("{}.{}.run{}", key_, series, points_++);
         json_.set(key + ".choice", choice);
         json_.set(key + ".bake_seconds", baked.seconds);
         json_.set(key + ".bake_rays", baked.rays);

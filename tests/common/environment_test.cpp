@@ -1,5 +1,6 @@
 #include "common/light/environment.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -185,7 +186,7 @@ void EnvironmentMaps::expectSampleCell(const Texels& texels) {
         ASSERT_FALSE(lit.empty());
         for (std::size_t k = 0; k < 5; ++k) {
             const std::uint32_t cell = lit[(lit.size() - 1) * k / 4];
-            SCOPED_TRACE("level " + std::to_string(level) + " cell " + std::to_string(cell));
+            SCOPED_TRACE(fmt::format("level {} cell {}", level, cell));
             const double luminance = environment_.luminanceIntegral(level, cell);
             expectSharesMatch(texels, 16000 >> level, luminance, [&](double u, float jitter) {
                 const EnvironmentSample s =

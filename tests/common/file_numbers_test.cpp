@@ -1,6 +1,7 @@
 // Every number in the JSON files that are read, and every float of a glTF file's buffer, replaced
 // by numbers at the ends of all types: what comes through is finite, and rays meet it.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -211,7 +212,7 @@ TEST(FileNumbers, GltfBuffers) {
             std::string bytes = file.data();
             bytes.replace(at, sizeof number, bytesOf(number));
             folder.write("a.bin", bytes);
-            SCOPED_TRACE(std::to_string(at) + " = " + std::to_string(number));
+            SCOPED_TRACE(fmt::format("{} = {}", at, number));
             ++(isRead([&] { useAsShot(path); }) ? read : refused);
         }
     EXPECT_GT(read, 200);

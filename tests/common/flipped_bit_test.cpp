@@ -1,5 +1,6 @@
 // A bit of a cache file that has changed is noticed before anything is decoded.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -54,7 +55,7 @@ protected:
 /// Runs `read` on the file and expects one line that names it.
 template <class Read>
 void expectRefused(const Read& read, std::size_t byte) {
-    SCOPED_TRACE("byte " + std::to_string(byte));
+    SCOPED_TRACE(fmt::format("byte {}", byte));
     expectError(read, "cache.vdb: ", "");
 }
 

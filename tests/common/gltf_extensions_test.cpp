@@ -1,5 +1,6 @@
 // Extensions of glTF: what is read, left out and named, or refused.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "common/import/load_mesh.h"
@@ -60,7 +61,7 @@ TEST(GltfExtensions, OfNodesAndMeshesAreNamed) {
 TEST(GltfExtensions, ManyNamesAreCountedTogether) {
     GltfBuilder file = square();
     for (int i = 0; i < 1000; ++i)
-        file.json["meshes"][0]["extensions"]["EXT_\n\33" + std::to_string(i)] = Json::object();
+        file.json["meshes"][0]["extensions"][fmt::format("EXT_\n\33{}", i)] = Json::object();
     const TriangleMesh mesh = load(file);
     EXPECT_EQ(mesh.report.leftOutOf.size(), 21u);
     EXPECT_EQ(mesh.report.leftOutOf.at({"mesh", "other extension is left out"}), 980u);

@@ -1,5 +1,6 @@
 // glTF files as other programs write them: URIs, chunks, and what is not whole.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "common/import/load_mesh.h"
@@ -116,9 +117,10 @@ TEST(GltfShapes, OfAnotherKindAreRefused) {
     const auto refused = [](const char* list, const Json& object, const std::string& cause) {
         GltfBuilder file = square();
         const int index = file.append(list, object);
-        expectError([&] { said(file); }, "a.glb",
-                    std::string(list).substr(0, std::string(list).size() - 1) + " " +
-                        std::to_string(index) + cause);
+        expectError(
+            [&] { said(file); }, "a.glb",
+            fmt::format("{} {}{}", std::string(list).substr(0, std::string(list).size() - 1), index,
+                        cause));
     };
     refused("nodes", {{"translation", {0, 1}}},
             ": translation [0,1], expected a list of 3 numbers");

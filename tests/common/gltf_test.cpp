@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -356,7 +357,7 @@ TEST(Gltf, RefusesWhatItCannotDo) {
                 indices["componentType"] = type;
                 indices["count"] = 3;
             },
-            "indices: type " + std::to_string(type) + ", expected 5121, 5123 or 5125");
+            fmt::format("indices: type {}, expected 5121, 5123 or 5125", type));
     refuses([](Json& j) { j["nodes"][0]["children"] = {0}; }, "has a parent");
     refuses([](Json& j) { j["nodes"][0]["skin"] = 0; }, "skin 0, but the file has none");
     std::string deep(5000, '[');

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -13,8 +14,7 @@ namespace shadowcache::test {
 namespace {
 
 std::string hdr(const std::string& lines, int width, int height, const std::string& texels) {
-    return "#?RADIANCE\n" + lines + "\n-Y " + std::to_string(height) + " +X " +
-           std::to_string(width) + "\n" + texels;
+    return fmt::format("#?RADIANCE\n{}\n-Y {} +X {}\n{}", lines, height, width, texels);
 }
 
 TEST(Hdr, ReadsFlatTexelsAndExposure) {
@@ -144,8 +144,8 @@ TEST(Hdr, ReadsAllOrientationsInAllCodings) {
     for (int which = 0; which < 8; ++which)
         for (int coding = 0; coding < 3; ++coding) {
             const bool columns = (which & 1) != 0, right = (which & 2) != 0, up = (which & 4) != 0;
-            const std::string across = std::string(right ? "-X " : "+X ") + std::to_string(kWidth);
-            const std::string down = std::string(up ? "+Y " : "-Y ") + std::to_string(kHeight);
+            const std::string across = fmt::format("{}X {}", right ? "-" : "+", kWidth);
+            const std::string down = fmt::format("{}Y {}", up ? "+" : "-", kHeight);
             std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" +
                                 (columns ? across + " " + down : down + " " + across) + "\n";
             for (int i = 0; i < (columns ? kWidth : kHeight); ++i) {

@@ -2,6 +2,7 @@
 
 #include "common/mesh/normal_map.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -103,8 +104,7 @@ TEST(NormalMap, IsTheSameThroughEveryBasis) {
 TEST(NormalMap, OfMirroredAndTurnedNodes) {
     for (const Given& given : {Given{true, true}, Given{true, false}, Given{false, false}})
         for (const bool shared : {false, true}) {
-            SCOPED_TRACE(std::to_string(given.normals) + std::to_string(given.tangents) +
-                         std::to_string(shared));
+            SCOPED_TRACE(fmt::format("{:d}{:d}{:d}", given.normals, given.tangents, shared));
             GltfBuilder file = mappedSquare(given);
             file.root({{"mesh", 0}, {"scale", {-2, 2, 2}}});
             if (shared)  // a quarter turn about x: y to z, z to -y

@@ -1,6 +1,7 @@
 // Cache files that earlier programs wrote, kept in tests/stored: those of formats that are read
 // have every number that was written; those of an older one are refused with what to do.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -187,7 +188,7 @@ TEST(StoredCaches, AnswerLookups) {
 /// Each format has a file here, so that raising kCacheFormat asks for one.
 TEST(StoredCaches, OfOlderFormatsAreRefusedWithWhatToDo) {
     for (int format = 1; format <= kCacheFormat; ++format) {
-        const fs::path path = stored("format-" + std::to_string(format));
+        const fs::path path = stored(fmt::format("format-{}", format));
         ASSERT_TRUE(fs::exists(path)) << path << ": run tests/stored/make caches";
         CacheHeader header;
         if (format >= kOldestCacheFormat) {

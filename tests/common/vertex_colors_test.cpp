@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,8 +56,8 @@ TriangleMesh triangle(const std::string& format, const std::array<std::string, 3
                       const std::string& type = "float") {
     std::string rows;
     for (int i = 0; i < 3; ++i)
-        rows += (format == "obj" ? "v " : "") + std::to_string(i) + " " + std::to_string(i * i) +
-                " 0 " + colors[static_cast<std::size_t>(i)] + "\n";
+        rows += fmt::format("{}{} {} 0 {}\n", format == "obj" ? "v " : "", i, i * i,
+                            colors[static_cast<std::size_t>(i)]);
     if (format == "obj") return loadText("a.obj", rows + "f 1 2 3\n");
     if (format == "off") return loadText("a.off", "COFF\n3 1 0\n" + rows + "3 0 1 2\n");
     std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n";

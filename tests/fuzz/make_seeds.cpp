@@ -2,6 +2,8 @@
 
 #include "tests/fuzz/make_seeds.h"
 
+#include <fmt/core.h>
+
 #include <cstdio>
 
 #include "bake/shot/lookup_file.h"
@@ -98,7 +100,7 @@ void writeCaches(const fs::path& folder) {
         }
         writeCache(work.path() / "a.vdb", header, items);
         for (const std::string kind : {"whole", "paged"})
-            writeSeed(folder / ("cache_" + kind) / ("level" + std::to_string(level)),
+            writeSeed(folder / ("cache_" + kind) / fmt::format("level{}", level),
                       test::readBytes(work.path() / "a.vdb"));
     }
 }

@@ -1,6 +1,7 @@
 // What the programs' command lines share: help, suggestions, settings files, manuals, completion;
 // and what `shadowcache-render --explain` foresees.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -67,7 +68,7 @@ TEST_F(CommandLine, HelpShowsWhatAShotNeedsAndHelpAllEverything) {
     };
     EXPECT_LE(options(help), 30);
     const int more = options(all) - options(help);
-    EXPECT_NE(help.find("--help-all shows " + std::to_string(more) + " more"), std::string::npos);
+    EXPECT_NE(help.find(fmt::format("--help-all shows {} more", more)), std::string::npos);
 }
 
 TEST_F(CommandLine, SixtyFourShadowRaysUnlessSaidOtherwise) {

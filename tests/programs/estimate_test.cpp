@@ -1,5 +1,7 @@
 // `shadowcache-bake --estimate` against the bake that it predicts.
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -15,7 +17,7 @@ using Json = nlohmann::json;
 std::string hills(int side) {
     std::string text;
     const auto vertex = [&](double x, double y, double z) {
-        text += "v " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+        text += fmt::format("v {:f} {:f} {:f}\n", x, y, z);
     };
     for (int i = 0; i <= side; ++i)
         for (int k = 0; k <= side; ++k) {
@@ -25,8 +27,7 @@ std::string hills(int side) {
     for (int i = 0; i < side; ++i)
         for (int k = 0; k < side; ++k) {
             const int a = i * (side + 1) + k + 1, b = a + side + 1;
-            text += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " +
-                    std::to_string(b + 1) + " " + std::to_string(b) + "\n";
+            text += fmt::format("f {} {} {} {}\n", a, a + 1, b + 1, b);
         }
     const double end = 0.1 * side;
     vertex(0.7 * end, 1, 0);

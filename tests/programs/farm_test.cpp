@@ -1,6 +1,7 @@
 // shadowcache-farm, and the script that it writes, on one machine; tests/farm/run has the
 // schedulers.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -88,9 +89,8 @@ TEST_F(Farm, RunsToTheFramesOfOneMachine) {
             "--frames 1-5 --bounces 4 "
             "--cache set.vdb -o f.#.exr");
     for (int frame = 1; frame <= 5; ++frame) {
-        const ExrFile one = readExr(path("f." + std::to_string(frame) + ".exr"));
-        const ExrFile other =
-            readExr(path("a job/frames/frame.000" + std::to_string(frame) + ".exr"));
+        const ExrFile one = readExr(path(fmt::format("f.{}.exr", frame)));
+        const ExrFile other = readExr(path(fmt::format("a job/frames/frame.000{}.exr", frame)));
         ASSERT_EQ(one.channels.size(), other.channels.size());
         for (std::size_t k = 0; k < one.channels.size(); ++k)
             EXPECT_EQ(one.channels[k].values, other.channels[k].values) << frame;

@@ -1,6 +1,7 @@
 // Pictures of glossy, textured and smooth things against Blender's Cycles, with the BRDF built from
 // nodes. Skipped where Blender is not installed.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -71,8 +72,8 @@ protected:
         const std::string script = SHADOWCACHE_SCENES "/blender_gloss.py";
         std::string command = "cd " + folder.string();
         command += " && blender -b --factory-startup --python-exit-code 1 --python " + script;
-        command += " -- sky.exr set.glb cycles.exr " + std::to_string(samples) + " 160 90 ";
-        command += std::to_string(bounces) + " > log 2>&1";
+        command +=
+            fmt::format(" -- sky.exr set.glb cycles.exr {} 160 90 {} > log 2>&1", samples, bounces);
         ASSERT_EQ(std::system(command.c_str()), 0) << readBytes(folder / "log");
         wanted_ = readRadiance(folder / "cycles.exr").image;
     }

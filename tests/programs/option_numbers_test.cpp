@@ -1,6 +1,7 @@
 // Every option of every program that holds a number, with numbers at the ends of all types. What
 // options there are is what --help says, so that a new one is tested, too, or fails the test.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -86,7 +87,7 @@ TEST_P(OptionNumbers, AreInRangeOrRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, OptionNumbers, testing::ValuesIn(parts()), [](const auto& test) {
-    return test.param.subject.program + std::to_string(test.param.number);
+    return fmt::format("{}{}", test.param.subject.program, test.param.number);
 });
 
 /// Words longer than any parser's stack.

@@ -1,5 +1,7 @@
 // What --resume of the renderer takes for the same input: the same content, wherever and whenever.
 
+#include <fmt/core.h>
+
 #include <cstring>
 #include <fstream>
 #include <utility>
@@ -38,8 +40,8 @@ protected:
             runWell("render", from + "set.gltf --env " + from +
                                   "map.exr --samples 4 --eye 1,1.5,2 --look-at 0,0.3,0 --size 12x8 "
                                   "--resume -o a.exr");
-        const std::string text = std::to_string(wanted) + (wanted == 1 ? " frame (" : " frames (") +
-                                 std::to_string(kept) + " more";
+        const std::string text =
+            fmt::format("{} {} ({} more", wanted, wanted == 1 ? "frame" : "frames", kept);
         EXPECT_NE(result.out.find(text), std::string::npos) << text << " in: " << result.out;
     }
 };

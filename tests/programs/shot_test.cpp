@@ -1,5 +1,6 @@
 // Shots from glTF sets, through the programs.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -84,7 +85,7 @@ TEST_F(ShotTest, ResumesWhatIsMissingBrokenOrOfOtherSettings) {
     const std::string command = "--camera shot --frames 1-4 --resume -o f.####.exr";
     runWell("render", shot(command));
     const auto stamp = [&](int frame) {
-        return std::filesystem::last_write_time(path("f.000" + std::to_string(frame) + ".exr"));
+        return std::filesystem::last_write_time(path(fmt::format("f.000{}.exr", frame)));
     };
     const auto first = stamp(1), last = stamp(4);
     std::filesystem::remove(path("f.0002.exr"));
@@ -169,7 +170,7 @@ TEST_F(ShotTest, RelightsByListSequenceAndRotation) {
         "set.obj --cache set.vdb --samples 4 --size 8x6 --eye 1,1.5,2 --look-at 0,0.3,0 ";
     for (int i = 1; i <= 3; ++i) {
         const std::vector<float> values(16 * 8, static_cast<float>(i));
-        writeExr(path("sky." + std::to_string(i) + ".exr"), 16, 8,
+        writeExr(path(fmt::format("sky.{}.exr", i)), 16, 8,
                  {{"R", values}, {"G", values}, {"B", values}}, {}, PixelType::full);
     }
     runWell("render", still + "--env sky.#.exr --frames 1-3 -o s#.exr");

@@ -2,6 +2,7 @@
 // in tests/stored: whatever changes in years, the mean light stays. Each estimator renders one view
 // 32 times with other random numbers.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -81,8 +82,10 @@ protected:
 
     std::array<std::vector<double>, kMeans> render(const Way& way,
                                                    const std::string& arguments) const {
-        runWell("render", "set.ply --camera still.json --frames 1-" + std::to_string(kFrames) +
-                              " --size 48x27 -o out.####.exr " + arguments + " " + way.arguments);
+        runWell("render",
+                fmt::format(
+                    "set.ply --camera still.json --frames 1-{} --size 48x27 -o out.####.exr {} {}",
+                    kFrames, arguments, way.arguments));
         std::array<std::vector<double>, kMeans> found;
         for (int frame = 1; frame <= kFrames; ++frame) {
             const std::string number = std::to_string(10000 + frame).substr(1);

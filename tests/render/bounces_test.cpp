@@ -1,5 +1,6 @@
 // Light that bounces against closed forms.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -117,7 +118,7 @@ TEST_F(Sphere, HasTheLightOfTheSeries) {
                              {0.9f, kUnlimitedBounces}};
     const double level = test::significance(std::size(cases));
     for (const Bounces& c : cases) {
-        SCOPED_TRACE(std::to_string(c.albedo) + ", " + std::to_string(c.most));
+        SCOPED_TRACE(fmt::format("{:f}, {}", c.albedo, c.most));
         const std::vector<double> found = estimates(c.albedo, c.most, 130, 1000);
         const double truth = Sphere::truth(static_cast<double>(c.albedo), c.most);
         EXPECT_GT(test::meanPValue(found, truth), level);

@@ -1,5 +1,6 @@
 // The default path on a ball, where clusters of points have many normals.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -92,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(Caches, DefaultPathOnABall, testing::Values<std::size_t
 TEST_P(DefaultPathOnABall, MeetsTheClosedForm) {
     const double level = test::significance(5);
     for (const Effort& e : {Effort{1, 1}, {1, 16}, {4, 4}, {16, 1}, {16, 4}}) {
-        SCOPED_TRACE(std::to_string(e.cameraRays) + " x " + std::to_string(e.samples));
+        SCOPED_TRACE(fmt::format("{} x {}", e.cameraRays, e.samples));
         expectTruth(ball_.errors(cacheKinds()[GetParam()], e, 60, true), 0.01, level);
     }
 }
@@ -148,7 +149,7 @@ TEST_P(DefaultPathUncalibrated, MeetsTheClosedForm) {
     const auto [cache, wrong] = uncalibrated()[GetParam()];
     const double level = test::significance(3);
     for (const Effort& e : {Effort{1, 1}, {4, 4}, {16, 1}}) {
-        SCOPED_TRACE(std::to_string(e.cameraRays) + " x " + std::to_string(e.samples));
+        SCOPED_TRACE(fmt::format("{} x {}", e.cameraRays, e.samples));
         const int count = std::max(60, 240 / (e.cameraRays * e.samples));
         expectTruth(ball_.errors(cache, e, count, false), wrong, level);
     }

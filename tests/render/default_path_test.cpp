@@ -1,6 +1,7 @@
 // The path that the programs take by default, against known truths: a pilot pass, samples shared
 // out by its budget, several camera rays a pixel, neighbours that share mispredicted samples.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -110,7 +111,7 @@ TEST_P(DefaultPath, MeetsTheClosedForm) {
     const auto estimator = findEstimator(path.estimator).make(floor.context());
     const double level = test::significance(kStrips * std::size(kEfforts));
     for (const auto& [cameraRays, samples] : kEfforts) {
-        SCOPED_TRACE(std::to_string(cameraRays) + " x " + std::to_string(samples));
+        SCOPED_TRACE(fmt::format("{} x {}", cameraRays, samples));
         const int count = std::max(36, path.films / (cameraRays * samples));
         const std::vector<Film> all = films(*estimator, effort(cameraRays, samples), count);
         for (int strip = 0; strip < kStrips; ++strip) {
@@ -166,7 +167,7 @@ TEST_P(DefaultPathNoise, FallsWithCameraRaysAndWithSamples) {
             variance[k][n] = pixelVariance(films(*estimator, effort(1 << 2 * k, 1 << 2 * n),
                                                  path.films / (path.estimator == "mis" ? 16 : 10)));
     for (int k = 0; k < kSteps; ++k) {
-        SCOPED_TRACE(std::to_string(1 << 2 * k) + " camera rays");
+        SCOPED_TRACE(fmt::format("{} camera rays", 1 << 2 * k));
         EXPECT_LT(variance[k][kSteps - 1], most.withSamples * variance[k][0]);
         for (int n = 0; n < kSteps && k > 0; ++n)
             EXPECT_LT(variance[k][n], most.withCameraRays * variance[k - 1][n])
@@ -189,7 +190,7 @@ TEST_P(DefaultPath, TracesTheRaysAskedFor) {
         return rays / (kWidth * kHeight * static_cast<double>(all.size()));
     };
     for (const auto& [cameraRays, samples] : {Effort{1, 4}, {16, 1}, {4, 4}, {1, 64}}) {
-        SCOPED_TRACE(std::to_string(cameraRays) + " x " + std::to_string(samples));
+        SCOPED_TRACE(fmt::format("{} x {}", cameraRays, samples));
         const double wanted = cameraRays * samples, rays = raysOf(cameraRays, samples);
         EXPECT_GT(rays, 0.7 * wanted);
         EXPECT_LT(rays, 1.15 * wanted);

@@ -1,5 +1,6 @@
 // Pictures of glossy surfaces, for numbers of camera rays and samples, and their parts.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -92,8 +93,8 @@ TEST_P(GlossyFloor, IsBruteForcesForAllEfforts) {
     const auto check = [&](const std::string& name, const test::TestCache& cache,
                            const std::string& kind) {
         for (const Effort& chosen : kEfforts) {
-            SCOPED_TRACE(name + " " + kind + " " + std::to_string(chosen.cameraRays) + " x " +
-                         std::to_string(chosen.samples));
+            SCOPED_TRACE(
+                fmt::format("{} {} {} x {}", name, kind, chosen.cameraRays, chosen.samples));
             const test::Estimates found = films(name, cache, chosen, 400);
             // The camera's pixel has nodes of its own: the truth is that good.
             EXPECT_GT(test::agreementPValue(found, wanted), level)

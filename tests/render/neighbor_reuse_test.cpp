@@ -1,5 +1,6 @@
 // Neighbouring points reuse mispredictions: unbiased whatever the cache predicts, and worth it.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -60,9 +61,7 @@ std::ostream& operator<<(std::ostream& out, const Told& told) {
 }
 
 Told tells(int n, int d) {
-    return {"Says" + std::to_string(n) + "Of" + std::to_string(d), [=](std::size_t) {
-                return std::array{n, d};
-            }};
+    return {fmt::format("Says{}Of{}", n, d), [=](std::size_t) { return std::array{n, d}; }};
 }
 
 /// Every other cell is visible, all others are not: both kinds of mispredictions are heavy.

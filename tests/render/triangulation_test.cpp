@@ -2,6 +2,7 @@
 
 #include "render/paper/triangulation.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,8 +27,8 @@ INSTANTIATE_TEST_SUITE_P(Counts, Triangulation,
                                          Wish{80, 3, 3}, Wish{1279, 3, 6}, Wish{5000, 3, 6},
                                          Wish{100000, 3, 6}, Wish{100000, 3, 7}),
                          [](const auto& test) {
-                             return std::to_string(test.param.count) + "DownToLevel" +
-                                    std::to_string(test.param.maxLevel);
+                             return fmt::format("{}DownToLevel{}", test.param.count,
+                                                test.param.maxLevel);
                          });
 
 TEST_P(Triangulation, CoversTheSphereOnceWithAllTheLight) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "common/image/exr.h"
@@ -25,8 +26,9 @@ protected:
                  PixelType::full);
         std::string frames;
         for (int frame = 0; frame < 5; ++frame)
-            frames += std::string(frame ? "," : "") + R"({"origin": [0.)" + std::to_string(frame) +
-                      R"(, 1.2, 2], "forward": [0, -0.5, -1], "up": [0, 1, 0]})";
+            frames += fmt::format(
+                R"({}{{"origin": [0.{}, 1.2, 2], "forward": [0, -0.5, -1], "up": [0, 1, 0]}})",
+                frame ? "," : "", frame);
         folder_.write("camera.json",
                       R"({"cam": {"yfov": 0.9, "fps": 12, "frames": [)" + frames + "]}}");
     }

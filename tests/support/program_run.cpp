@@ -1,6 +1,7 @@
 #include "tests/support/program_run.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -61,7 +62,7 @@ std::string drain(int pipe) {
 /// Waits until the process catches Ctrl-C, as the programs do before their work; ten seconds at
 /// most.
 void awaitHandler(pid_t process) {
-    const std::string path = "/proc/" + std::to_string(process) + "/status";
+    const std::string path = fmt::format("/proc/{}/status", process);
     for (int i = 0; i < 1000; ++i) {
         std::ifstream status(path);
         for (std::string line; std::getline(status, line);)
