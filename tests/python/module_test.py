@@ -64,7 +64,7 @@ class Courtyard:
         self.camera = folder / "camera.json"
         self.cache = folder / "courtyard.vdb"
         run("shadowcache-make-set", "courtyard", "-o", self.file, "--camera", self.camera)
-        run("shadowcache-bake", self.file, "-o", self.cache, "--spacing", 1, "--level", 3)
+        run("shadowcache-bake", self.file, "-o", self.cache, "--spacing", 3, "--level", 2, "--rays", 4)
         self.scene = shadowcache.load_set(self.file)
 
 
@@ -76,7 +76,7 @@ def courtyard(tmp_path_factory):
 # The bits of the programs.
 
 def test_bake_has_the_bytes_of_the_program(courtyard, tmp_path):
-    cache = shadowcache.bake(courtyard.scene, spacing=1, level=3)
+    cache = shadowcache.bake(courtyard.scene, spacing=3, level=2, rays=4)
     size = cache.save(tmp_path / "mine.vdb")
     assert (tmp_path / "mine.vdb").read_bytes() == courtyard.cache.read_bytes()
     assert size == courtyard.cache.stat().st_size
@@ -117,7 +117,7 @@ def test_a_baked_cache_renders_as_its_file(courtyard, tmp_path):
     sky = shadowcache.Environment.constant((1, 2, 3))
     camera = shadowcache.Camera.load(courtyard.camera, frame=2)
     pictures = [shadowcache.render(courtyard.scene, cache, sky, camera, size=(32, 18), spp=2)["color"]
-                for cache in (shadowcache.bake(courtyard.scene, spacing=1, level=3),
+                for cache in (shadowcache.bake(courtyard.scene, spacing=3, level=2, rays=4),
                               shadowcache.Cache.open(courtyard.cache))]
     assert np.array_equal(*pictures)
 
@@ -413,13 +413,15 @@ def test_a_callback_that_raises_ends_the_call(scene, cache, white, camera):
     class Enough(Exception):
         pass
 
-    def enough(*_):
+    calls = []
+
+    def enough(*progress):
+        calls.append(progress)
         raise Enough("enough")
 
-    begin = time.monotonic()
     with pytest.raises(Enough, match="enough"):
-        long_render(scene, cache, white, camera, progress=enough)
-    assert time.monotonic() - begin < 20
+        shadowcache.render(scene, cache, white, camera, size=(640, 360), spp=64, progress=enough)
+    assert len(calls) == 1
 
 
 def test_objects_that_die_in_a_callback(camera):
