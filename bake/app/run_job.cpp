@@ -11,6 +11,7 @@
 #include "bake/core/default_spacing.h"
 #include "bake/core/extend.h"
 #include "bake/core/surface_count.h"
+#include "bake/library/bake_set.h"
 #include "bake/shot/lookup_file.h"
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
@@ -136,8 +137,7 @@ struct Task {
 BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, const Scene& scene,
                     Task& task, Checkpoint& checkpoint) {
     BakeResult result = bakeOrKeep(scene, task.options, task.selection, checkpoint);
-    result.header.upAxis = job.mesh.zUp ? "z" : "y";
-    result.header.unit = job.mesh.scale;
+    recordFiles(job.mesh, result.header);
     const std::size_t baked = result.items.size();
     if (shot) {
         const std::size_t sides = countSides(result.items),

@@ -47,6 +47,7 @@ void installInterruptHandler() {
 
 void throwIfInterrupted() {
     if (interrupted.load(std::memory_order_relaxed)) throw Interrupted();
+    throwIfStopped();
 }
 
 }  // namespace shadowcache

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/base/error.h"
+#include "common/base/watch.h"
 
 namespace shadowcache {
 
@@ -9,13 +9,8 @@ namespace shadowcache {
 /// kTryAgain. A second signal kills it.
 void installInterruptHandler();
 
-/// A signal has asked for the end.
-class Interrupted : public Error {
-public:
-    Interrupted() : Error("interrupted") {}
-};
-
-/// @throws Interrupted once a signal has asked for the end. Cheap; long loops call it often.
+/// @throws Interrupted once a signal, or who watches the call, has asked for the end. Cheap; long
+/// loops call it often.
 void throwIfInterrupted();
 
 }  // namespace shadowcache

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/watch.h"
+
 #ifdef SHADOWCACHE_STD_THREADS
 #include <exception>
 #else
@@ -90,7 +92,10 @@ void parallelFor(std::size_t count, std::size_t chunkSize,
                  const std::function<void(const Chunk&)>& body) {
     assert(chunkSize > 0);
     const std::size_t chunks = count / chunkSize + (count % chunkSize != 0 ? 1 : 0);
+    Watch* watch = currentWatch();
     runAll(chunks, [&](std::size_t index) {
+        const WatchScope scope(watch);
+        throwIfStopped();
         const std::size_t begin = index * chunkSize;
         body({begin, std::min(begin + chunkSize, count), index});
     });

@@ -21,7 +21,8 @@ int threadCount();
 /// Calls `body` once for every chunk of [0, count), chunks of `chunkSize` (> 0) indices, on several
 /// threads in no stated order. Chunks depend on the sizes only, never on the number of threads, so
 /// a result written by chunk index has the same bits for any thread count. An exception of a body
-/// stops the loop and is rethrown here.
+/// stops the loop and is rethrown here. Who watches the caller watches the bodies, and may stop the
+/// loop between two chunks (watch.h).
 void parallelFor(std::size_t count, std::size_t chunkSize,
                  const std::function<void(const Chunk&)>& body);
 

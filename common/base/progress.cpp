@@ -17,7 +17,8 @@ ProgressStyle currentStyle() {
     return chosenStyle.value_or(terminal ? ProgressStyle::bar : ProgressStyle::lines);
 }
 
-std::int64_t intervalOf(ProgressStyle style) {
+std::int64_t intervalOf(ProgressStyle style, const Watch* watch) {
+    if (watch) return 100;
     if (chosenInterval) return *chosenInterval;
     switch (style) {
         case ProgressStyle::bar:
@@ -39,8 +40,9 @@ void setProgressStyle(ProgressStyle style, std::optional<std::int64_t> milliseco
 Progress::Progress(std::string label, std::uint64_t total)
     : label_(std::move(label)),
       total_(std::max<std::uint64_t>(1, total)),
-      style_(currentStyle()),
-      intervalMilliseconds_(intervalOf(style_)),
+      watch_(currentWatch()),
+      style_(watch_ ? ProgressStyle::json : currentStyle()),
+      intervalMilliseconds_(intervalOf(style_, watch_)),
       start_(std::chrono::steady_clock::now()),
       nextPrintMilliseconds_(style_ == ProgressStyle::bar ? 0 : intervalMilliseconds_) {}
 
@@ -60,11 +62,12 @@ void Progress::add(std::uint64_t units) {
     const bool atTheEnd = done == total_ && (style_ == ProgressStyle::json || printed_);
     if (itIsTime || atTheEnd) {
         printed_ = true;
-        print(done, std::chrono::duration<double>(elapsed).count());
+        show(done, std::chrono::duration<double>(elapsed).count());
     }
 }
 
-void Progress::print(std::uint64_t done, double seconds) const {
+void Progress::show(std::uint64_t done, double seconds) const {
+    if (watch_) return watch_->onProgress(label_, done, total_);
     const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total_));
     const double left = share > 0.0 ? seconds * (1.0 - share) / share : 0.0;
     if (style_ == ProgressStyle::json)

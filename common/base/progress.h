@@ -32,7 +32,8 @@ inline constexpr Named<ProgressStyle> kProgressStyles[] = {{"none", ProgressStyl
 void setProgressStyle(ProgressStyle style, std::optional<std::int64_t> milliseconds = {});
 
 /// Counts finished work and shows it with the time left: a bar ten times a second, lines every ten
-/// seconds (work that is shorter shows none), JSON every second and when all is done. Thread-safe.
+/// seconds (work that is shorter shows none), JSON every second and when all is done. Where
+/// somebody watches (watch.h), that one is told instead. Thread-safe.
 class Progress {
 public:
     /// @param label what is being done ("bake"); without characters that JSON escapes
@@ -46,10 +47,11 @@ public:
     void add(std::uint64_t units);
 
 private:
-    void print(std::uint64_t done, double seconds) const;
+    void show(std::uint64_t done, double seconds) const;
 
     std::string label_;
     std::uint64_t total_;
+    Watch* watch_;
     ProgressStyle style_;
     std::int64_t intervalMilliseconds_;
     std::chrono::steady_clock::time_point start_;

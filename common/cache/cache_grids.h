@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "common/cache/cache_items.h"
 #include "common/cache/cache_schema.h"
 #include "common/cache/checksums.h"
 
@@ -24,6 +25,9 @@ CheckedFile openChecked(const std::filesystem::path& path);
 
 /// What a cache records of its bake. @throws Error as openChecked()
 CacheHeader readHeader(const CheckedFile& file);
+
+/// The grids that a file of these items holds.
+CacheGrids makeGrids(const CacheHeader& header, const CacheItems& items);
 
 /// Checks every byte of the file before OpenVDB decodes it.
 ///

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "common/math/vec.h"
 
 namespace shadowcache {
+
+class ShadowCache;
 
 /// Adds `moreN` unoccluded of `moreD` rays (moreN <= moreD) to one pair of 8-bit counts. Where the
 /// sum would pass 255, both counts are scaled down; 0 < n < d stays so and n = 0 or n = d stay
@@ -94,5 +97,11 @@ CacheCheck verifyCache(const std::filesystem::path& path);
 /// @throws Error naming the file and the cause: missing, truncated, foreign, damaged, of another
 /// format version
 CacheItems readCache(const std::filesystem::path& path, CacheHeader& header);
+
+/// A cache of these items that is in no file, as if it were read from one.
+std::unique_ptr<ShadowCache> makeCache(const CacheHeader& header, const CacheItems& items);
+
+/// All items of an open cache without a memory budget, as readCache() has them.
+CacheItems itemsOf(const ShadowCache& cache);
 
 }  // namespace shadowcache

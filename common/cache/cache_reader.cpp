@@ -18,6 +18,7 @@
 #include "common/cache/cache_items.h"
 #include "common/cache/cache_metadata.h"
 #include "common/cache/grid_leaves.h"
+#include "common/cache/open_cache.h"
 #include "common/cache/vdb_archive.h"
 
 namespace shadowcache {
@@ -243,6 +244,17 @@ void appendLeaf(const openvdb::Coord& origin, const LeafView& leaf, std::size_t 
     }
 }
 
+using PlacedLeaf = std::pair<openvdb::Coord, LeafView>;
+
+/// OpenVDB's tree has larger nodes above the leaves, and visits them one by one.
+CacheItems inFileOrder(std::vector<PlacedLeaf> leaves, const CacheHeader& header) {
+    std::ranges::sort(leaves, {}, &PlacedLeaf::first);
+    CacheItems items;
+    for (const auto& [origin, leaf] : leaves)
+        appendLeaf(origin, leaf, header.tiers().baseCells(), items);
+    return items;
+}
+
 }  // namespace
 
 CacheGrids readGrids(const fs::path& path) {
@@ -276,17 +288,20 @@ CacheHeader readHeader(const fs::path& path) {
 CacheItems readCache(const fs::path& path, CacheHeader& header) {
     const CacheGrids grids = readGrids(path);
     header = grids.header;
-    CacheItems items;
-    // OpenVDB's tree has larger nodes above the leaves, and visits them one by one.
-    std::vector<PointLeaf*> leaves;
-    for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf) leaves.push_back(&*leaf);
-    std::ranges::sort(
-        leaves, [](const PointLeaf* a, const PointLeaf* b) { return a->origin() < b->origin(); });
-    for (PointLeaf* leaf : leaves)
-        appendLeaf(leaf->origin(),
-                   viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header, path),
-                   header.tiers().baseCells(), items);
-    return items;
+    std::vector<PlacedLeaf> leaves;
+    for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf)
+        leaves.emplace_back(
+            leaf->origin(),
+            viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header, path));
+    return inFileOrder(std::move(leaves), header);
+}
+
+CacheItems itemsOf(const ShadowCache& cache) {
+    std::vector<PlacedLeaf> leaves;
+    OpenCache::of(cache).visitLeaves(true, [&](const openvdb::Coord& origin, const LeafView& leaf) {
+        leaves.emplace_back(origin, leaf);
+    });
+    return inFileOrder(std::move(leaves), cache.header());
 }
 
 }  // namespace shadowcache

@@ -4,6 +4,7 @@
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/parallel.h"
+#include "common/cache/cache_grids.h"
 #include "common/cache/cache_items.h"
 #include "common/cache/cache_metadata.h"
 #include "common/cache/cache_schema.h"
@@ -140,11 +141,10 @@ PointGrid::Ptr makePointGrid(const char* name, double spacing) {
     return grid;
 }
 
-struct PointGrids {
-    PointGrid::Ptr items, blocks;
-};
+}  // namespace
 
-PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
+CacheGrids makeGrids(const CacheHeader& header, const CacheItems& items) {
+    initializeOpenVdb();
     const std::uint32_t baseCells = header.tiers().baseCells();
     const auto hits = static_cast<std::size_t>(header.hits);
     const std::vector<AttributeSpec> itemAttributeSpecs = itemAttributes(header);
@@ -152,7 +152,7 @@ PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
     const auto blockSpecs = blockAttributes();
     auto itemDescriptors = describe(itemSpecs);
     auto blockDescriptors = describe(blockSpecs);
-    PointGrids grids{makePointGrid(kItemGrid, header.spacing),
+    CacheGrids grids{header, makePointGrid(kItemGrid, header.spacing),
                      makePointGrid(kBlockGrid, header.spacing)};
 
     const std::vector<LeafRange> leaves = splitByLeaf(items);
@@ -173,13 +173,10 @@ PointGrids buildPointGrids(const CacheHeader& header, const CacheItems& items) {
     return grids;
 }
 
-}  // namespace
-
 std::uintmax_t writeCache(const fs::path& path, const CacheHeader& header,
                           const CacheItems& items) {
-    initializeOpenVdb();
     requireWritable(path);
-    const PointGrids points = buildPointGrids(header, items);
+    const CacheGrids points = makeGrids(header, items);
     const VoxelRuns runs = findVoxels(items);
     const auto volume = [&](const VolumeGrid& grid) {
         return makeVdbGrid(header, runs.voxels, grid);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/cache/shadow_cache.h"
@@ -60,6 +61,8 @@ public:
         float exposure;  ///< of its surface, above 0, up to 1
     };
     const Item& item(std::uint32_t number) const { return items_[number]; }
+    /// All items, by number.
+    std::span<const Item> all() const { return items_; }
 
 private:
     std::uint32_t slotOf(const Vec3i& voxel) const noexcept;

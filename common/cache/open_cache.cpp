@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "common/base/error.h"
 #include "common/cache/cache_items.h"
@@ -116,8 +117,8 @@ int keepWeighty(std::span<ItemView> items) {
 
 }  // namespace
 
-void ShadowCache::Impl::readAll(const fs::path& path) {
-    grids = readGrids(path);
+void ShadowCache::Impl::take(CacheGrids all, const fs::path& path) {
+    grids = std::move(all);
     header = grids.header;
     for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf) {
         leaf->setTransientData(static_cast<openvdb::Index32>(leaves.size()));
@@ -146,13 +147,25 @@ void ShadowCache::Impl::visitLeaves(bool hits, const VisitLeaf& visit) const {
 ShadowCache::ShadowCache(const fs::path& path, std::uint64_t memoryBudget)
     : impl_(std::make_unique<Impl>()) {
     if (memoryBudget == 0) {
-        impl_->readAll(path);
+        impl_->take(readGrids(path), path);
         return;
     }
     impl_->header = readHeader(path);
     impl_->paged.emplace(path, impl_->header, memoryBudget);
     impl_->items = impl_->paged->items();
     impl_->blocks = impl_->paged->blocks();
+}
+
+ShadowCache::ShadowCache(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+std::unique_ptr<ShadowCache> OpenCache::make(const CacheHeader& header, const CacheItems& items) {
+    auto impl = std::make_unique<ShadowCache::Impl>();
+    impl->take(makeGrids(header, items), "cache in memory");
+    return std::unique_ptr<ShadowCache>(new ShadowCache(std::move(impl)));
+}
+
+std::unique_ptr<ShadowCache> makeCache(const CacheHeader& header, const CacheItems& items) {
+    return OpenCache::make(header, items);
 }
 
 ShadowCache::~ShadowCache() = default;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -23,7 +24,10 @@ struct ShadowCache::Impl {
     CacheGrids grids;
     std::vector<LeafView> leaves;
 
-    void readAll(const std::filesystem::path& path);
+    /// Takes all over that is in memory.
+    ///
+    /// @param path  for messages
+    void take(CacheGrids all, const std::filesystem::path& path);
 
     using VisitLeaf = std::function<void(const openvdb::Coord& origin, const LeafView& leaf)>;
     /// Calls `visit` with each leaf of items, in the order of their numbers.
@@ -36,6 +40,7 @@ struct ShadowCache::Impl {
 /// Gives the cache's .cpp files what is in an open one.
 struct OpenCache {
     static const auto& of(const ShadowCache& cache) { return *cache.impl_; }
+    static std::unique_ptr<ShadowCache> make(const CacheHeader& header, const CacheItems& items);
 };
 
 }  // namespace shadowcache

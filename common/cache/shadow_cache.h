@@ -112,6 +112,8 @@ private:
     friend struct OpenCache;  // for the cache's own .cpp files
 
     struct Impl;
+    explicit ShadowCache(std::unique_ptr<Impl> impl);
+
     std::unique_ptr<Impl> impl_;
 };
 

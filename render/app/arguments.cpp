@@ -13,6 +13,7 @@
 #include "common/base/text_streams.h"
 #include "common/cli/command_line.h"
 #include "common/shot/frames.h"
+#include "render/library/pixel_rays.h"
 
 namespace shadowcache {
 
@@ -23,10 +24,6 @@ constexpr double kLeastTargetError = 1e-14;
 
 /// Samples of a camera ray where --target-error chooses the camera rays.
 constexpr int kTargetErrorSamples = 4;
-
-/// Shadow rays of a pixel: of a picture that is delivered, and of a preview.
-constexpr int kStandardRays = 64;
-constexpr int kPreviewRays = 4;
 
 /// "A,B,C" -> finite numbers, as many as `count`.
 std::vector<double> parseNumbers(const char* option, const std::string& text, std::size_t count,
@@ -94,22 +91,14 @@ Gloss parseMaterial(const std::string& text) {
     return gloss;
 }
 
-/// The camera rays of a pixel, and the samples of each.
-void chooseRays(const Arguments& arguments, RenderOptions& render) {
+/// The rays of a pixel that are asked for.
+PixelRays pixelRaysOf(const Arguments& arguments) {
+    PixelRays rays{arguments.spp, arguments.cameraRays, arguments.samples, arguments.preview};
     if (arguments.targetError) {
-        render.cameraRays = 1;
-        render.samples = arguments.samples.value_or(kTargetErrorSamples);
-    } else if (arguments.samples || arguments.cameraRays) {
-        render.cameraRays = arguments.cameraRays.value_or(1);
-        render.samples = arguments.samples.value_or(1);
-    } else {
-        const int rays = arguments.spp.value_or(arguments.preview ? kPreviewRays : kStandardRays);
-        requireRange("spp", rays, arguments.preview ? 0 : 1, kMostCameraRays);
-        render.cameraRays = std::max(1, rays);
-        render.samples = std::min(1, rays);
+        rays.cameraRays = 1;
+        rays.samples = arguments.samples.value_or(kTargetErrorSamples);
     }
-    // Without samples the prediction remains, and nothing to filter.
-    render.preview = arguments.preview && render.samples > 0;
+    return rays;
 }
 
 }  // namespace
@@ -144,9 +133,7 @@ RenderJob jobOf(const Arguments& arguments) {
         requireRange("target-error", *arguments.targetError, kLeastTargetError, 1e6);
         job.targetError = *arguments.targetError;
     }
-    chooseRays(arguments, job.render);
-    if (const std::string name = estimatorOf(job).name; arguments.preview && name != "cache")
-        throw Error("--preview: expected --estimator cache, found " + name);
+    chooseRays(pixelRaysOf(arguments), estimatorOf(job), job.render);
     const bool grey = arguments.albedo.find(',') == std::string::npos;
     job.render.plain.albedo =
         Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])

@@ -25,11 +25,12 @@
 #include "render/app/memory_report.h"
 #include "render/app/pixel_report.h"
 #include "render/app/stale_cache.h"
-#include "render/bounces/item_looks.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
 #include "render/frame/progressive.h"
 #include "render/frame/target_error.h"
+#include "render/library/pixel_rays.h"
+#include "render/library/shot.h"
 #include "render/shot/environment_loader.h"
 #include "render/shot/light_plan.h"
 
@@ -57,16 +58,7 @@ const EstimatorEntry& validate(const RenderJob& job) {
         requireRange("debug (y)", (*job.debugPixel)[1], 0, job.render.height - 1);
     }
     const EstimatorEntry& entry = estimatorOf(job);
-    const std::string name = entry.name;
-    if (entry.needsCache && job.cache.empty())
-        throw Error("--estimator " + name +
-                    " requires --cache: bake the set with shadowcache-bake first");
-    if (job.render.samples < entry.minSamples)
-        throw Error(fmt::format("--samples {}: --estimator {} expected at least {}",
-                                job.render.samples, name, entry.minSamples));
-    if (job.render.bounces != 0 && entry.inOrder)
-        throw Error("--bounces: a pixel of --estimator " + name +
-                    " depends on the pixels before it; expected --bounces 0");
+    requireFit(entry, !job.cache.empty(), job.render);
     if (job.progressive && job.sequence != Sequence::sobol && job.sequence != Sequence::random)
         throw Error(
             "--progressive: expected --sequence sobol or random, which have no fixed length");
@@ -75,9 +67,9 @@ const EstimatorEntry& validate(const RenderJob& job) {
 }
 
 /// A job in progress: the inputs, loaded once, and the frames.
-class Shot {
+class Run {
 public:
-    explicit Shot(const RenderJob& job)
+    explicit Run(const RenderJob& job)
         : job_(job),
           entry_(validate(job)),
           plan_(job.environment, job.environmentRotation, job.frames, job.shotFrames),
@@ -110,7 +102,7 @@ public:
         cache_ = openCacheOfSet(job_, mesh_);
         const double loaded = secondsNow();
         scene_.emplace(mesh_);
-        readBounces();
+        makeShot();
         timing_ = {loaded - start, secondsNow() - loaded};
         options_ = job_.render;
         options_.insight = std::ranges::any_of(job_.aovs, needsInsight);
@@ -138,22 +130,18 @@ private:
             plan_.at(i), frame, inputs_);
         if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
-        if (light_.load(i)) {
-            solveBounces();
-            estimator_ = entry_.make(
-                {*scene_, light_.environment(), cache_.get(), job_.sequence, solve_.get()},
-                job_.estimatorOptions);
-        }
-        if (job_.debugPixel && estimator_->inOrder())
+        if (light_.load(i)) shot_->setEnvironment(light_.environment());
+        const Estimator& estimator = shot_->estimator();
+        if (job_.debugPixel && estimator.inOrder())
             throw Error(std::string("--debug: a pixel of --estimator ") + entry_.name +
                         " depends on the pixels before it and cannot be replayed alone");
-        if (job_.render.crop && estimator_->inOrder())
+        if (job_.render.crop && estimator.inOrder())
             throw Error(std::string("--crop: a pixel of --estimator ") + entry_.name +
                         " depends on the pixels before it");
         timing_.build += secondsNow() - start;
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;
-        const FrameRequest wanted{*estimator_, camera.at(frame), frame, options_};
+        const FrameRequest wanted{estimator, camera.at(frame), frame, options_};
         if (job_.explain) {
             const Forecast forecast{entry_, !job_.estimator.empty(),
                                     static_cast<int>(job_.frames.size()),
@@ -173,7 +161,7 @@ private:
         stats_.cameraRaysAPixel = meanCameraRays(film);
         stats_.ownError =
             correction *
-            measuredError(film.pixels, estimator_->context().environment.luminanceWeights());
+            measuredError(film.pixels, estimator.context().environment.luminanceWeights());
         if (job_.targetError > 0) reportError(frame);
         writeFrame(job_, film, std::move(metadata),
                    {stats_.seconds - before, done.cameraRays, done.end != FrameEnd::interrupted},
@@ -194,24 +182,11 @@ private:
         return plain;
     }
 
-    /// Solves the light that bounces under the environment, as far as the cache knows it.
-    void solveBounces() {
-        solve_.reset();
-        if (!transport_) return;
-        solve_ = std::make_unique<BounceSolve>(*cache_, *items_, *transport_, light_.environment(),
-                                               looks_, job_.render.bounces);
-    }
-
-    /// What the cache knows of the set's transport, if light bounces.
-    void readBounces() {
-        if (job_.render.bounces == 0 || !cache_) return;
-        items_.emplace(*cache_);
-        transport_ = readTransport(*cache_, *items_);
-        if (transport_) {
-            looks_ = looksOf(*scene_, *items_, job_.render.plain);
-            return;
-        }
-        items_.reset();
+    void makeShot() {
+        shot_.emplace(*scene_, cache_.get(), entry_,
+                      ShotOptions{job_.estimatorOptions, job_.sequence, job_.render.bounces,
+                                  job_.render.plain});
+        if (!shot_->missesTransport()) return;
         if (job_.render.samples == 0 || job_.render.preview)
             throwFileError(job_.cache,
                            "holds no transport, of which a preview of bounces is made: bake "
@@ -225,7 +200,7 @@ private:
                                  double before) {
         if (!job_.progressive)
             return {render(request, stats_), request.options.cameraRays, FrameEnd::complete};
-        if (estimator_->inOrder())
+        if (request.estimator.inOrder())
             throw Error(std::string("--progressive: a pixel of --estimator ") + entry_.name +
                         " depends on the pixels before it");
         const double end =
@@ -310,11 +285,7 @@ private:
     std::optional<MovingSet> moving_;
     std::unique_ptr<ShadowCache> cache_;
     std::optional<Scene> scene_;
-    std::optional<ItemTable> items_;
-    std::optional<Transport> transport_;
-    std::vector<ItemLook> looks_;  ///< by item
-    std::unique_ptr<BounceSolve> solve_;
-    std::unique_ptr<Estimator> estimator_;
+    std::optional<Shot> shot_;
     std::optional<Image> reference_;
     std::optional<RelativeError> error_;
     RenderOptions options_;
@@ -328,7 +299,7 @@ private:
 }  // namespace
 
 void run(const RenderJob& job) {
-    Shot(job).run();
+    Run(job).run();
 }
 
 void listSet(const RenderJob& job) {

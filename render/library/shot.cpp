@@ -1,0 +1,39 @@
+#include "render/library/shot.h"
+
+#include "render/bounces/item_looks.h"
+#include "render/frame/integrator.h"
+#include "render/frame/pilot.h"
+
+namespace shadowcache {
+
+Shot::Shot(const Scene& scene, const ShadowCache* cache, const EstimatorEntry& estimator,
+           const ShotOptions& options)
+    : scene_(scene), cache_(cache), entry_(estimator), options_(options) {
+    if (options.bounces == 0 || !cache) return;
+    items_.emplace(*cache);
+    transport_ = readTransport(*cache, *items_);
+    missesTransport_ = !transport_;
+    if (transport_)
+        looks_ = looksOf(scene, *items_, options.plain);
+    else
+        items_.reset();
+}
+
+void Shot::setEnvironment(const Environment& environment) {
+    estimator_.reset();
+    solve_.reset();
+    if (transport_)
+        solve_ = std::make_unique<BounceSolve>(*cache_, *items_, *transport_, environment, looks_,
+                                               options_.bounces);
+    estimator_ = entry_.make({scene_, environment, cache_, options_.sequence, solve_.get()},
+                             options_.estimator);
+}
+
+Film Shot::renderFrame(const Camera& camera, int frameNumber, const RenderOptions& options,
+                       RenderStats& stats) const {
+    FrameRequest frame{*estimator_, camera, frameNumber, options};
+    frame.plan = planFrame(frame, stats);
+    return render(frame, stats);
+}
+
+}  // namespace shadowcache

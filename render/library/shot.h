@@ -1,0 +1,72 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/cache/shadow_cache.h"
+#include "common/cache/transport.h"
+#include "common/light/environment.h"
+#include "common/predict/bounce_solve.h"
+#include "common/trace/scene.h"
+#include "render/frame/film.h"
+#include "render/frame/frame_request.h"
+#include "render/table/estimator_table.h"
+
+namespace shadowcache {
+
+/// How a shot is lit.
+struct ShotOptions {
+    EstimatorOptions estimator = {};
+    Sequence sequence = Sequence::sobol;
+    int bounces = 0;  ///< as RenderOptions::bounces
+    PlainLook plain = {};
+};
+
+/// A set and its cache under one environment after another: what its frames share is made once, and
+/// again where the environment changes.
+class Shot {
+public:
+    /// @param scene      outlives the shot
+    /// @param cache      outlives the shot; null where the estimator needs none
+    /// @param estimator  of the table
+    /// @throws Error naming the cache's file if that cannot be read any more
+    Shot(const Scene& scene, const ShadowCache* cache, const EstimatorEntry& estimator,
+         const ShotOptions& options);
+
+    /// Whether light bounces off a cached set whose cache holds no transport: it is not predicted,
+    /// which is unbiased but noisier.
+    bool missesTransport() const { return missesTransport_; }
+
+    /// Lights the shot by another environment. Solves the light that bounces under it, as far as
+    /// the cache knows it.
+    ///
+    /// @param environment  stays until the next one, or as long as the shot
+    void setEnvironment(const Environment& environment);
+
+    /// Of the environment that was set last.
+    const Estimator& estimator() const { return *estimator_; }
+
+    /// Renders a frame under the environment that was set last: its pilot first, then render().
+    /// Thread-safe.
+    ///
+    /// @param frameNumber  chooses the random numbers
+    /// @param options      with the bounces and the plain look of the shot
+    /// @throws Error as render()
+    Film renderFrame(const Camera& camera, int frameNumber, const RenderOptions& options,
+                     RenderStats& stats) const;
+
+private:
+    const Scene& scene_;
+    const ShadowCache* cache_;
+    const EstimatorEntry& entry_;
+    ShotOptions options_;
+    bool missesTransport_ = false;
+    std::optional<ItemTable> items_;
+    std::optional<Transport> transport_;
+    std::vector<ItemLook> looks_;  ///< by item
+    std::unique_ptr<BounceSolve> solve_;
+    std::unique_ptr<Estimator> estimator_;
+};
+
+}  // namespace shadowcache

@@ -1,0 +1,202 @@
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "bake/library/bake_set.h"
+#include "common/base/option_checks.h"
+#include "common/base/text_streams.h"
+#include "common/cache/cache_items.h"
+#include "common/predict/many_places.h"
+#include "render/python/arrays.h"
+#include "render/python/classes.h"
+#include "render/python/long_call.h"
+
+namespace shadowcache::python {
+
+namespace py = pybind11;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, std::optional<double> spacing,
+                                       int level, int rays, bool uniform, bool transport,
+                                       std::uint64_t seed, const py::object& progress) {
+    BakeOptions options;
+    options.spacing = spacing.value_or(0);
+    options.level = level;
+    options.rays = rays;
+    options.adaptive = !uniform;
+    options.transport = transport;
+    options.seed = seed;
+    // Without a spacing one is chosen, but 0 is none.
+    if (spacing) requireRange("spacing", *spacing, 1e-300, kMostSpacing);
+    const auto set = scene.set;
+    return longCall(progress, [&] {
+        const BakeResult result = bakeSet(*set, options);
+        std::shared_ptr<const ShadowCache> cache = makeCache(result.header, result.items);
+        return std::make_shared<CacheObject>(CacheObject{std::move(cache), {}, {}});
+    });
+}
+
+std::shared_ptr<CacheObject> openCache(const fs::path& path) {
+    return longCall(py::none(), [&] {
+        return std::make_shared<CacheObject>(
+            CacheObject{std::make_shared<const ShadowCache>(path), path, {}});
+    });
+}
+
+std::uintmax_t saveCache(const CacheObject& cache, const fs::path& path) {
+    requireExtension(path, ".vdb");
+    const auto kept = cache.cache;
+    return longCall(py::none(), [&] { return writeCache(path, kept->header(), itemsOf(*kept)); });
+}
+
+/// Columns of ItemTable::Item.
+py::dtype itemType() {
+    using Item = ItemTable::Item;
+    py::list names, formats, offsets;
+    const auto add = [&](const char* name, const char* format, std::size_t offset) {
+        names.append(name);
+        formats.append(format);
+        offsets.append(offset);
+    };
+    add("voxel", "3i4", offsetof(Item, voxel));
+    add("patch", "i2", offsetof(Item, patch));
+    add("position", "3f4", offsetof(Item, position));
+    add("normal", "3f4", offsetof(Item, normal));
+    add("exposure", "f4", offsetof(Item, exposure));
+    return {names, formats, offsets, sizeof(Item)};
+}
+
+py::array itemsArray(CacheObject& cache) {
+    if (!cache.items) {
+        const auto kept = cache.cache;
+        cache.items =
+            longCall(py::none(), [&] { return std::make_shared<const ItemTable>(*kept); });
+    }
+    const auto items = cache.items;
+    using Owner = std::shared_ptr<const ItemTable>;
+    const py::capsule owner(new Owner(items), [](void* kept) { delete static_cast<Owner*>(kept); });
+    py::array array(itemType(), {static_cast<py::ssize_t>(items->size())}, {}, items->all().data(),
+                    owner);
+    array.attr("flags").attr("writeable") = false;
+    return array;
+}
+
+py::object numbersOrArray(const py::array& array) {
+    return array.ndim() == 0 ? py::object(array.attr("item")()) : py::object(array);
+}
+
+py::object visibility(const CacheObject& cache, const py::object& points, const py::object& normals,
+                      const py::object& directions, const py::object& progress) {
+    const Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals"),
+                                     vectorsOf(directions, "directions")});
+    const auto kept = cache.cache;
+    std::vector<float> out = longCall(progress, [&] {
+        const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
+        std::vector<float> shares(places.positions.size());
+        visibilityAt(*kept, places, vectorsIn(all.arrays[2]), shares);
+        return shares;
+    });
+    return numbersOrArray(arrayOf<float>(all.shape, std::move(out)));
+}
+
+py::array irradiance(const CacheObject& cache, const py::object& points, const py::object& normals,
+                     const EnvironmentObject& environment, const py::object& progress) {
+    Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals")});
+    const auto kept = cache.cache;
+    const auto light = environment.light;
+    std::vector<Rgb> out = longCall(progress, [&] {
+        const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
+        const CachePreview preview(*light, kept->header().tiers());
+        std::vector<Rgb> values(places.positions.size());
+        irradianceAt(*kept, preview, places, values);
+        return values;
+    });
+    all.shape.push_back(3);
+    return arrayOf<float>(all.shape, std::move(out));
+}
+
+py::dict headerOf(const CacheObject& cache) {
+    const CacheHeader& header = cache.cache->header();
+    using namespace py::literals;
+    return py::dict("level"_a = header.level, "adaptive"_a = header.adaptive,
+                    "spacing"_a = header.spacing, "rays"_a = header.rays(),
+                    "seeds"_a = header.seeds(), "up"_a = header.upAxis, "unit"_a = header.unit,
+                    "fingerprint"_a = fingerprintText(header.fingerprint),
+                    "version"_a = header.version);
+}
+
+std::string reprOf(const CacheObject& cache) {
+    TextWriter text;
+    text << "<shadowcache.Cache: " << cache.cache->itemCount() << " items, spacing "
+         << cache.cache->header().spacing << " m, "
+         << (cache.path.empty() ? "in memory" : cache.path.string()) << ">";
+    return text.str();
+}
+
+}  // namespace
+
+void defineCache(py::module_& module) {
+    py::class_<CacheObject, std::shared_ptr<CacheObject>>(
+        module, "Cache",
+        "Which directions reach the sky, for every place near the surfaces of a set.")
+        .def_static("open", openCache, py::arg("path"), "Reads a cache file (.vdb) into memory.")
+        .def("save", saveCache, py::arg("path"),
+             "Writes the cache to a file (.vdb), as shadowcache-bake does, and returns its bytes.")
+        .def_property_readonly(
+            "path",
+            [](const CacheObject& c) {
+                return c.path.empty() ? std::nullopt : std::optional(c.path.string());
+            },
+            "The file that it was opened from; None of a bake in memory.")
+        .def_property_readonly(
+            "spacing", [](const CacheObject& c) { return c.cache->header().spacing; },
+            "Side of a voxel [m].")
+        .def_property_readonly("header", headerOf, "What the cache records of its bake.")
+        .def_property_readonly(
+            "nbytes", [](const CacheObject& c) { return c.cache->memoryBytes(); },
+            "Bytes of memory that it takes.")
+        .def("__len__", [](const CacheObject& c) { return c.cache->itemCount(); })
+        .def("items", itemsArray,
+             "The items, a read-only structured array of shape (len(cache),) that shares the\n"
+             "cache's memory. Fields: 'voxel' (3 int32); 'patch' (int16, side and layer, packed);\n"
+             "'position' (3 float32, mean point from the voxel's middle, in spacings); 'normal'\n"
+             "(3 float32, unit); 'exposure' (float32, in (0, 1]: exposed share of its surface).\n"
+             "World positions are (voxel + position) * cache.spacing.")
+        .def(
+            "visibility", visibility, py::arg("points"), py::arg("normals"), py::arg("directions"),
+            py::kw_only(), py::arg("progress") = py::none(),
+            "Visible share of the sky around directions, as the cache predicts it without rays.\n\n"
+            "points: places on the set [m], normals: towards the side that is lit, directions:\n"
+            "    (..., 3) each, broadcast; normals and directions of any length.\n"
+            "Returns float32 in [0, 1] of the common shape (...); NaN where the cache has no item\n"
+            "or an input is not finite or a zero vector.")
+        .def(
+            "irradiance", irradiance, py::arg("points"), py::arg("normals"), py::arg("environment"),
+            py::kw_only(), py::arg("progress") = py::none(),
+            "Irradiance of an Environment, as the cache predicts it without rays: free of noise,\n"
+            "and biased where its counts are wrong.\n\n"
+            "points: places on the set [m], normals: towards the side that is lit; (..., 3) each,\n"
+            "    broadcast; normals of any length.\n"
+            "Returns float32 (..., 3), linear RGB [radiance sr]; NaN where the cache has no item\n"
+            "or an input is not finite or a zero vector. Times albedo / pi it is the radiance "
+            "that\n"
+            "a Lambertian surface reflects.")
+        .def("__repr__", reprOf);
+    module.def(
+        "bake", bakeScene, py::arg("scene"), py::kw_only(), py::arg("spacing") = py::none(),
+        py::arg("level") = 5, py::arg("rays") = 16, py::arg("uniform") = false,
+        py::arg("transport") = true, py::arg("seed") = 1, py::arg("progress") = py::none(),
+        "Bakes a Scene, and returns its Cache in memory: the items of shadowcache-bake.\n\n"
+        "spacing: side of a voxel [m]; None: chosen from the set's size.\n"
+        "level: finest direction level, 0 to 5. rays: of a region of mixed visibility,\n"
+        "    1 to 255. uniform: refine all regions. transport: keep which items the rays of\n"
+        "    each item met, which bounced light uses.");
+}
+
+}  // namespace shadowcache::python

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+namespace shadowcache::python {
+
+/// Runs `work` on a thread of its own, without the interpreter's lock, and returns when it has
+/// ended: other Python threads run meanwhile. Ctrl-C, and an exception of `progress`, end it within
+/// moments, as far as the library polls, and are raised.
+///
+/// @param progress  called with (task, done, total), on the caller's thread; None: not called
+void runLong(const pybind11::object& progress, const std::function<void()>& work);
+
+/// The same of what returns something.
+template <class Work>
+auto longCall(const pybind11::object& progress, const Work& work) {
+    std::optional<decltype(work())> result;
+    runLong(progress, [&] { result.emplace(work()); });
+    return *std::move(result);
+}
+
+}  // namespace shadowcache::python

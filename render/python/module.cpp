@@ -1,0 +1,233 @@
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "common/base/error.h"
+#include "common/base/option_checks.h"
+#include "common/base/parallel.h"
+#include "common/base/text_streams.h"
+#include "common/base/version.h"
+#include "common/mesh/placed_mesh.h"
+#include "common/shot/camera_source.h"
+#include "common/shot/gltf_shot.h"
+#include "render/python/arrays.h"
+#include "render/python/classes.h"
+#include "render/python/long_call.h"
+
+namespace shadowcache::python {
+
+namespace py = pybind11;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kModuleDoc =
+    "Bakes the visibility of a static set once, and renders it under any HDRI.\n\n"
+    "    scene = shadowcache.load_set('room.glb')\n"
+    "    cache = shadowcache.bake(scene)\n"
+    "    sky = shadowcache.Environment.load('sky.exr')\n"
+    "    camera = shadowcache.Camera(eye=(2, 1.6, 3), look_at=(0, 1, 0))\n"
+    "    color = shadowcache.render(scene, cache, sky, camera)['color']\n\n"
+    "World space is right-handed with +Y up, in metres. Radiance is linear; irradiance is\n"
+    "radiance times steradians. Arrays of places and directions have a last axis of 3, of any\n"
+    "real dtype, and are broadcast against each other. Long calls let other threads run, take\n"
+    "progress=f, called as f(task, done, total), and end on Ctrl-C. Refused inputs raise Error,\n"
+    "or ValueError and TypeError for arrays.";
+
+/// Set files as a path, or several.
+std::vector<fs::path> pathsOf(const py::object& set) {
+    if (py::isinstance<py::list>(set) || py::isinstance<py::tuple>(set))
+        return set.cast<std::vector<fs::path>>();
+    return {set.cast<fs::path>()};
+}
+
+bool namesFiles(const py::object& set) {
+    const auto isPath = [](const py::handle& value) {
+        return py::isinstance<py::str>(value) || py::hasattr(value, "__fspath__");
+    };
+    if (py::isinstance<py::list>(set) || py::isinstance<py::tuple>(set))
+        return py::len(set) > 0 && isPath(*set.begin());
+    return isPath(set);
+}
+
+/// An array (n, 3).
+Doubles rowsOf(const py::object& value, const char* name) {
+    Doubles array = vectorsOf(value, name);
+    if (array.ndim() != 2)
+        throw py::value_error(std::string(name) + ": shape " + shapeText(array) +
+                              ", expected (n, 3)");
+    for (py::ssize_t i = 0; i < array.size(); ++i)
+        if (!std::isfinite(array.data()[i]))
+            throw py::value_error(std::string(name) + "[" + std::to_string(i / 3) +
+                                  "]: expected finite numbers");
+    return array;
+}
+
+/// One number of an array for each vertex.
+Doubles rowsOfVertices(const py::object& value, const char* name, std::size_t vertices) {
+    Doubles array = rowsOf(value, name);
+    if (vectorsIn(array).size() != vertices)
+        throw py::value_error(std::string(name) + ": shape " + shapeText(array) + ", expected (" +
+                              std::to_string(vertices) + ", 3), a row for each vertex");
+    return array;
+}
+
+RawMesh meshOf(const py::object& vertices, const py::object& triangles, const py::object& colors,
+               const py::object& normals) {
+    RawMesh raw;
+    const Doubles places = rowsOf(vertices, "vertices");
+    const auto all = vectorsIn(places);
+    raw.vertices.assign(all.begin(), all.end());
+    const py::array given = py::module_::import("numpy").attr("asarray")(triangles);
+    if (given.dtype().kind() != 'i' && given.dtype().kind() != 'u')
+        throw py::type_error("triangles: expected an array of integers, three corners each");
+    const Doubles corners = rowsOf(triangles, "triangles");
+    for (py::ssize_t i = 0; i < corners.size(); ++i) {
+        const double corner = corners.data()[i];
+        if (!(corner >= 0 && corner < static_cast<double>(all.size())))
+            throw py::value_error("triangles[" + std::to_string(i / 3) + "]: vertex " +
+                                  std::to_string(static_cast<long long>(corner)) +
+                                  ", expected 0 to " + std::to_string(all.size()) + " - 1");
+        raw.faceVertices.push_back(static_cast<std::uint32_t>(corner));
+    }
+    raw.faceSizes.assign(vectorsIn(corners).size(), 3);
+    if (!colors.is_none()) {
+        const Doubles rows = rowsOfVertices(colors, "colors", all.size());
+        for (const Vec3d& color : vectorsIn(rows)) {
+            for (int k = 0; k < 3; ++k)
+                if (!(color[k] >= 0 && color[k] <= 1))
+                    throw py::value_error("colors: expected linear albedos, 0 to 1");
+            raw.colors.emplace_back(color);
+        }
+    }
+    if (!normals.is_none()) {
+        const Doubles rows = rowsOfVertices(normals, "normals", all.size());
+        raw.normals.assign(vectorsIn(rows).begin(), vectorsIn(rows).end());
+    }
+    return raw;
+}
+
+/// Says what a set that stands still leaves out.
+void warnOfMoving(const std::vector<fs::path>& files, const MeshOptions& options, double fps) {
+    if (options.stillAt) return;
+    std::size_t moving = 0;
+    for (const GltfShot& shot : openShots(files, options, fps)) moving += shot.movingNodes().size();
+    if (moving == 0) return;
+    const std::string text = std::to_string(moving) +
+                             " nodes move and are left out; frame=N loads them as they stand then";
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+}
+
+SceneObject loadScene(const py::object& set, const py::object& triangles, const py::object& colors,
+                      const py::object& normals, const std::string& up, double scale,
+                      std::optional<int> frame, double fps, double smooth, bool allowExternal,
+                      const py::object& progress) {
+    if (up != "y" && up != "z") throw Error("--up " + up + ": expected y or z");
+    requireRange("smooth", smooth, 0.0, 180.0);
+    MeshOptions options{.zUp = up == "z",
+                        .scale = scale,
+                        .shadingNormals = true,
+                        .gloss = true,
+                        .smoothDegrees = smooth,
+                        .references = allowExternal ? References::anywhere : References::inside,
+                        .stillAt = timeOf(frame, fps)};
+    if (!namesFiles(set)) {
+        RawMesh raw = meshOf(set, triangles, colors, normals);
+        return {longCall(progress,
+                         [&] { return std::shared_ptr(makeSet("set", std::move(raw), options)); }),
+                {}};
+    }
+    if (!triangles.is_none() || !colors.is_none() || !normals.is_none())
+        throw py::type_error("load_set: expected files, or arrays, not both");
+    const std::vector<fs::path> files = pathsOf(set);
+    SceneObject scene{longCall(progress, [&] { return std::shared_ptr(loadSet(files, options)); }),
+                      files};
+    warnOfMoving(files, options, fps);
+    return scene;
+}
+
+Box3d boundsOf(const LoadedSet& set) {
+    Box3d bounds = placedBounds(set.mesh);
+    bounds.min += set.mesh.origin;
+    bounds.max += set.mesh.origin;
+    return bounds;
+}
+
+std::string reprOf(const SceneObject& scene) {
+    const Vec3d size = boundsOf(*scene.set).size();
+    TextWriter text;
+    text << "<shadowcache.Scene: " << scene.set->mesh.report.placed << " triangles, " << size.x
+         << " x " << size.y << " x " << size.z << " m>";
+    return text.str();
+}
+
+}  // namespace
+
+void defineScene(py::module_& module) {
+    py::class_<SceneObject>(module, "Scene", "A set in memory, ready to be baked and rendered.")
+        .def_property_readonly(
+            "triangles", [](const SceneObject& s) { return s.set->mesh.report.placed; },
+            "Number of triangles in the world, each copy of an instance counted.")
+        .def_property_readonly(
+            "bounds",
+            [](const SceneObject& s) {
+                const Box3d bounds = boundsOf(*s.set);
+                return arrayOf<double>({2, 3}, std::vector<Vec3d>{bounds.min, bounds.max});
+            },
+            "Least and greatest corner in world space [m], (2, 3) float64.")
+        .def_property_readonly(
+            "report", [](const SceneObject& s) { return describe(s.set->mesh.report); },
+            "What loading found and mended, in one line.")
+        .def(
+            "camera",
+            [](const SceneObject& s, const std::string& name, int frame, double fps) {
+                const std::vector<GltfShot> shots = openShots(s.files, s.set->options, fps);
+                return CameraSource({name, {}, {}}, shots).at(frame);
+            },
+            py::arg("name"), py::kw_only(), py::arg("frame") = 1, py::arg("fps") = 24.0,
+            "The Camera of a frame: one of the set's glTF cameras by its name, or a camera file\n"
+            "(.json).")
+        .def("__repr__", reprOf);
+    module.def("load_set", loadScene, py::arg("set"), py::arg("triangles") = py::none(),
+               py::kw_only(), py::arg("colors") = py::none(), py::arg("normals") = py::none(),
+               py::arg("up") = "y", py::arg("scale") = 1.0, py::arg("frame") = py::none(),
+               py::arg("fps") = 24.0, py::arg("smooth") = 0.0, py::arg("allow_external") = false,
+               py::arg("progress") = py::none(),
+               "Loads a set, and returns its Scene.\n\n"
+               "set: a file, or several that make one set (OBJ, PLY, STL, OFF, OM, glTF); or the\n"
+               "    vertices of triangles, (n, 3).\n"
+               "triangles: with vertices, three of their numbers each, (m, 3) integers.\n"
+               "colors: linear albedo of each vertex, (n, 3) in [0, 1]; without, what render()\n"
+               "    takes for all.\n"
+               "normals: shading normal of each vertex, (n, 3).\n"
+               "up: 'y' or 'z', the axis that is up in the files. scale: metres per unit.\n"
+               "frame, fps: the frame of glTF animations in whose pose all stands still; without,\n"
+               "    what moves is left out, with a warning.\n"
+               "smooth: crease angle [degrees] below which triangles without shading normals get\n"
+               "    some.\n"
+               "allow_external: whether files may name others outside of their folders.");
+}
+
+}  // namespace shadowcache::python
+
+PYBIND11_MODULE(shadowcache, module) {
+    namespace py = pybind11;
+    module.doc() = shadowcache::python::kModuleDoc;
+    module.attr("__version__") = shadowcache::kVersion;
+    py::register_exception<shadowcache::Error>(module, "Error", PyExc_RuntimeError).doc() =
+        "An input or a file that is refused; the text names it, what was found and expected.";
+    module.def(
+        "set_threads",
+        [](int threads) {
+            shadowcache::requireRange("threads", threads, 0, shadowcache::kMaxThreads);
+            shadowcache::setThreadCount(threads);
+        },
+        py::arg("threads"), "Limits all later calls to so many threads; 0: every core.");
+    shadowcache::python::defineScene(module);
+    shadowcache::python::defineCache(module);
+    shadowcache::python::defineEnvironment(module);
+    shadowcache::python::defineRender(module);
+}

@@ -1,0 +1,384 @@
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "common/base/error.h"
+#include "common/base/option_checks.h"
+#include "common/base/text_streams.h"
+#include "common/image/exr.h"
+#include "common/image/radiance.h"
+#include "common/random/sequence.h"
+#include "common/shot/camera_source.h"
+#include "render/library/pixel_rays.h"
+#include "render/library/shot.h"
+#include "render/python/arrays.h"
+#include "render/python/classes.h"
+#include "render/python/long_call.h"
+
+namespace shadowcache::python {
+
+namespace py = pybind11;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Lights a map by a rotation. To be called without the interpreter's lock.
+std::shared_ptr<EnvironmentObject> lit(const std::string& name,
+                                       std::shared_ptr<const RadianceImage> map, double rotation) {
+    auto light = std::make_shared<const Environment>(map->image, rotation, map->luminanceWeights);
+    return std::make_shared<EnvironmentObject>(
+        EnvironmentObject{name, std::move(map), rotation, std::move(light)});
+}
+
+void requireRotation(double rotation) {
+    if (!std::isfinite(rotation))
+        throw py::value_error("rotate: expected a finite number of degrees");
+}
+
+std::shared_ptr<EnvironmentObject> loadEnvironment(const fs::path& path, double rotate,
+                                                   const py::object& progress) {
+    requireRotation(rotate);
+    return longCall(progress, [&] {
+        return lit(path.string(), std::make_shared<const RadianceImage>(readRadiance(path)),
+                   rotate);
+    });
+}
+
+/// @throws ValueError
+Rgb radianceOf(const Vec3d& color, const std::string& where) {
+    for (int k = 0; k < 3; ++k)
+        if (!(color[k] >= 0 && color[k] < 3e38))
+            throw py::value_error(where + ": expected finite radiance of at least 0");
+    return Rgb(color);
+}
+
+std::shared_ptr<EnvironmentObject> environmentOf(const py::object& texels, double rotate,
+                                                 const py::object& progress) {
+    requireRotation(rotate);
+    const Doubles array = vectorsOf(texels, "texels");
+    if (array.ndim() != 3 || array.size() == 0)
+        throw py::value_error("texels: shape " + shapeText(array) +
+                              ", expected (height, width, 3) of a lat-long map");
+    RadianceImage map;
+    map.image.height = static_cast<int>(array.shape(0));
+    map.image.width = static_cast<int>(array.shape(1));
+    for (const Vec3d& color : vectorsIn(array))
+        map.image.pixels.push_back(radianceOf(color, "texels"));
+    return longCall(progress, [&] {
+        return lit("array", std::make_shared<const RadianceImage>(std::move(map)), rotate);
+    });
+}
+
+std::shared_ptr<EnvironmentObject> constantEnvironment(const py::object& radiance) {
+    const py::object color = py::module_::import("numpy").attr("broadcast_to")(radiance, 3);
+    RadianceImage map;
+    map.image = {1, 1, {radianceOf(vectorOf(color, "radiance"), "radiance")}};
+    return longCall(py::none(), [&] {
+        return lit("constant", std::make_shared<const RadianceImage>(std::move(map)), 0);
+    });
+}
+
+std::shared_ptr<EnvironmentObject> rotated(const EnvironmentObject& environment, double degrees,
+                                           const py::object& progress) {
+    requireRotation(degrees);
+    const auto map = environment.map;
+    const std::string name = environment.name;
+    const double rotation = environment.rotation + degrees;
+    return longCall(progress, [&] { return lit(name, map, rotation); });
+}
+
+py::array integrate(const EnvironmentObject& environment) {
+    const Environment& light = *environment.light;
+    Vec3d sum(0.0);
+    for (std::size_t i = 0; i < light.texelCount(); ++i) {
+        const Environment::Texel texel = light.texel(i);
+        sum += Vec3d(texel.radiance) * static_cast<double>(texel.solidAngle);
+    }
+    return arrayOf<double>({3}, std::vector<Vec3d>{sum});
+}
+
+/// Directions, radiances and densities of `count` samples.
+py::tuple sampleEnvironment(const EnvironmentObject& environment, std::uint32_t count,
+                            std::uint64_t seed) {
+    const Environment& light = *environment.light;
+    if (!(light.luminanceIntegral() > 0))
+        throw py::value_error("the environment is black, there is nothing to sample");
+    std::array<std::vector<std::uint32_t>, 3> words;
+    for (int k = 0; k < 3; ++k) {
+        auto& of = words[static_cast<std::size_t>(k)];
+        of.resize(count);
+        fillSequence(Sequence::sobol, k, seed, 0, count, of);
+    }
+    std::vector<Vec3f> directions;
+    std::vector<Rgb> radiances;
+    std::vector<float> densities;
+    const auto unit = [](std::uint32_t word) { return static_cast<float>(word >> 8) * 0x1p-24f; };
+    for (std::size_t i = 0; i < count; ++i) {
+        const EnvironmentSample sample =
+            light.sample(words[0][i] * 0x1p-32, unit(words[1][i]), unit(words[2][i]));
+        directions.push_back(sample.direction);
+        radiances.push_back(sample.radiance);
+        densities.push_back(sample.density);
+    }
+    const auto n = static_cast<py::ssize_t>(count);
+    return py::make_tuple(arrayOf<float>({n, 3}, std::move(directions)),
+                          arrayOf<float>({n, 3}, std::move(radiances)),
+                          arrayOf<float>({n}, std::move(densities)));
+}
+
+/// Radiances and densities along directions.
+py::tuple lookUp(const EnvironmentObject& environment, const py::object& directions) {
+    const Doubles array = vectorsOf(directions, "directions");
+    std::vector<Rgb> radiances;
+    std::vector<float> densities;
+    for (const Vec3d& direction : vectorsIn(array)) {
+        const Vec3d unit = direction.normalized();
+        if (!std::isfinite(unit.length()) || unit == Vec3d(0.0))
+            throw py::value_error("directions: expected finite vectors other than 0");
+        const EnvironmentSample sample = environment.light->lookUp(Vec3f(unit));
+        radiances.push_back(sample.radiance);
+        densities.push_back(sample.density);
+    }
+    Shape shape(array.shape(), array.shape() + array.ndim() - 1);
+    const auto density = arrayOf<float>(shape, std::move(densities));
+    shape.push_back(3);
+    return py::make_tuple(arrayOf<float>(shape, std::move(radiances)), density);
+}
+
+std::string reprOf(const EnvironmentObject& environment) {
+    TextWriter text;
+    text << "<shadowcache.Environment: " << environment.name << ", " << environment.map->image.width
+         << " x " << environment.map->image.height << ", rotated by " << environment.rotation
+         << " degrees>";
+    return text.str();
+}
+
+Camera cameraOf(const py::object& eye, const py::object& lookAt, double fov) {
+    CameraOptions options;
+    options.eye = vectorOf(eye, "eye");
+    options.lookAt = vectorOf(lookAt, "look_at");
+    options.fovYDegrees = fov;
+    requireRange("fov-y", fov, 0.01, 179.0);
+    return CameraSource(options, {}).at(1);
+}
+
+std::string reprOf(const Camera& camera) {
+    TextWriter text;
+    text << "<shadowcache.Camera: at (" << camera.origin.x << ", " << camera.origin.y << ", "
+         << camera.origin.z << "), along (" << camera.forward.x << ", " << camera.forward.y << ", "
+         << camera.forward.z << "), ";
+    if (camera.height > 0)
+        text << "orthographic, " << camera.height << " m high>";
+    else
+        text << camera.fovY * 180 / kPi << " degrees high>";
+    return text.str();
+}
+
+/// The channels of one name.
+struct Layer {
+    std::string name;
+    std::vector<const Channel*> parts;
+};
+
+/// Channels by the names before their last dots, in the order of their letters' meaning.
+std::vector<Layer> layersOf(const std::vector<Channel>& channels) {
+    std::vector<Layer> layers;
+    for (const Channel& channel : channels) {
+        const std::size_t dot = channel.name.rfind('.');
+        const std::string name = dot == std::string::npos ? "color" : channel.name.substr(0, dot);
+        auto found = std::ranges::find(layers, name, &Layer::name);
+        if (found == layers.end()) found = layers.insert(found, {name, {}});
+        found->parts.push_back(&channel);
+    }
+    const auto rank = [](const Channel* channel) {
+        return std::string("RGBAXYZ").find(channel->name.back());
+    };
+    for (Layer& layer : layers) std::ranges::sort(layer.parts, {}, rank);
+    return layers;
+}
+
+py::dict picturesOf(const std::vector<Channel>& channels, int width, int height) {
+    py::dict pictures;
+    for (const Layer& layer : layersOf(channels)) {
+        const std::size_t count = layer.parts.size();
+        std::vector<float> values(layer.parts.front()->values.size() * count);
+        for (std::size_t k = 0; k < count; ++k)
+            for (std::size_t i = 0; i < layer.parts[k]->values.size(); ++i)
+                values[i * count + k] = layer.parts[k]->values[i];
+        Shape shape{height, width};
+        if (count > 1) shape.push_back(static_cast<py::ssize_t>(count));
+        pictures[py::str(layer.name)] = arrayOf<float>(shape, std::move(values));
+    }
+    return pictures;
+}
+
+py::dict readPicture(const fs::path& path) {
+    const ExrFile file = longCall(py::none(), [&] { return readExr(path); });
+    return picturesOf(file.channels, file.width, file.height);
+}
+
+/// What render() is asked for beside the set, its light and the camera.
+struct Wanted {
+    std::optional<std::string> estimator;
+    PixelRays rays;
+    std::optional<std::variant<int, std::string>> bounces;
+    RenderOptions options;
+};
+
+int bouncesOf(const Wanted& wanted, const EstimatorEntry& estimator) {
+    if (!wanted.bounces) return estimator.standardBounces();
+    if (const int* number = std::get_if<int>(&*wanted.bounces)) {
+        requireRange("bounces", *number, 0, kMostBounces);
+        return *number;
+    }
+    const auto& text = std::get<std::string>(*wanted.bounces);
+    if (text != "unlimited")
+        throw Error("--bounces " + text + ": expected a number from 0 to " +
+                    std::to_string(kMostBounces) + ", or unlimited");
+    return kUnlimitedBounces;
+}
+
+void requireCacheOf(const LoadedSet& set, const ShadowCache& cache, bool staleOk) {
+    if (staleOk || cache.header().fingerprint == set.fingerprint) return;
+    throw Error(
+        "cache: baked for another set (its fingerprint differs): bake this set, or use the cache "
+        "with stale_ok=True, which is unbiased but noisier");
+}
+
+/// The picture's channels. To be called without the interpreter's lock.
+std::vector<Channel> renderChannels(const LoadedSet& set, const ShadowCache* cache,
+                                    const Environment& environment, const Camera& camera, int frame,
+                                    const std::vector<std::string>& aovs, Wanted wanted) {
+    const EstimatorEntry& estimator =
+        findEstimator(wanted.estimator.value_or(cache ? "cache" : "mis"));
+    RenderOptions& options = wanted.options;
+    chooseRays(wanted.rays, estimator, options);
+    options.bounces = bouncesOf(wanted, estimator);
+    for (const std::string& aov : aovs) {
+        if (needsInsight(aov) && !estimator.needsCache)
+            throw Error("--aov " + aov + ": requires --estimator cache");
+        options.insight = options.insight || needsInsight(aov);
+    }
+    validate(options);
+    requireFit(estimator, cache != nullptr, options);
+    Shot shot(set.scene, cache, estimator, {.bounces = options.bounces, .plain = options.plain});
+    if (shot.missesTransport() && (options.samples == 0 || options.preview))
+        throw Error(
+            "cache: holds no transport, of which a preview of bounces is made: bake with "
+            "transport=True, or render with bounces=0");
+    shot.setEnvironment(environment);
+    RenderStats stats;
+    return channels(shot.renderFrame(camera, frame, options, stats), aovs);
+}
+
+py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject>& cache,
+                     const EnvironmentObject& environment, const Camera& camera,
+                     const std::array<int, 2>& size, std::optional<int> spp,
+                     std::optional<std::variant<int, std::string>> bounces,
+                     const std::vector<std::string>& aovs, std::optional<std::string> estimator,
+                     bool preview, std::optional<int> cameraRays, std::optional<int> samples,
+                     double clampIndirect, const py::object& albedo, std::uint64_t seed, int frame,
+                     bool staleOk, const py::object& progress) {
+    Wanted wanted{
+        std::move(estimator), {spp, cameraRays, samples, preview}, std::move(bounces), {}};
+    RenderOptions& options = wanted.options;
+    options.width = size[0];
+    options.height = size[1];
+    options.seed = seed;
+    options.clampIndirect = static_cast<float>(clampIndirect);
+    options.plain.albedo =
+        Rgb(vectorOf(py::module_::import("numpy").attr("broadcast_to")(albedo, 3), "albedo"));
+    const auto set = scene.set;
+    const auto light = environment.light;
+    const auto kept = cache ? cache->cache : nullptr;
+    if (kept) requireCacheOf(*set, *kept, staleOk);
+    const std::vector<Channel> all = longCall(progress, [&] {
+        return renderChannels(*set, kept.get(), *light, camera, frame, aovs, wanted);
+    });
+    return picturesOf(all, options.width, options.height);
+}
+
+}  // namespace
+
+void defineEnvironment(py::module_& module) {
+    py::class_<EnvironmentObject, std::shared_ptr<EnvironmentObject>>(
+        module, "Environment",
+        "Distant light from a lat-long map: row 0 is +Y, the middle looks to +Z.")
+        .def_static("load", loadEnvironment, py::arg("path"), py::kw_only(),
+                    py::arg("rotate") = 0.0, py::arg("progress") = py::none(),
+                    "Reads OpenEXR or Radiance HDR. rotate: degrees about +Y, counter-clockwise\n"
+                    "seen from above.")
+        .def_static("from_array", environmentOf, py::arg("texels"), py::kw_only(),
+                    py::arg("rotate") = 0.0, py::arg("progress") = py::none(),
+                    "Of a map in memory, (height, width, 3), linear radiance of at least 0.")
+        .def_static("constant", constantEnvironment, py::arg("radiance"),
+                    "The same radiance from everywhere: a number, or linear RGB (3,).")
+        .def("rotate", rotated, py::arg("degrees"), py::kw_only(), py::arg("progress") = py::none(),
+             "The same light turned further about +Y, counter-clockwise seen from above.")
+        .def("integrate", integrate,
+             "Integral of the radiance over all directions [radiance sr], (3,) float64.")
+        .def("sample", sampleEnvironment, py::arg("count"), py::kw_only(), py::arg("seed") = 1,
+             "Directions distributed as the luminance: (directions (count, 3), radiances\n"
+             "(count, 3), densities (count,) [1/sr]), float32, of a scrambled Sobol' sequence.")
+        .def("look_up", lookUp, py::arg("directions"),
+             "Radiances (..., 3), and the densities [1/sr] (...) with which sample() draws them,\n"
+             "along directions (..., 3) of any length, float32.")
+        .def_property_readonly(
+            "rotation", [](const EnvironmentObject& e) { return e.rotation; },
+            "Degrees about +Y, counter-clockwise seen from above.")
+        .def_property_readonly(
+            "notes", [](const EnvironmentObject& e) { return e.map->notes; },
+            "What reading the map chose or mended, in lines for people.")
+        .def("__repr__", [](const EnvironmentObject& e) { return reprOf(e); });
+}
+
+void defineRender(py::module_& module) {
+    py::class_<Camera>(module, "Camera", "A camera in world space.")
+        .def(py::init(&cameraOf), py::arg("eye"), py::arg("look_at"), py::kw_only(),
+             py::arg("fov") = 45.0,
+             "eye, look_at: where it stands, and what is in the middle of the picture [m].\n"
+             "fov: vertical angle of view [degrees].")
+        .def_static(
+            "load",
+            [](const fs::path& path, int frame) {
+                return CameraSource({path.string(), {}, {}}, {}).at(frame);
+            },
+            py::arg("path"), py::kw_only(), py::arg("frame") = 1,
+            "The camera of a frame of a camera file (.json). Scene.camera() has those of glTF.")
+        .def("__repr__", [](const Camera& camera) { return reprOf(camera); });
+    module.def(
+        "render", renderScene, py::arg("scene"), py::arg("cache").none(true),
+        py::arg("environment"), py::arg("camera"), py::kw_only(),
+        py::arg("size") = std::array<int, 2>{960, 540}, py::arg("spp") = py::none(),
+        py::arg("bounces") = py::none(), py::arg("aovs") = std::vector<std::string>{},
+        py::arg("estimator") = py::none(), py::arg("preview") = false,
+        py::arg("camera_rays") = py::none(), py::arg("samples") = py::none(),
+        py::arg("clamp_indirect") = 0.0, py::arg("albedo") = 0.5, py::arg("seed") = 1,
+        py::arg("frame") = 1, py::arg("stale_ok") = false, py::arg("progress") = py::none(),
+        "Renders a Scene as a Camera sees it: the pixels of shadowcache-render.\n\n"
+        "cache: of the scene; None: rendered without one.\n"
+        "size: (width, height) [pixels]. spp: shadow rays of a pixel, 64 by default; in place of\n"
+        "    it camera_rays, and samples of each.\n"
+        "bounces: surfaces that light may meet before the one that is seen, 4 by default;\n"
+        "    'unlimited'.\n"
+        "aovs: names of further pictures ('irradiance', 'normal', 'depth', ...).\n"
+        "preview: filter the noise of few rays; spp=0: the cache's prediction alone. Both are\n"
+        "    biased.\n"
+        "albedo: of what has no material, one value or linear RGB. frame: number of the frame,\n"
+        "    which chooses its random numbers with the seed.\n"
+        "stale_ok: whether the cache may be of another set.\n"
+        "Returns a dict of float32 arrays: 'color' (height, width, 3), linear radiance, and each\n"
+        "of the aovs, (height, width, 3) or (height, width).");
+    module.def("read_exr", readPicture, py::arg("path"),
+               "The pictures of an EXR file of shadowcache-render, named as render() names them.");
+}
+
+}  // namespace shadowcache::python

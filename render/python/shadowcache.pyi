@@ -1,0 +1,115 @@
+"""Bakes the visibility of a static set once, and renders it under any HDRI."""
+from os import PathLike
+from typing import Any, Callable, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_Path = Union[str, "PathLike[str]"]
+_Progress = Union[Callable[[str, int, int], object], None]
+
+__version__: str
+
+class Error(RuntimeError): ...
+
+class Scene:
+    @property
+    def triangles(self) -> int: ...
+    @property
+    def bounds(self) -> NDArray[np.float64]: ...
+    @property
+    def report(self) -> str: ...
+    def camera(self, name: str, *, frame: int = ..., fps: float = ...) -> Camera: ...
+
+class Cache:
+    @staticmethod
+    def open(path: _Path) -> Cache: ...
+    def save(self, path: _Path) -> int: ...
+    @property
+    def path(self) -> str | None: ...
+    @property
+    def spacing(self) -> float: ...
+    @property
+    def header(self) -> dict[str, Any]: ...
+    @property
+    def nbytes(self) -> int: ...
+    def __len__(self) -> int: ...
+    def items(self) -> NDArray[np.void]: ...
+    def visibility(
+        self, points: ArrayLike, normals: ArrayLike, directions: ArrayLike, *, progress: _Progress = ...
+    ) -> Any: ...  # float of single vectors, else NDArray[np.float32]
+    def irradiance(
+        self, points: ArrayLike, normals: ArrayLike, environment: Environment, *, progress: _Progress = ...
+    ) -> NDArray[np.float32]: ...
+
+class Environment:
+    @staticmethod
+    def load(path: _Path, *, rotate: float = ..., progress: _Progress = ...) -> Environment: ...
+    @staticmethod
+    def from_array(texels: ArrayLike, *, rotate: float = ..., progress: _Progress = ...) -> Environment: ...
+    @staticmethod
+    def constant(radiance: ArrayLike) -> Environment: ...
+    def rotate(self, degrees: float, *, progress: _Progress = ...) -> Environment: ...
+    def integrate(self) -> NDArray[np.float64]: ...
+    def sample(
+        self, count: int, *, seed: int = ...
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]: ...
+    def look_up(self, directions: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
+    @property
+    def rotation(self) -> float: ...
+    @property
+    def notes(self) -> list[str]: ...
+
+class Camera:
+    def __init__(self, eye: ArrayLike, look_at: ArrayLike, *, fov: float = ...) -> None: ...
+    @staticmethod
+    def load(path: _Path, *, frame: int = ...) -> Camera: ...
+
+def set_threads(threads: int) -> None: ...
+def load_set(
+    set: Union[_Path, Sequence[_Path], ArrayLike],
+    triangles: ArrayLike | None = ...,
+    *,
+    colors: ArrayLike | None = ...,
+    normals: ArrayLike | None = ...,
+    up: str = ...,
+    scale: float = ...,
+    frame: int | None = ...,
+    fps: float = ...,
+    smooth: float = ...,
+    allow_external: bool = ...,
+    progress: _Progress = ...,
+) -> Scene: ...
+def bake(
+    scene: Scene,
+    *,
+    spacing: float | None = ...,
+    level: int = ...,
+    rays: int = ...,
+    uniform: bool = ...,
+    transport: bool = ...,
+    seed: int = ...,
+    progress: _Progress = ...,
+) -> Cache: ...
+def render(
+    scene: Scene,
+    cache: Cache | None,
+    environment: Environment,
+    camera: Camera,
+    *,
+    size: tuple[int, int] = ...,
+    spp: int | None = ...,
+    bounces: int | str | None = ...,
+    aovs: Sequence[str] = ...,
+    estimator: str | None = ...,
+    preview: bool = ...,
+    camera_rays: int | None = ...,
+    samples: int | None = ...,
+    clamp_indirect: float = ...,
+    albedo: ArrayLike = ...,
+    seed: int = ...,
+    frame: int = ...,
+    stale_ok: bool = ...,
+    progress: _Progress = ...,
+) -> dict[str, NDArray[np.float32]]: ...
+def read_exr(path: _Path) -> dict[str, NDArray[np.float32]]: ...

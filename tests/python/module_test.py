@@ -1,0 +1,509 @@
+"""The Python module: the bits of the programs, arrays as NumPy users expect them, threads, Ctrl-C, memory.
+
+Needs SHADOWCACHE_BUILD, the folder of a build, and SHADOWCACHE_SOURCE, that of the sources.
+"""
+import ast
+import gc
+import os
+import re
+import signal
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import shadowcache
+
+BUILD = Path(os.environ["SHADOWCACHE_BUILD"])
+SOURCE = Path(os.environ["SHADOWCACHE_SOURCE"])
+MAP = SOURCE / "scenes/maps/sunrise.exr"
+
+# A floor of 4 m, and a roof over its half x < 0.
+VERTICES = np.array([[-2, 0, -2], [2, 0, -2], [2, 0, 2], [-2, 0, 2],
+                     [-2, 1, -2], [0, 1, -2], [0, 1, 2], [-2, 1, 2]], dtype=np.float64)
+TRIANGLES = np.array([[0, 2, 1], [0, 3, 2], [4, 6, 5], [4, 7, 6]])
+OPEN, COVERED = (1.5, 0, 0), (-1.5, 0, 0)
+UP = (0, 1, 0)
+
+
+def run(program, *arguments):
+    folder = {"shadowcache-make-set": "scenes", "shadowcache-bake": "bake"}.get(program, "render")
+    command = [BUILD / folder / program, *map(str, arguments)]
+    subprocess.run(command, check=True, capture_output=True)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return shadowcache.load_set(VERTICES, TRIANGLES)
+
+
+@pytest.fixture(scope="module")
+def cache(scene):
+    return shadowcache.bake(scene, spacing=0.25, level=3)
+
+
+@pytest.fixture(scope="module")
+def white():
+    return shadowcache.Environment.constant(1)
+
+
+@pytest.fixture(scope="module")
+def camera():
+    return shadowcache.Camera(eye=(3, 2, 4), look_at=(0, 0.3, 0), fov=40)
+
+
+class Courtyard:
+    """The bundled set with materials, baked by the program."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.file = folder / "courtyard.glb"
+        self.camera = folder / "camera.json"
+        self.cache = folder / "courtyard.vdb"
+        run("shadowcache-make-set", "courtyard", "-o", self.file, "--camera", self.camera)
+        run("shadowcache-bake", self.file, "-o", self.cache, "--spacing", 3, "--level", 2, "--rays", 4)
+        self.scene = shadowcache.load_set(self.file)
+
+
+@pytest.fixture(scope="module")
+def courtyard(tmp_path_factory):
+    return Courtyard(tmp_path_factory.mktemp("courtyard"))
+
+
+# The bits of the programs.
+
+def test_bake_has_the_bytes_of_the_program(courtyard, tmp_path):
+    cache = shadowcache.bake(courtyard.scene, spacing=3, level=2, rays=4)
+    size = cache.save(tmp_path / "mine.vdb")
+    assert (tmp_path / "mine.vdb").read_bytes() == courtyard.cache.read_bytes()
+    assert size == courtyard.cache.stat().st_size
+    # Opened and saved again, too.
+    shadowcache.Cache.open(courtyard.cache).save(tmp_path / "again.vdb")
+    assert (tmp_path / "again.vdb").read_bytes() == courtyard.cache.read_bytes()
+
+
+@pytest.mark.parametrize("options, arguments, cached", [
+    ({"spp": 4}, ["--spp", 4], True),
+    ({"spp": 4, "bounces": "unlimited", "seed": 7}, ["--spp", 4, "--bounces", "unlimited", "--seed", 7], True),
+    ({"spp": 2, "bounces": 0}, ["--spp", 2, "--bounces", 0], False),
+    ({"preview": True, "spp": 0}, ["--preview", "--spp", 0], True),
+    ({"preview": True}, ["--preview"], True),
+    ({"camera_rays": 2, "samples": 3, "bounces": 1, "albedo": (.2, .3, .4)},
+     ["--camera-rays", 2, "--samples", 3, "--bounces", 1, "--albedo", ".2,.3,.4"], True),
+    ({"spp": 2, "estimator": "paper", "bounces": 0}, ["--spp", 2, "--estimator", "paper", "--bounces", 0], False),
+])
+def test_render_has_the_bits_of_the_program(courtyard, tmp_path, options, arguments, cached):
+    aovs = ["irradiance", "normal", "depth"] + (["openness"] if cached else [])
+    camera = shadowcache.Camera.load(courtyard.camera, frame=9)
+    sky = shadowcache.Environment.load(MAP, rotate=100).rotate(20)
+    mine = shadowcache.render(courtyard.scene, shadowcache.Cache.open(courtyard.cache) if cached else None,
+                              sky, camera, size=(48, 27), frame=9, aovs=aovs, **options)
+    run("shadowcache-render", courtyard.file, *(["--cache", courtyard.cache] if cached else []),
+        "--env", MAP, "--env-rotate", 120, "--camera", courtyard.camera, "--frames", 9, "--size", "48x27",
+        *(word for aov in aovs for word in ("--aov", aov)), *arguments, "-o", tmp_path / "theirs.exr")
+    theirs = shadowcache.read_exr(tmp_path / "theirs.exr")
+    assert set(mine) == {"color", *aovs} == set(theirs)
+    for name, picture in mine.items():
+        assert picture.dtype == np.float32
+        assert picture.shape == (27, 48) if name in ("depth", "openness") else (27, 48, 3)
+        assert np.array_equal(picture, theirs[name]), name
+    assert mine["color"].max() > 0
+
+
+def test_a_baked_cache_renders_as_its_file(courtyard, tmp_path):
+    sky = shadowcache.Environment.constant((1, 2, 3))
+    camera = shadowcache.Camera.load(courtyard.camera, frame=2)
+    pictures = [shadowcache.render(courtyard.scene, cache, sky, camera, size=(32, 18), spp=2)["color"]
+                for cache in (shadowcache.bake(courtyard.scene, spacing=3, level=2, rays=4),
+                              shadowcache.Cache.open(courtyard.cache))]
+    assert np.array_equal(*pictures)
+
+
+def test_arrays_are_the_set_of_a_file(scene, tmp_path):
+    lines = [f"v {x} {y} {z}" for x, y, z in VERTICES] + [f"f {a} {b} {c}" for a, b, c in TRIANGLES + 1]
+    (tmp_path / "set.obj").write_text("\n".join(lines) + "\n")
+    of_file = shadowcache.load_set(tmp_path / "set.obj")
+    headers = [shadowcache.bake(s, spacing=0.5, level=2).header for s in (scene, of_file)]
+    assert headers[0] == headers[1]
+    assert scene.triangles == of_file.triangles == 4
+    assert np.array_equal(scene.bounds, [[-2, 0, -2], [2, 1, 2]])
+    assert shadowcache.load_set([str(tmp_path / "set.obj")], up="z", scale=2).bounds[1, 1] == 4
+
+
+# What the cache predicts.
+
+def test_irradiance_of_a_white_sky(cache, white):
+    open_, covered = cache.irradiance([OPEN, COVERED], UP, white)
+    assert open_ == pytest.approx([np.pi] * 3, rel=0.1)
+    assert 0 < covered[0] < 0.8 * open_[0]
+
+
+def test_two_environments(cache):
+    points = np.random.default_rng(1).uniform((-2, 0, -2), (2, 0, 2), (500, 3))
+    sky = shadowcache.Environment.load(MAP)
+    turned = cache.irradiance(points, UP, sky.rotate(90))
+    assert np.array_equal(turned, cache.irradiance(points, UP, shadowcache.Environment.load(MAP, rotate=90)))
+    assert not np.allclose(turned, cache.irradiance(points, UP, sky), rtol=0.05)
+    two, five = (cache.irradiance(points, UP, shadowcache.Environment.constant(c)) for c in (2, 5))
+    assert np.allclose(two * 2.5, five, rtol=1e-5)
+
+
+def test_visibility(cache):
+    assert cache.visibility(OPEN, UP, UP) == 1
+    assert cache.visibility(COVERED, UP, UP) == 0
+    to_the_open = cache.visibility((-0.2, 0, 0), UP, (1, 1, 0))
+    assert isinstance(to_the_open, float) and to_the_open > 0.5
+
+
+def test_many_places_are_as_one_place_each(cache, white):
+    rng = np.random.default_rng(2)
+    points = rng.uniform((-2.2, 0, -2.2), (2.2, 0, 2.2), (20000, 3))
+    directions = rng.normal(size=(20000, 3))
+    some = rng.integers(0, 20000, 100)
+    irradiance = cache.irradiance(points, UP, white)
+    visibility = cache.visibility(points, UP, directions)
+    for i in some:
+        assert np.array_equal(cache.irradiance(points[i], UP, white), irradiance[i], equal_nan=True)
+        assert np.array_equal(cache.visibility(points[i], UP, directions[i]), visibility[i], equal_nan=True)
+    beyond = np.abs(points).max(axis=1) > 2.15
+    assert np.isfinite(irradiance[~beyond]).mean() > 0.99
+
+
+def test_broadcasting(cache, white):
+    points = np.array([OPEN, COVERED, OPEN])
+    assert cache.irradiance(points, UP, white).shape == (3, 3)
+    assert cache.irradiance(OPEN, UP, white).shape == (3,)
+    assert cache.irradiance(np.empty((0, 3)), UP, white).shape == (0, 3)
+    directions = np.array([(0, 1, 0), (1, 1, 0)])
+    table = cache.visibility(points[:, None], UP, directions)
+    assert table.shape == (3, 2) and table.dtype == np.float32
+    assert np.array_equal(table[:, 0], [1, 0, 1])
+
+
+@pytest.mark.parametrize("form", [
+    lambda a: a.astype(np.float32), lambda a: a.astype(np.float16), np.asfortranarray, lambda a: a[::-1][::-1],
+    lambda a: np.repeat(a, 2, axis=0)[::2], lambda a: a.astype(">f8"), lambda a: a.tolist(),
+    lambda a: np.moveaxis(a.T.copy(), 0, 1)])
+def test_any_form_of_an_array(cache, white, form):
+    points = np.round(np.random.default_rng(3).uniform((-2, 0, -2), (2, 0, 2), (50, 3)) * 64) / 64
+    expected = cache.irradiance(points, UP, white)
+    assert np.array_equal(cache.irradiance(form(points), UP, white), expected, equal_nan=True)
+
+
+def test_integers_and_normals_of_any_length(cache, white):
+    assert np.array_equal(cache.irradiance(np.array([1, 0, 1]), (0, 7, 0), white),
+                          cache.irradiance((1.0, 0, 1.0), UP, white))
+
+
+def test_not_a_number_comes_back(cache, white):
+    points = [OPEN, (np.nan, 0, 0), OPEN, OPEN, OPEN]
+    normals = [UP, UP, (0, 0, 0), (0, np.inf, 0), (0, 1e200, 0)]
+    good = [True, False, False, False, True]
+    assert np.array_equal(np.isfinite(cache.irradiance(points, normals, white)).all(axis=1), good)
+    assert np.array_equal(np.isfinite(cache.visibility(points, normals, UP)), good)
+    assert np.isnan(cache.visibility(OPEN, UP, (0, 0, 0)))
+    assert np.isnan(cache.irradiance((0, 50, 0), UP, white)).all()  # far from any surface
+
+
+def test_items_are_a_view(cache):
+    items = cache.items()
+    assert len(items) == len(cache) > 100
+    assert items.dtype.names == ("voxel", "patch", "position", "normal", "exposure")
+    assert not items.flags.owndata and not items.flags.writeable
+    assert np.shares_memory(items, cache.items())
+    world = (items["voxel"] + items["position"]) * cache.spacing
+    assert world.min() >= -2.01 and world.max() <= 2.01
+    assert np.allclose(np.linalg.norm(items["normal"], axis=1), 1, atol=1e-5)
+    copy = items.copy()
+    other = shadowcache.bake(shadowcache.load_set(VERTICES, TRIANGLES), spacing=0.25, level=3)
+    kept = other.items()
+    del other
+    gc.collect()
+    assert np.array_equal(kept, copy)
+
+
+# Environments.
+
+def test_environment_of_an_array():
+    texels = np.zeros((8, 16, 3), dtype=np.float32)
+    texels[0] = 5  # around +Y
+    sky = shadowcache.Environment.from_array(texels)
+    radiance, density = sky.look_up([(0, 1, 0), (0, -1, 0)])
+    assert np.array_equal(radiance, [[5, 5, 5], [0, 0, 0]]) and density[0] > 0 and density[1] == 0
+    assert sky.integrate() == pytest.approx(np.full(3, 5 * 2 * np.pi * (1 - np.cos(np.pi / 8))), rel=1e-5)
+    assert shadowcache.Environment.constant((1, 2, 3)).integrate() == pytest.approx(4 * np.pi * np.array([1, 2, 3]))
+
+
+def test_environment_turns_counter_clockwise():
+    texels = np.zeros((32, 64, 3))
+    texels[16, 32] = 1  # +Z
+    sky = shadowcache.Environment.from_array(texels).rotate(90)  # to +X, seen from above
+    directions = sky.sample(16)[0]
+    assert np.allclose(directions, [1, 0, 0], atol=0.2)
+
+
+def test_samples_have_their_densities():
+    sky = shadowcache.Environment.load(MAP)
+    directions, radiances, densities = sky.sample(4096, seed=5)
+    assert np.allclose(np.linalg.norm(directions, axis=1), 1, atol=1e-5)
+    found, density = sky.look_up(directions)
+    assert np.allclose(found, radiances) and np.allclose(density, densities, rtol=1e-4)
+    weights = np.array([.2126, .7152, .0722])
+    # The density is that of the luminance: each sample alone has the integral.
+    assert np.allclose(radiances @ weights / densities, sky.integrate() @ weights, rtol=1e-3)
+    assert not np.array_equal(directions, sky.sample(4096, seed=6)[0])
+
+
+# What is refused.
+
+@pytest.mark.parametrize("call, kind, text", [
+    (lambda c, w: c.irradiance(np.zeros((4, 2)), UP, w), ValueError, r"points: shape \(4, 2\), expected \(..., 3\)"),
+    (lambda c, w: c.irradiance(1.0, UP, w), ValueError, "points: shape"),
+    (lambda c, w: c.irradiance(np.zeros((4, 3)), np.zeros((5, 3)), w), ValueError, "broadcast"),
+    (lambda c, w: c.irradiance(np.zeros(3, dtype=complex), UP, w), TypeError, "points: dtype complex128"),
+    (lambda c, w: c.irradiance(["a", "b", "c"], UP, w), TypeError, "points: dtype"),
+    (lambda c, w: c.irradiance(None, UP, w), TypeError, "points: dtype object"),
+    (lambda c, w: c.irradiance(np.ones(3, dtype=bool), UP, w), TypeError, "points: dtype bool"),
+    (lambda c, w: c.irradiance(OPEN, UP, None), TypeError, "Environment"),
+    (lambda c, w: w.look_up((0, 0, 0)), ValueError, "other than 0"),
+    (lambda c, w: shadowcache.Environment.constant(-1), ValueError, "at least 0"),
+    (lambda c, w: shadowcache.Environment.constant(np.nan), ValueError, "finite"),
+    (lambda c, w: shadowcache.Environment.constant(0).sample(3), ValueError, "black"),
+    (lambda c, w: shadowcache.Environment.from_array(np.full((2, 4, 3), np.inf)), ValueError, "texels: .*finite"),
+    (lambda c, w: shadowcache.Environment.from_array(np.zeros((2, 4))), ValueError, "texels: shape"),
+    (lambda c, w: shadowcache.Environment.from_array(np.zeros((0, 4, 3))), ValueError, "texels: shape"),
+    (lambda c, w: w.rotate(np.inf), ValueError, "rotate"),
+    (lambda c, w: shadowcache.load_set(VERTICES), TypeError, "triangles"),
+    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES * 1.0), TypeError, "triangles: .*integers"),
+    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES - 1), ValueError, r"triangles\[0\]: vertex -1"),
+    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES + 5), ValueError, r"expected 0 to 8 - 1"),
+    (lambda c, w: shadowcache.load_set(VERTICES * np.nan, TRIANGLES), ValueError, r"vertices\[0\]"),
+    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES, colors=VERTICES), ValueError, "albedos"),
+    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES, normals=VERTICES[:3]), ValueError, "row for each vertex"),
+    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES * 0), shadowcache.Error, "no triangle left"),
+    (lambda c, w: shadowcache.load_set("none.obj"), shadowcache.Error, "none.obj"),
+    (lambda c, w: shadowcache.load_set([]), ValueError, "vertices: shape"),
+    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES, up="x"), shadowcache.Error, "--up x"),
+    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES, scale=0), shadowcache.Error, "scale"),
+    (lambda c, w: shadowcache.Cache.open("none.vdb"), shadowcache.Error, "none.vdb: no such file"),
+    (lambda c, w: c.save("cache.obj"), shadowcache.Error, "cache.obj"),
+    (lambda c, w: c.save("/no/such/folder/a.vdb"), shadowcache.Error, "/no/such/folder"),
+    (lambda c, w: shadowcache.Environment.load("none.exr"), shadowcache.Error, "none.exr"),
+    (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 0)), shadowcache.Error, ""),
+    (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), fov=180), shadowcache.Error, "fov-y"),
+    (lambda c, w: shadowcache.set_threads(-1), shadowcache.Error, "threads"),
+])
+def test_refusals(cache, white, call, kind, text):
+    with pytest.raises(kind, match=text):
+        call(cache, white)
+
+
+@pytest.mark.parametrize("options, text", [
+    ({"size": (0, 4)}, "--size"), ({"spp": 0}, "--spp 0"), ({"bounces": -1}, "--bounces -1"),
+    ({"bounces": "many"}, "--bounces many"), ({"aovs": ["nothing"]}, "--aov nothing"),
+    ({"estimator": "nothing"}, "--estimator nothing"), ({"albedo": 2}, "--albedo"),
+    ({"estimator": "mis", "preview": True}, "--preview"), ({"estimator": "mis", "aovs": ["openness"]}, "--aov openness"),
+    ({"clamp_indirect": -1}, "--clamp-indirect")])
+def test_refusals_of_render(scene, cache, white, camera, options, text):
+    with pytest.raises(shadowcache.Error, match=text):
+        shadowcache.render(scene, cache, white, camera, **{"size": (8, 8), "spp": 1, **options})
+
+
+def test_cache_of_another_set(cache, white, camera):
+    other = shadowcache.load_set(VERTICES * 2, TRIANGLES)
+    with pytest.raises(shadowcache.Error, match="baked for another set"):
+        shadowcache.render(other, cache, white, camera, size=(8, 8), spp=1)
+    assert shadowcache.render(other, cache, white, camera, size=(8, 8), spp=1, stale_ok=True)["color"].max() > 0
+    with pytest.raises(shadowcache.Error, match="holds no transport"):
+        plain = shadowcache.bake(other, spacing=1, level=1, transport=False)
+        shadowcache.render(other, plain, white, camera, size=(8, 8), spp=0, preview=True)
+
+
+# Threads, Ctrl-C, memory.
+
+def long_render(scene, cache, white, camera, **options):
+    return shadowcache.render(scene, cache, white, camera, size=(640, 360), spp=4096, **options)
+
+
+def turn_for_ever(sky):
+    while True:
+        sky = sky.rotate(1)
+
+
+@pytest.mark.parametrize("call", [
+    long_render,
+    lambda scene, cache, white, camera: shadowcache.bake(scene, spacing=0.004, rays=255),
+    lambda scene, cache, white, camera: turn_for_ever(shadowcache.Environment.from_array(np.ones((2048, 4096, 3)))),
+], ids=["render", "bake", "map"])
+def test_interrupt_within_a_second(scene, cache, white, camera, call):
+    sent = []
+
+    def interrupt():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(2.0, interrupt)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        call(scene, cache, white, camera)
+    late = time.monotonic() - sent[0]
+    print(f"ended {late:.2f} s after the signal")
+    assert late < 1
+    # The module goes on.
+    assert cache.visibility(OPEN, UP, UP) == 1
+
+
+def test_other_threads_run(scene, cache, white, camera):
+    ticks, ended = [], threading.Event()
+
+    def tick():
+        while not ended.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.monotonic()
+    shadowcache.render(scene, cache, white, camera, size=(320, 180), spp=64)
+    seconds = time.monotonic() - begin
+    ended.set()
+    thread.join()
+    during = sum(begin <= t <= begin + seconds for t in ticks)
+    assert seconds > 0.2 and during > 20 * seconds
+
+
+def test_calls_of_several_threads_at_once(scene, cache, white, camera):
+    skies = [white, shadowcache.Environment.load(MAP)]
+    alone = [shadowcache.render(scene, cache, sky, camera, size=(96, 54), spp=4)["color"] for sky in skies]
+    found = {}
+
+    def render(i):
+        found[i] = shadowcache.render(scene, cache, skies[i % 2], camera, size=(96, 54), spp=4)["color"]
+
+    threads = [threading.Thread(target=render, args=(i,)) for i in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(np.array_equal(found[i], alone[i % 2]) for i in range(6))
+
+
+def test_bits_do_not_depend_on_threads(scene, cache, white, camera):
+    pictures = []
+    for threads in (1, 0):
+        shadowcache.set_threads(threads)
+        pictures.append(shadowcache.render(scene, cache, white, camera, size=(64, 36), spp=4)["color"])
+    assert np.array_equal(*pictures)
+
+
+def test_progress(scene, cache, white, camera, capfd):
+    seen = []
+    shadowcache.render(scene, cache, white, camera, size=(320, 180), spp=64,
+                       progress=lambda task, done, total: seen.append((task, done, total)))
+    assert seen and all(task == "frame 1" and 0 <= done <= total for task, done, total in seen)
+    assert [done for _, done, _ in seen] == sorted(done for _, done, _ in seen)
+    assert seen[-1][1] == seen[-1][2]
+    assert capfd.readouterr() == ("", "")  # nothing is printed
+
+
+def test_a_callback_that_raises_ends_the_call(scene, cache, white, camera):
+    class Enough(Exception):
+        pass
+
+    calls = []
+
+    def enough(*progress):
+        calls.append(progress)
+        raise Enough("enough")
+
+    with pytest.raises(Enough, match="enough"):
+        shadowcache.render(scene, cache, white, camera, size=(640, 360), spp=64, progress=enough)
+    assert len(calls) == 1
+
+
+def test_objects_that_die_in_a_callback(camera):
+    kept = {"scene": shadowcache.load_set(VERTICES, TRIANGLES), "sky": shadowcache.Environment.constant(1)}
+    kept["cache"] = shadowcache.bake(kept["scene"], spacing=0.5, level=2)
+
+    def forget(*_):
+        kept.clear()
+        gc.collect()
+
+    color = shadowcache.render(kept["scene"], kept["cache"], kept["sky"], camera, size=(320, 180), spp=64,
+                               progress=forget)["color"]
+    assert np.isfinite(color).all() and not kept
+
+
+def resident():
+    with open("/proc/self/statm", encoding="ascii") as statm:
+        return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def test_memory_stays_flat(scene, cache, white, camera):
+    def once():
+        shadowcache.render(scene, cache, white, camera, size=(160, 90), spp=4, aovs=["normal"])
+        cache.irradiance(np.zeros((10000, 3)), UP, white)
+        gc.collect()
+
+    for _ in range(5):
+        once()
+    before = resident()
+    for _ in range(20):
+        once()
+    grown = (resident() - before) / 1e6
+    print(f"{grown:.1f} MB more after 20 renders")
+    assert grown < 8
+
+
+# Help.
+
+def test_everything_has_help():
+    for name, thing in vars(shadowcache).items():
+        if name.startswith("_"):
+            continue
+        assert thing.__doc__, name
+        for member, value in vars(thing).items() if isinstance(thing, type) else ():
+            if not member.startswith("_"):
+                assert value.__doc__, f"{name}.{member}"
+    assert "load_set" in shadowcache.__doc__
+
+
+def test_repr(scene, cache, white, camera):
+    assert repr(scene) == "<shadowcache.Scene: 4 triangles, 4 x 1 x 4 m>"
+    assert re.fullmatch(r"<shadowcache.Cache: \d+ items, spacing 0.25 m, in memory>", repr(cache))
+    assert repr(white) == "<shadowcache.Environment: constant, 1 x 1, rotated by 0 degrees>"
+    assert repr(camera).startswith("<shadowcache.Camera: at (3, 2, 4), along (-0.")
+    assert cache.path is None and cache.nbytes > 0 and cache.header["level"] == 3
+
+
+def test_stub_names_everything():
+    stub = ast.parse((BUILD / "python/shadowcache.pyi").read_text(encoding="utf-8"))
+
+    def names(body):
+        return {node.name for node in body if isinstance(node, (ast.FunctionDef, ast.ClassDef))
+                and not node.name.startswith("_")}
+
+    def public(thing):
+        return {name for name in vars(thing) if not name.startswith("_")}
+
+    assert names(stub.body) == public(shadowcache)
+    for node in stub.body:
+        if isinstance(node, ast.ClassDef) and node.name != "Error":
+            assert names(node.body) == public(getattr(shadowcache, node.name)), node.name
+
+
+def test_page(courtyard, tmp_path, monkeypatch):
+    """The examples of docs/python.md, one after the other in one folder."""
+    page = (SOURCE / "docs/python.md").read_text(encoding="utf-8")
+    examples = re.findall(r"^```python\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    assert len(examples) >= 5
+    for name, file in (("courtyard.glb", courtyard.file), ("camera.json", courtyard.camera), ("sky.exr", MAP)):
+        (tmp_path / name).symlink_to(file)
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for number, example in enumerate(examples):
+        exec(compile(example, f"docs/python.md, example {number + 1}", "exec"), names)
+    assert names["by_angle"].shape == (24, 3) and np.isfinite(names["by_angle"]).all()
