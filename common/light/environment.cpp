@@ -202,9 +202,8 @@ void Environment::sumCell(std::uint32_t cell, const IntegralTurn& turn, std::vec
     divideSteps(light, sums.luminance, &grainBegin_[first]);
     for (std::uint32_t k = first; k < end; ++k)
         placeOf_[grains_[k]].share =
-            light[k - first] > 0
-                ? static_cast<float>(stepsOf(grainBegin_.data(), k, end) / kSteps)
-                : 0.0f;
+            light[k - first] > 0 ? static_cast<float>(stepsOf(grainBegin_.data(), k, end) / kSteps)
+                                 : 0.0f;
 }
 
 void Environment::tabulate(int level, std::uint32_t cell, const Sums& sums) {
@@ -220,8 +219,8 @@ void Environment::tabulate(int level, std::uint32_t cell, const Sums& sums) {
         for (std::size_t j = 0; j < Integrals::kSecond; ++j)
             m.second[k][j][i] = static_cast<float>(sums.second[k][j]);
     }
-    m.sinRadius[i] = std::sin(level == kLevel ? sums.radius
-                                              : static_cast<float>(cap.angle) + sums.reach);
+    m.sinRadius[i] =
+        std::sin(level == kLevel ? sums.radius : static_cast<float>(cap.angle) + sums.reach);
     m.luminanceIntegral[i] = static_cast<float>(sums.luminance);
 }
 
@@ -234,9 +233,9 @@ void Environment::accumulate() {
         cellCdf_[c + 1] = cellCdf_[c] + (cells[c] > 0 ? cells[c] + 1e-13 * sphereLuminance_ : 0.0);
     cellShare_.resize(cells.size());
     for (std::size_t c = 0; c < cells.size(); ++c)
-        cellShare_[c] = cells[c] > 0 ? static_cast<float>((cellCdf_[c + 1] - cellCdf_[c]) /
-                                                          cellCdf_.back())
-                                     : 0.0f;
+        cellShare_[c] = cells[c] > 0
+                            ? static_cast<float>((cellCdf_[c + 1] - cellCdf_[c]) / cellCdf_.back())
+                            : 0.0f;
     // guide_[g] is the cell in which the g-th of equal parts of the running sum begins.
     guide_.assign(cells.size() + 1, static_cast<std::uint32_t>(cells.size() - 1));
     std::uint32_t c = 0;

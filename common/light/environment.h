@@ -35,9 +35,9 @@ struct alignas(64) CellMoments {
 };
 
 /// Distant light from a lat-long map, turned and tinted: radiance constant over each texel. Every
-/// grain of the map belongs to the cell that holds its centre, so the integrals over cells are exact
-/// sums over texels. World space: +Y is up. Unturned, longitude 0 (image centre) is +Z, +pi/2 is +X.
-/// Thread-safe while it is not turned.
+/// grain of the map belongs to the cell that holds its centre, so the integrals over cells are
+/// exact sums over texels. World space: +Y is up. Unturned, longitude 0 (image centre) is +Z, +pi/2
+/// is +X. Thread-safe while it is not turned.
 class Environment {
 public:
     /// Finest level of the direction mesh whose cells are tabulated.
@@ -79,8 +79,8 @@ public:
     double luminanceIntegral(int level, std::uint32_t cell) const noexcept;
 
     /// Direction in cell `index` of `level` (whose luminance integral is positive); the density is
-    /// with respect to that cell. It is proportional to the luminance, within a grain to that of the
-    /// map without its tint.
+    /// with respect to that cell. It is proportional to the luminance, within a grain to that of
+    /// the map without its tint.
     ///
     /// @param u                 chooses the texel, in [0, 1)
     /// @param jitterX, jitterY  choose the place in it, in [0, 1)
@@ -142,13 +142,16 @@ private:
     struct Sums;
     void sortGrains();
     void sumCells();
-    void sumCell(std::uint32_t cell, const IntegralTurn& turn, std::vector<double>& light, Sums& sums);
+    void sumCell(std::uint32_t cell, const IntegralTurn& turn, std::vector<double>& light,
+                 Sums& sums);
     void tabulate(int level, std::uint32_t cell, const Sums& sums);
     void accumulate();
     Draw startDraw(std::uint32_t first, std::uint32_t last, double u) const noexcept;
 
     Vec3f toWorld(const Vec3f& w) const { return axis_[0] * w.x + axis_[1] * w.y + axis_[2] * w.z; }
-    Vec3f toMap(const Vec3f& w) const { return {axis_[0].dot(w), axis_[1].dot(w), axis_[2].dot(w)}; }
+    Vec3f toMap(const Vec3f& w) const {
+        return {axis_[0].dot(w), axis_[1].dot(w), axis_[2].dot(w)};
+    }
 
     std::shared_ptr<const EnvironmentMap> map_;
     Turn turn_;

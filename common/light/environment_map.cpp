@@ -80,8 +80,8 @@ struct MapFactors {
             rowCenters.push_back(cosineAndSine(kPi * share(2 * y + 1, 2 * height)));
         }
         for (std::size_t x = 0; x < width; ++x) {
-            columns.push_back(columnFactors(kPi - kTwoPi * share(x + 1, width),
-                                            kPi - kTwoPi * share(x, width)));
+            columns.push_back(
+                columnFactors(kPi - kTwoPi * share(x + 1, width), kPi - kTwoPi * share(x, width)));
             columnCenters.push_back(cosineAndSine(kPi - kTwoPi * share(2 * x + 1, 2 * width)));
         }
     }
@@ -96,7 +96,7 @@ struct MapFactors {
 using TexelIntegrals = std::array<double, EnvironmentMap::Integrals::kOfColor>;
 
 TexelIntegrals integrateTexel(const RowFactors& r, const ColumnFactors& c) {
-    return {r.sin3 * c.sine2, r.cos2Sin * c.width,   r.sin3 * c.cosine2,
+    return {r.sin3 * c.sine2,   r.cos2Sin * c.width, r.sin3 * c.cosine2,
             r.sin2Cos * c.sine, r.sin3 * c.mixed,    r.sin2Cos * c.cosine,
             r.sin2 * c.sine,    r.sinCos * c.width,  r.sin2 * c.cosine};
 }

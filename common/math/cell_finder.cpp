@@ -39,8 +39,7 @@ CellFinder::CellFinder(int level) : level_(level), cells_(cellCount(0)) {
     parallelFor(cells_.size(), kCellsPerChunk, [&](const Chunk& chunk) {
         for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
             const SphericalTriangle t = cellTriangle(level_, static_cast<std::uint32_t>(c));
-            cells_[c].plane = {Vec3f(t.a.cross(t.b)), Vec3f(t.b.cross(t.c)),
-                               Vec3f(t.c.cross(t.a))};
+            cells_[c].plane = {Vec3f(t.a.cross(t.b)), Vec3f(t.b.cross(t.c)), Vec3f(t.c.cross(t.a))};
         }
     });
 }

@@ -40,8 +40,8 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
                        int frame, InputHashes& inputs) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
-        if (name != "env" && name != "env-rotate" && name != "env-gain" && name != "spp" && name != "camera-rays" &&
-            name != "samples" && name != "bounces")
+        if (name != "env" && name != "env-rotate" && name != "env-gain" && name != "spp" &&
+            name != "camera-rays" && name != "samples" && name != "bounces")
             metadata.emplace_back("shadowcache:" + name, value);
     // --spp, --preview, --target-error and --estimator choose these.
     metadata.emplace_back("shadowcache:camera-rays", std::to_string(job.render.cameraRays));

@@ -19,8 +19,8 @@ struct LightOptions {
     std::string gain = "1";      ///< a factor of the radiance, or three R,G,B
 };
 
-/// Which light falls on each frame of a job: a map or one radiance, how it is turned, and how strong
-/// it is.
+/// Which light falls on each frame of a job: a map or one radiance, how it is turned, and how
+/// strong it is.
 class LightPlan {
 public:
     struct Light {
@@ -32,7 +32,8 @@ public:
 
     /// @param shot  frames of the whole shot, of which `frames` are some: maps and turn go over it;
     ///              empty: `frames`
-    /// @throws Error if an option is malformed, the number of maps is not that of the shot's frames,
+    /// @throws Error if an option is malformed, the number of maps is not that of the shot's
+    /// frames,
     ///         or a frame is none of the shot's
     LightPlan(const LightOptions& options, std::span<const int> frames,
               std::span<const int> shot = {});

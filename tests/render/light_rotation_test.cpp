@@ -74,8 +74,11 @@ TEST(LightPlan, TurnsOverItsFramesAndKeepsItsGain) {
     EXPECT_EQ(LightPlan({"1,1,1", "1,2,3", "4"}, frames).at(2).gain, Vec3d(4, 4, 4));
     EXPECT_EQ(LightPlan({"1,1,1", "1,2,3", "4"}, frames).at(2).rotation.text(), "1,2,3");
     for (const char* gain : {"", "-1", "1,2", "nan", "1,inf,1", "x", "1e7"})
-        test::expectError([&] { LightPlan({"1,1,1", "0", gain}, frames); },
-                          std::string("--env-gain ") + gain, "expected a factor");
+        test::expectError(
+            [&] {
+                LightPlan({"1,1,1", "0", gain}, frames);
+            },
+            std::string("--env-gain ") + gain, "expected a factor");
 }
 
 }  // namespace
