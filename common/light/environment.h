@@ -2,11 +2,12 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
+#include <memory>
 #include <vector>
 
-#include "common/image/image.h"
+#include "common/light/environment_map.h"
 #include "common/math/direction_mesh.h"
+#include "common/math/turn.h"
 
 namespace shadowcache {
 
@@ -15,7 +16,7 @@ struct EnvironmentSample {
     Vec3f direction;          ///< unit, world space
     Rgb radiance;             ///< along it
     float density;            ///< [1/sr] with respect to the region that was sampled
-    std::uint32_t cell = 0;   ///< of level Environment::kLevel, that holds the texel
+    std::uint32_t cell = 0;   ///< of level Environment::kLevel, that the texel belongs to
     std::uint32_t texel = 0;  ///< Texel::index
 };
 
@@ -33,26 +34,35 @@ struct alignas(64) CellMoments {
     float second[3][6][kSize];
 };
 
-/// Distant light from a lat-long map: radiance constant over each texel. Every texel belongs to the
-/// cell that holds its centre, so the integrals over cells are exact sums over texels. World space:
-/// +Y is up, longitude 0 (image centre) is +Z, +pi/2 is +X. Immutable, thread-safe.
+/// Distant light from a lat-long map, turned and tinted: radiance constant over each texel. Every
+/// grain of the map belongs to the cell that holds its centre, so the integrals over cells are
+/// exact sums over texels. World space: +Y is up. Unturned, longitude 0 (image centre) is +Z, +pi/2
+/// is +X. Thread-safe while it is not turned.
 class Environment {
 public:
     /// Finest level of the direction mesh whose cells are tabulated.
     static constexpr int kLevel = 5;
 
-    /// @param map              width, height >= 1, finite and non-negative
+    /// @param map   shared by all the environments that turn it
+    /// @param gain  the map's radiance is multiplied by it; finite, 0 or more
+    explicit Environment(std::shared_ptr<const EnvironmentMap> map, const Turn& turn = {},
+                         const Rgb& gain = Rgb(1.0f));
+
+    /// A map for this environment alone.
+    ///
+    /// @param map              as of EnvironmentMap
     /// @param rotationDegrees  turns the map about +Y, counter-clockwise seen from above
-    /// @param luminanceWeights sum to 1
-    /// @throws Error for an empty map or one of over 2^31 texels
+    /// @throws Error as EnvironmentMap
     Environment(const Image& map, double rotationDegrees, const Rgb& luminanceWeights);
 
+    /// Turns the map anew: a few milliseconds, whatever the number of texels. Nobody may use the
+    /// environment meanwhile, and tables made of it hold no longer.
+    void turn(const Turn& turn, const Rgb& gain);
+
     /// Luminance of the three primaries; their sum is 1.
-    const Rgb& luminanceWeights() const { return luminanceWeights_; }
+    const Rgb& luminanceWeights() const { return map_->luminanceWeights(); }
     /// Luminance of linear RGB.
-    float luminance(const Rgb& c) const {
-        return luminanceWeights_.x * c.x + luminanceWeights_.y * c.y + luminanceWeights_.z * c.z;
-    }
+    float luminance(const Rgb& c) const { return luminanceWeights().dot(c); }
 
     /// Integral of the luminance over the sphere [radiance sr].
     double luminanceIntegral() const { return sphereLuminance_; }
@@ -68,27 +78,31 @@ public:
     /// Integral of the luminance over a cell, level 0 .. kLevel [radiance sr].
     double luminanceIntegral(int level, std::uint32_t cell) const noexcept;
 
-    /// Direction in cell `index` of `level` (whose luminance integral is positive) with density
-    /// proportional to the luminance; the density is with respect to that cell.
+    /// Direction in cell `index` of `level` (whose luminance integral is positive); the density is
+    /// with respect to that cell. It is proportional to the luminance, within a grain to that of
+    /// the map without its tint.
     ///
     /// @param u                 chooses the texel, in [0, 1)
     /// @param jitterX, jitterY  choose the place in it, in [0, 1)
     EnvironmentSample sampleCell(int level, std::uint32_t index, double u, float jitterX,
                                  float jitterY) const noexcept;
 
-    /// State of a draw in three steps, each of which reads memory that the one before prefetched:
-    /// with many draws, one step at a time, the waits overlap. sampleCell() is all three at once.
+    /// State of a draw in four steps, each of which reads memory that the one before prefetched:
+    /// with many draws, one step at a time, the waits overlap. sampleCell() is all of them at once.
     struct Draw {
+        double place;        ///< in the light of the cell, then of the grain, in 2^-32
         std::uint32_t cell;  ///< of level kLevel
-        std::uint32_t step;  ///< place in the cell's light, in 2^-32
-        std::uint32_t texel;
-        float cellShare;  ///< of the cell in the light of the region
+        std::uint32_t grain;
+        std::uint32_t texel;  ///< its index
+        float share;          ///< of the cell, then of the grain, in the light of the region
     };
     /// Step 1: chooses the cell of level kLevel. Arguments as of sampleCell().
     Draw startDraw(int level, std::uint32_t index, double u) const noexcept;
-    /// Step 2: chooses the texel.
+    /// Step 2: chooses the grain.
+    void findGrain(Draw& draw) const noexcept;
+    /// Step 3: chooses the texel.
     void findTexel(Draw& draw) const noexcept;
-    /// Step 3: chooses the place in the texel.
+    /// Step 4: chooses the place in the texel.
     EnvironmentSample finishDraw(const Draw& draw, float jitterX, float jitterY) const noexcept;
 
     /// As sampleCell, over the whole sphere (whose luminance integral is positive).
@@ -105,61 +119,58 @@ public:
         std::uint32_t index;  ///< place in the map, below texelCount()
     };
     /// Texels of the map, replicated if it is small.
-    std::size_t texelCount() const { return sorted_.size(); }
+    std::size_t texelCount() const { return map_->texelCount(); }
     /// Unit direction to place (x, y) in [0, 1]^2 of texel i < texelCount(); uniform places are
     /// uniform in solid angle.
     Vec3d placeIn(std::size_t i, double x, double y) const noexcept;
-    /// Texel i < texelCount(), in the order of the cells of level kLevel.
+    /// Texel i < texelCount(); near ones have near numbers.
     Texel texel(std::size_t i) const noexcept;
-    /// First texel of a cell of level kLevel, and the one behind its last.
-    std::array<std::uint32_t, 2> texelsOf(std::uint32_t cell) const noexcept {
-        return {firstTexel_[cell], firstTexel_[cell + 1]};
+    /// Calls `visit` with the number i of every texel of a cell of level kLevel.
+    template <class Visit>
+    void forEachTexel(std::uint32_t cell, const Visit& visit) const {
+        for (std::uint32_t k = firstGrain_[cell]; k < firstGrain_[cell + 1]; ++k) {
+            const auto [first, end] = map_->texelsOf(grains_[k]);
+            for (std::uint32_t i = first; i < end; ++i) visit(i);
+        }
     }
     /// Upper bound of the luminance over the directions within `angle` [rad] of the unit vector
     /// `axis`.
     float maxLuminance(const Vec3d& axis, double angle) const noexcept;
 
 private:
-    std::size_t texelAlong(const Vec3f& direction) const noexcept;
-    void sortTexels();
+    struct IntegralTurn;
+    struct Sums;
+    void sortGrains();
     void sumCells();
-    void tabulate();
-    void tabulateDensity();
-    /// Share of its cell's light that the texel at place `rank` of sorted_ owns.
-    double texelShare(std::uint32_t rank, std::uint32_t cellEnd) const noexcept;
-    void accumulate(std::size_t cell, const std::vector<double>& weights);
+    void sumCell(std::uint32_t cell, const IntegralTurn& turn, std::vector<double>& light,
+                 Sums& sums);
+    void tabulate(int level, std::uint32_t cell, const Sums& sums);
+    void accumulate();
     Draw startDraw(std::uint32_t first, std::uint32_t last, double u) const noexcept;
 
-    std::size_t width_ = 0, height_ = 0;
-    double rotation_ = 0;
-    Rgb luminanceWeights_;
+    Vec3f toWorld(const Vec3f& w) const { return axis_[0] * w.x + axis_[1] * w.y + axis_[2] * w.z; }
+    Vec3f toMap(const Vec3f& w) const {
+        return {axis_[0].dot(w), axis_[1].dot(w), axis_[2].dot(w)};
+    }
+
+    std::shared_ptr<const EnvironmentMap> map_;
+    Turn turn_;
+    std::array<Vec3f, 3> axis_;  ///< as turn_
+    Rgb gain_;
     double sphereLuminance_ = 0;
-    /// Texel of the map, perhaps replicated, at y * width + x.
-    struct MapTexel {
-        Rgb radiance;
-        float density;  ///< of sample() [1/sr]
+    /// A grain's cell, and its share in the light of the cell.
+    struct GrainPlace {
+        float share;
+        std::uint32_t cell;
     };
-    struct SortedTexel {
-        Rgb radiance;
-        std::uint32_t index;  ///< y * width + x
-    };
-    std::vector<MapTexel> map_;
-    std::vector<SortedTexel> sorted_;  ///< by cell
-    /// Of each of sorted_: the light of the cell's texels before it, in 2^-32 of the cell. Apart,
-    /// because drawing a texel searches it.
-    std::vector<std::uint32_t> texelBegin_;
-    std::vector<std::uint32_t> firstTexel_;  ///< per cell of kLevel, and the end
+    std::vector<GrainPlace> placeOf_;        ///< by grain
+    std::vector<std::uint32_t> grains_;      ///< by cell
+    std::vector<std::uint32_t> firstGrain_;  ///< per cell of kLevel, and the end
+    std::vector<std::uint32_t> grainBegin_;  ///< of each of grains_: steps in the light of the cell
     std::vector<double> cellCdf_;            ///< over the cells of kLevel, cellCount + 1
+    std::vector<float> cellShare_;           ///< in all light
     std::vector<std::uint32_t> guide_;       ///< where in cellCdf_ to begin
-    std::vector<float> rowCos_, columnCos_, columnSin_;  ///< at texel borders
     std::array<std::vector<double>, kLevel + 1> luminance_;
-    /// What is summed over a cell for each colour.
-    struct Moments {
-        // Imath leaves the numbers of a vector undefined unless set.
-        std::array<Vec3d, 3> firstMoment{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
-        std::array<std::array<double, 6>, 3> second{};
-    };
-    std::array<std::vector<Moments>, kLevel + 1> sums_;
     std::array<std::vector<CellMoments>, kLevel + 1> moments_;
 };
 

@@ -4,23 +4,14 @@
 #include <cmath>
 
 #include "common/light/environment.h"
+#include "common/light/light_steps.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Number of the last of `count` (>= 1) ascending values that is at most x; 0 if none is. Without
-/// branches, which no processor could foresee.
-template <class T>
-std::uint32_t lastAtMost(const T* values, std::uint32_t count, T x) {
-    std::uint32_t found = 0;
-    for (std::uint32_t left = count; left > 1;) {
-        const std::uint32_t half = left / 2;
-        found += half * static_cast<std::uint32_t>(values[found + half] <= x);
-        left -= half;
-    }
-    return found;
-}
+/// The last place that is drawn, before kNoStep.
+constexpr double kLastPlace = 4294967294.0;
 
 }  // namespace
 
@@ -44,41 +35,34 @@ Environment::Draw Environment::startDraw(std::uint32_t first, std::uint32_t last
     while (c > first && cellCdf_[c + 1] <= cellCdf_[c]) --c;
     const double cellSize = cellCdf_[c + 1] - cellCdf_[c];
     const double inCell = std::clamp((x - cellCdf_[c]) / cellSize, 0.0, 1.0);
-    const auto step = static_cast<std::uint32_t>(std::min(inCell * 4294967296.0, 4294967294.0));
-    const auto texels = texelsOf(c);
-    __builtin_prefetch(&texelBegin_[texels[0]]);
-    __builtin_prefetch(&texelBegin_[(texels[0] + texels[1]) / 2]);
-    return {c, step, 0, static_cast<float>(cellSize / (end - begin))};
+    __builtin_prefetch(&grainBegin_[firstGrain_[c]]);
+    __builtin_prefetch(&grains_[firstGrain_[c]]);
+    return {std::min(inCell * kSteps, kLastPlace), c, 0, 0,
+            static_cast<float>(cellSize / (end - begin))};
+}
+
+void Environment::findGrain(Draw& draw) const noexcept {
+    const std::uint32_t first = firstGrain_[draw.cell], end = firstGrain_[draw.cell + 1];
+    const std::uint32_t k = first + lastAtMost(&grainBegin_[first], end - first,
+                                               static_cast<std::uint32_t>(draw.place));
+    const double steps = stepsOf(grainBegin_.data(), k, end);
+    const double inGrain = (draw.place - static_cast<double>(grainBegin_[k])) / steps;
+    draw.place = std::clamp(inGrain * kSteps, 0.0, kLastPlace);
+    draw.grain = grains_[k];
+    draw.share *= static_cast<float>(steps / kSteps);
+    map_->prefetch(draw.grain);
 }
 
 void Environment::findTexel(Draw& draw) const noexcept {
-    const auto texels = texelsOf(draw.cell);
-    draw.texel = texels[0] + lastAtMost(&texelBegin_[texels[0]], texels[1] - texels[0], draw.step);
-    __builtin_prefetch(&sorted_[draw.texel]);
+    draw.texel = map_->texelAtStep(draw.grain, static_cast<std::uint32_t>(draw.place));
+    map_->prefetchTexel(draw.texel);
 }
 
 EnvironmentSample Environment::finishDraw(const Draw& draw, float jitterX,
                                           float jitterY) const noexcept {
-    const double share = texelShare(draw.texel, texelsOf(draw.cell)[1]);
-    const std::uint32_t texel = sorted_[draw.texel].index;
-    const std::size_t y = texel / width_, column = texel % width_;
-    const float cosTop = rowCos_[y], cosBottom = rowCos_[y + 1];
-    const float cosPolar = cosTop + (cosBottom - cosTop) * jitterY;
-    const float sinPolar = std::sqrt(std::max(0.0f, 1 - cosPolar * cosPolar));
-    const float texelWidth = static_cast<float>(2 * kPi) / static_cast<float>(width_);
-    // Turn back from the texel's border by less than 0.007 rad: three terms give 1e-10.
-    const float d = texelWidth * jitterX;
-    const float sinD = d * (1 - d * d / 6), cosD = 1 - d * d / 2;
-    EnvironmentSample sample;
-    sample.direction = {sinPolar * (columnSin_[column] * cosD - columnCos_[column] * sinD),
-                        cosPolar,
-                        sinPolar * (columnCos_[column] * cosD + columnSin_[column] * sinD)};
-    sample.radiance = sorted_[draw.texel].radiance;
-    sample.cell = draw.cell;
-    sample.texel = texel;
-    sample.density = static_cast<float>(static_cast<double>(draw.cellShare) * share /
-                                        static_cast<double>(texelWidth * (cosTop - cosBottom)));
-    return sample;
+    const EnvironmentMap::Texel& texel = map_->texel(draw.texel);
+    return {toWorld(map_->placeIn(draw.texel, jitterX, jitterY)), texel.radiance * gain_,
+            texel.density * draw.share, draw.cell, draw.texel};
 }
 
 Environment::Draw Environment::startDraw(int level, std::uint32_t cell, double u) const noexcept {
@@ -89,12 +73,14 @@ Environment::Draw Environment::startDraw(int level, std::uint32_t cell, double u
 EnvironmentSample Environment::sampleCell(int level, std::uint32_t cell, double u, float jitterX,
                                           float jitterY) const noexcept {
     Draw draw = startDraw(level, cell, u);
+    findGrain(draw);
     findTexel(draw);
     return finishDraw(draw, jitterX, jitterY);
 }
 
 EnvironmentSample Environment::sample(double u, float jitterX, float jitterY) const noexcept {
     Draw draw = startDraw(std::uint32_t{0}, cellCount(kLevel), u);
+    findGrain(draw);
     findTexel(draw);
     return finishDraw(draw, jitterX, jitterY);
 }

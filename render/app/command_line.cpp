@@ -31,13 +31,19 @@ void defineSet(CLI::App& app, Arguments& arguments) {
     RenderJob& job = arguments.job;
     addSetOptions(app, arguments.shot, kSet, kSurface);
     app.add_option(
-           "--env", job.environment,
+           "--env", job.light.environment,
            "Lat-long map (EXR or HDR), or a constant radiance R,G,B; for one map per frame: maps "
            "joined by commas, or a sequence with ####")
         ->group(kSet);
-    app.add_option("--env-rotate", job.environmentRotation,
+    app.add_option("--env-rotate", job.light.rotation,
                    "Rotation of the map about +Y in degrees, counter-clockwise seen from above; "
-                   "A-B: from A in the first frame to B in the last")
+                   "A-B: from A in the first frame to B in the last; X,Y,Z: about +X, then +Y, "
+                   "then +Z; or the nine numbers of an orthogonal matrix, row by row, that takes "
+                   "directions of the map to those of the world, reflections included")
+        ->capture_default_str()
+        ->group(kSet);
+    app.add_option("--env-gain", job.light.gain,
+                   "What the radiance of the map is multiplied by, a factor or R,G,B; 0 to 1e6")
         ->capture_default_str()
         ->group(kSet);
 }
@@ -299,7 +305,7 @@ void defineRun(CLI::App& app, Arguments& arguments) {
 /// CLI11 would require these with --list, too.
 void requireWhatRendersNeed(const Arguments& arguments) {
     const RenderJob& job = arguments.job;
-    if (job.environment.empty()) throw CLI::RequiredError("--env");
+    if (job.light.environment.empty()) throw CLI::RequiredError("--env");
     if (job.output.empty()) throw CLI::RequiredError("--output");
     if (arguments.shot.camera.empty() && arguments.eye.empty())
         throw CLI::RequiredError("--camera, or --eye with --look-at,");

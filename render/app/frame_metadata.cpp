@@ -1,9 +1,21 @@
 #include "render/app/frame_metadata.h"
 
+#include "common/base/number_text.h"
 #include "common/base/text_streams.h"
 #include "common/base/version.h"
 
 namespace shadowcache {
+
+namespace {
+
+/// One factor, or three.
+std::string gainText(const Vec3d& gain) {
+    const auto text = [&](int k) { return numberText(gain[k]); };
+    if (gain.x == gain.y && gain.y == gain.z) return text(0);
+    return text(0) + "," + text(1) + "," + text(2);
+}
+
+}  // namespace
 
 std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPlan::Light& light) {
     std::vector<std::filesystem::path> inputs = job.files;
@@ -28,8 +40,8 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
                        int frame, InputHashes& inputs) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
-        if (name != "env" && name != "env-rotate" && name != "spp" && name != "camera-rays" &&
-            name != "samples" && name != "bounces")
+        if (name != "env" && name != "env-rotate" && name != "env-gain" && name != "spp" &&
+            name != "camera-rays" && name != "samples" && name != "bounces")
             metadata.emplace_back("shadowcache:" + name, value);
     // --spp, --preview, --target-error and --estimator choose these.
     metadata.emplace_back("shadowcache:camera-rays", std::to_string(job.render.cameraRays));
@@ -37,11 +49,9 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
                                                      ? "unlimited"
                                                      : std::to_string(job.render.bounces));
     metadata.emplace_back("shadowcache:samples", std::to_string(job.render.samples));
-    TextWriter angle;
-    angle.precision(17);
-    angle << light.rotation;
     metadata.emplace_back("shadowcache:env", light.environment);
-    metadata.emplace_back("shadowcache:env-rotate", angle.str());
+    metadata.emplace_back("shadowcache:env-rotate", light.rotation.text());
+    metadata.emplace_back("shadowcache:env-gain", gainText(light.gain));
     metadata.emplace_back("shadowcache:bias", biasOf(job, entry));
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
     metadata.emplace_back("shadowcache:inputs", inputs.of(inputsOf(job, light)));

@@ -12,6 +12,7 @@
 #include "common/shot/camera_source.h"
 #include "common/shot/moving_set.h"
 #include "render/frame/options.h"
+#include "render/shot/light_plan.h"
 #include "render/table/estimator_table.h"
 
 namespace shadowcache {
@@ -23,8 +24,7 @@ struct RenderJob {
 
     std::vector<DynamicFile> dynamic;
 
-    std::string environment;  ///< as LightPlan reads it
-    std::string environmentRotation = "0";
+    LightOptions light;
 
     std::filesystem::path cache;
     bool staleOk = false;

@@ -72,7 +72,7 @@ public:
     explicit Run(const RenderJob& job)
         : job_(job),
           entry_(validate(job)),
-          plan_(job.environment, job.environmentRotation, job.frames, job.shotFrames),
+          plan_(job.light, job.frames, job.shotFrames),
           light_(plan_),
           inputs_(job.mesh.references) {
         setThreadCount(job.threads);

@@ -41,6 +41,7 @@ std::span<const ClusterSample> ClusterSampler::draw(const PointBatch& batch,
              static_cast<float>(choice.inverseChance / counts[number.member].divisor),
              distribution.startDraw(choice), number.jitter});
     }
+    for (ClusterSample& sample : samples_) environment_.findGrain(sample.draw);
     for (ClusterSample& sample : samples_) environment_.findTexel(sample.draw);
     return samples_;
 }

@@ -149,9 +149,8 @@ void LobeLight::traceLobes(const PlannedCluster<LobeIntegrand>& cluster, SampleT
     for (std::uint32_t k = 0; k < cluster.members.size(); ++k) {
         const GlossyLobe& lobe = points_[cluster.members[k]].lobe;
         for (int j = 0; j < w_.lobeCounts[k].drawn; ++j, ++number) {
-            EnvironmentSample s = environment.lookUp(
+            const EnvironmentSample s = environment.lookUp(
                 lobe.sample(toUnitFloat(w_.u[number]), toUnitFloat(w_.v[number])));
-            s.cell = tables_.texels.cell(s.texel);
             traceOne(cluster, k, cluster.distribution.find(s.cell), s,
                      static_cast<double>(s.density) * environment.luminanceIntegral(), run);
         }

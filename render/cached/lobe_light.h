@@ -20,9 +20,8 @@ PlanRules lobeRules();
 /// What glossy points need of a map, whatever their place.
 struct LobeTables {
     LobeTables(const Environment& environment, const DirectionTiers& tiers)
-        : texels(environment), cells(environment, tiers) {}
+        : cells(environment, tiers) {}
 
-    TexelCells texels;
     QuadraticCells cells;
 };
 

@@ -267,7 +267,7 @@ private:
             const EnvironmentSample s = context_.environment.lookUp(direction);
             float ofTiles = 0;
             if (anyTile && s.density > 0) {
-                const std::size_t tile = tiles_.tileOf(s.texel);
+                const std::size_t tile = tiles_.tileOf(s.cell);
                 ofTiles = w.choice.probability(tile) * (s.density / mapShare_[tile]);
             }
             w.samples.add(direction, s.radiance * (cosine / density(ofTiles, cosine, samples)));

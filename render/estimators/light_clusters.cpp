@@ -19,15 +19,14 @@ std::vector<LitCell> litCells(const Environment& environment) {
     std::vector<LitCell> cells;
     for (std::uint32_t c = 0; c < cellCount(Environment::kLevel); ++c) {
         LitCell cell{Vec3d(0.0), Vec3d(0.0), 0};
-        const auto [begin, end] = environment.texelsOf(c);
-        for (std::uint32_t i = begin; i < end; ++i) {
+        environment.forEachTexel(c, [&](std::uint32_t i) {
             const Environment::Texel t = environment.texel(i);
             const auto area = static_cast<double>(t.solidAngle);
             const double luminance = static_cast<double>(environment.luminance(t.radiance)) * area;
             cell.firstMoment += Vec3d(t.center) * luminance;
             cell.radianceIntegral += Vec3d(t.radiance) * area;
             cell.luminance += luminance;
-        }
+        });
         if (cell.luminance > 0) cells.push_back(cell);
     }
     return cells;

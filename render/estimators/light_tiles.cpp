@@ -50,15 +50,13 @@ std::vector<LightTiles::Tile> split(const Environment& environment, std::size_t 
 }  // namespace
 
 LightTiles::LightTiles(const Environment& environment, std::size_t count)
-    : tiles_(split(environment, count)), tileOfTexel_(environment.texelCount(), 0) {
+    : tiles_(split(environment, count)), tileOfCell_(cellCount(Environment::kLevel), 0) {
     assert(count >= cellCount(0) && count <= kMost);
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
         addTile(environment, tiles_[i]);
         const std::uint32_t first = firstFineCell(tiles_[i]);
-        const std::uint32_t last = first + (1u << (2 * (Environment::kLevel - tiles_[i].level)));
-        for (std::uint32_t k = environment.texelsOf(first)[0];
-             k < environment.texelsOf(last - 1)[1]; ++k)
-            tileOfTexel_[environment.texel(k).index] = static_cast<std::uint8_t>(i);
+        const std::uint32_t cells = 1u << (2 * (Environment::kLevel - tiles_[i].level));
+        std::fill_n(tileOfCell_.begin() + first, cells, static_cast<std::uint8_t>(i));
     }
 }
 

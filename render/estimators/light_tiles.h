@@ -32,10 +32,8 @@ public:
     /// Luminance integral of each tile [radiance sr], positive.
     std::span<const float> light() const { return light_; }
 
-    /// Number of the tile that a lit texel belongs to.
-    ///
-    /// @param texel  Environment::Texel::index
-    std::size_t tileOf(std::uint32_t texel) const { return tileOfTexel_[texel]; }
+    /// Number of the tile that a lit cell of Environment::kLevel belongs to.
+    std::size_t tileOf(std::uint32_t cell) const { return tileOfCell_[cell]; }
 
     /// Estimates the mean of (n . w)+ over the light of each tile; positive for every tile that is
     /// partly above the horizon.
@@ -51,7 +49,7 @@ private:
     std::vector<float> mean_[3];  ///< mean direction of the light, no unit vector
     std::vector<float> reach_;    ///< half width of n . w over the light, for n at right angles
     std::vector<float> axis_[3], sinRadius_;  ///< around all of the tile
-    std::vector<std::uint8_t> tileOfTexel_;
+    std::vector<std::uint8_t> tileOfCell_;
 };
 
 }  // namespace shadowcache

@@ -44,13 +44,12 @@ Bilinear nodesAround(const Vec3f& n, std::size_t polarCount, std::size_t azimuth
 /// Texel by texel; those below the horizon add nothing.
 Vec3d texelIrradiance(const Environment& environment, std::uint32_t cell, const Vec3d& n) {
     Vec3d sum(0, 0, 0);
-    const auto [begin, end] = environment.texelsOf(cell);
-    for (std::uint32_t i = begin; i < end; ++i) {
+    environment.forEachTexel(cell, [&](std::uint32_t i) {
         const Environment::Texel texel = environment.texel(i);
         const double cosine = n.dot(Vec3d(texel.center));
         if (cosine > 0)
             sum += Vec3d(texel.radiance) * (cosine * static_cast<double>(texel.solidAngle));
-    }
+    });
     return sum;
 }
 

@@ -3,26 +3,13 @@
 #include <algorithm>
 #include <cassert>
 
-#include "common/base/parallel.h"
-
 namespace shadowcache {
 
 namespace {
 
-constexpr std::size_t kCellsPerChunk = 256;
 constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
 }  // namespace
-
-TexelCells::TexelCells(const Environment& environment) : cells_(environment.texelCount()) {
-    parallelFor(cellCount(Environment::kLevel), kCellsPerChunk, [&](const Chunk& chunk) {
-        for (std::size_t cell = chunk.begin; cell < chunk.end; ++cell) {
-            const auto [first, end] = environment.texelsOf(static_cast<std::uint32_t>(cell));
-            for (std::size_t i = first; i < end; ++i)
-                cells_[environment.texel(i).index] = static_cast<std::uint16_t>(cell);
-        }
-    });
-}
 
 RegionDistribution::RegionDistribution(const Environment& environment)
     : environment_(&environment) {
@@ -54,16 +41,16 @@ void RegionDistribution::assign(const Regions& regions, const SamplingPlan& plan
 EnvironmentSample RegionDistribution::sample(double u, float jitterX, float jitterY) const {
     const Choice choice = Walk(*this).next(u);
     Environment::Draw draw = startDraw(choice);
+    environment_->findGrain(draw);
     environment_->findTexel(draw);
     EnvironmentSample s = environment_->finishDraw(draw, jitterX, jitterY);
     s.density = static_cast<float>(static_cast<double>(s.density) / choice.inverseChance);
     return s;
 }
 
-double RegionDistribution::pdf(const Vec3f& direction, const TexelCells& texels) const {
+double RegionDistribution::pdf(const Vec3f& direction) const {
     const EnvironmentSample s = environment_->lookUp(direction);
-    return pdf(find(texels.cell(s.texel)),
-               static_cast<double>(s.density) * environment_->luminanceIntegral());
+    return pdf(find(s.cell), static_cast<double>(s.density) * environment_->luminanceIntegral());
 }
 
 double RegionDistribution::pdf(const RegionPlace& place, double lightDensity) const {

@@ -20,18 +20,6 @@ struct RegionPlace {
     bool found() const { return group != kNone; }
 };
 
-/// Cells of Environment::kLevel that hold the texels of a map. Immutable, thread-safe.
-class TexelCells {
-public:
-    explicit TexelCells(const Environment& environment);
-
-    /// @param texel  Environment::Texel::index
-    std::uint32_t cell(std::uint32_t texel) const { return cells_[texel]; }
-
-private:
-    std::vector<std::uint16_t> cells_;
-};
-
 /// How a plan draws directions to the light: a region in proportion to its weight, in the region a
 /// direction in proportion to the luminance. [docs/estimator.md]
 class RegionDistribution {
@@ -50,7 +38,7 @@ public:
     /// @param jitterX, jitterY  place in the texel, in [0, 1)
     EnvironmentSample sample(double u, float jitterX, float jitterY) const;
     /// Density of sample() along a unit vector [1/sr].
-    double pdf(const Vec3f& direction, const TexelCells& texels) const;
+    double pdf(const Vec3f& direction) const;
 
     /// Chance of a region.
     double chance(const RegionPlace& place) const {

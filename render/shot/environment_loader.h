@@ -3,14 +3,13 @@
 #include <memory>
 #include <string>
 
-#include "common/image/radiance.h"
 #include "common/light/environment.h"
 #include "render/shot/light_plan.h"
 
 namespace shadowcache {
 
-/// Loads the environment of each frame of a plan; a map that
-/// consecutive frames share is read once.
+/// Loads the environment of each frame of a plan; a map that consecutive frames share is read and
+/// tabulated once.
 class EnvironmentLoader {
 public:
     explicit EnvironmentLoader(const LightPlan& plan);
@@ -23,11 +22,8 @@ public:
     const Environment& environment() const { return *environment_; }
 
 private:
-    void loadMap(const std::string& environment);
-
     const LightPlan& plan_;
     LightPlan::Light current_;
-    RadianceImage map_;
     std::unique_ptr<Environment> environment_;
 };
 

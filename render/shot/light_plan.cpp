@@ -8,7 +8,6 @@
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
-#include "common/base/option_checks.h"
 #include "common/base/text_streams.h"
 #include "common/image/radiance.h"
 #include "common/shot/frames.h"
@@ -36,26 +35,24 @@ std::vector<std::string> environmentsOf(const std::string& text, std::span<const
     return all;
 }
 
-/// First and last angle.
-std::pair<double, double> rotationOf(const std::string& text) {
-    double first = 0, last = 0;
-    int firstEnd = 0, end = 0;
-    const auto length = static_cast<int>(text.size());
-    std::sscanf(text.c_str(), "%lf%n-%lf%n", &first, &firstEnd, &last, &end);
-    if (firstEnd == length) last = first;
-    if (firstEnd == 0 || (firstEnd != length && end != length))
-        throw Error("--env-rotate " + text + ": expected degrees, or A-B to turn from A to B");
-    for (const double angle : {first, last}) requireRange("env-rotate", angle, -1e6, 1e6);
-    return {first, last};
+/// One number or three.
+Vec3d gainOf(const std::string& text) {
+    const std::vector<double> numbers = parseNumbers(text);
+    const bool known = numbers.size() == 1 || numbers.size() == 3;
+    if (!known || std::ranges::any_of(numbers, [](double n) { return !(n >= 0 && n <= 1e6); }))
+        throw Error("--env-gain " + text + ": expected a factor, or three R,G,B, from 0 to 1e+06");
+    if (numbers.size() == 1) return Vec3d(numbers[0]);
+    return {numbers[0], numbers[1], numbers[2]};
 }
 
 }  // namespace
 
-LightPlan::LightPlan(const std::string& environments, const std::string& rotation,
-                     std::span<const int> frames, std::span<const int> shot) {
+LightPlan::LightPlan(const LightOptions& options, std::span<const int> frames,
+                     std::span<const int> shot) {
     const std::span<const int> all = shot.empty() ? frames : shot;
-    const std::vector<std::string> maps = environmentsOf(environments, all);
-    const auto [first, last] = rotationOf(rotation);
+    const std::vector<std::string> maps = environmentsOf(options.environment, all);
+    const auto [first, last] = parseRotation(options.rotation);
+    const Vec3d gain = gainOf(options.gain);
     for (std::size_t i = 0; i < frames.size(); ++i) {
         std::size_t place = i;
         if (!shot.empty())
@@ -65,7 +62,10 @@ LightPlan::LightPlan(const std::string& environments, const std::string& rotatio
                 "--shot-frames: frame {} of --frames is missing, expected all of them", frames[i]));
         const double share =
             all.size() > 1 ? static_cast<double>(place) / static_cast<double>(all.size() - 1) : 0;
-        lights_.push_back({maps[std::min(place, maps.size() - 1)], first + (last - first) * share});
+        LightRotation rotation = first;
+        for (std::size_t k = 0; k < rotation.numbers.size(); ++k)
+            rotation.numbers[k] += (last.numbers[k] - first.numbers[k]) * share;
+        lights_.push_back({maps[std::min(place, maps.size() - 1)], rotation, gain});
     }
 }
 

@@ -6,28 +6,37 @@
 #include <vector>
 
 #include "common/image/image.h"
+#include "render/shot/light_rotation.h"
 
 namespace shadowcache {
 
-/// Which light falls on each frame of a job: a map or one radiance, and how far it is turned.
+/// The light of a job, as its command line has it.
+struct LightOptions {
+    /// A file, one radiance R,G,B, files joined by commas, one for each frame, or a sequence whose
+    /// #### or %04d is the frame's number.
+    std::string environment;
+    std::string rotation = "0";  ///< as parseRotation() reads it
+    std::string gain = "1";      ///< a factor of the radiance, or three R,G,B
+};
+
+/// Which light falls on each frame of a job: a map or one radiance, how it is turned, and how
+/// strong it is.
 class LightPlan {
 public:
     struct Light {
         std::string environment;  ///< a file, or "R,G,B"
-        double rotation = 0;      ///< [degrees]
+        LightRotation rotation;
+        Vec3d gain{1, 1, 1};
         bool operator==(const Light&) const = default;
     };
 
-    /// `environments` is a file, one radiance R,G,B, files joined by commas, one for each frame, or
-    /// a sequence whose #### or %04d is the frame's number. `rotation` is an angle, or A-B: from A
-    /// in the first frame to B in the last.
-    ///
-    /// @param shot  frames of the whole shot, of which `frames` are some: the first and last above
-    ///              are its; empty: `frames`
-    /// @throws Error if either is malformed, the number of maps is not that of the shot's frames,
+    /// @param shot  frames of the whole shot, of which `frames` are some: maps and turn go over it;
+    ///              empty: `frames`
+    /// @throws Error if an option is malformed, the number of maps is not that of the shot's
+    /// frames,
     ///         or a frame is none of the shot's
-    LightPlan(const std::string& environments, const std::string& rotation,
-              std::span<const int> frames, std::span<const int> shot = {});
+    LightPlan(const LightOptions& options, std::span<const int> frames,
+              std::span<const int> shot = {});
 
     /// Light of frames[i].
     const Light& at(std::size_t i) const { return lights_[i]; }

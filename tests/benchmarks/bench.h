@@ -132,6 +132,7 @@ void trade(const Settings& settings);
 void oracle(const Settings& settings);
 void sequences(const Settings& settings);
 void flicker(const Settings& settings);
+void mapTurns(const Settings& settings);
 void preview(const Settings& settings);
 
 }  // namespace shadowcache::bench

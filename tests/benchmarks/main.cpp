@@ -59,6 +59,7 @@ int main(int argc, char** argv) try {
     add("oracle", "Noise with the baked cache against counts traced at the point", bench::oracle);
     add("sequences", "What well-spread samples gain over random numbers", bench::sequences);
     add("flicker", "Variance of what stays in view over 24 frames of a slow move", bench::flicker);
+    add("map-turns", "Seconds to read, tabulate and turn maps of 1k to 8k", bench::mapTurns);
     add("preview", "Error and time of --preview at 1920x1080 (a part) and 960x540", bench::preview);
     app.require_subcommand(1, 1);
     app.fallthrough();

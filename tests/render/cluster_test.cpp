@@ -88,13 +88,13 @@ protected:
             bool covered = false;
             for (int level = 0; level <= Environment::kLevel; ++level)
                 covered |= has.count({level, ancestorCell(cell, Environment::kLevel, level)}) > 0;
-            for (auto i = environment_.texelsOf(cell)[0]; i < environment_.texelsOf(cell)[1]; ++i) {
-                if (!(environment_.luminance(environment_.texel(i).radiance) > 0)) continue;
+            environment_.forEachTexel(cell, [&](std::uint32_t i) {
+                if (!(environment_.luminance(environment_.texel(i).radiance) > 0)) return;
                 const Vec3f direction(environment_.placeIn(i, 0.9, 0.9));
                 count += !covered && std::ranges::any_of(points_, [&](const ShadingPoint& p) {
                     return direction.dot(p.normal) > 0;
                 });
-            }
+            });
         }
         return count;
     }

@@ -59,8 +59,8 @@ TEST_F(Tiles, AreFoundByTheirTexels) {
     std::size_t others = 0;
     for (std::size_t t = 0; t < tiles_.size(); ++t)
         for (std::uint64_t i = 0; i < 50; ++i) {
-            EXPECT_EQ(tiles_.tileOf(draw(t, i).texel), t);
-            others += tiles_.tileOf(draw((t + 1) % tiles_.size(), i).texel) == t ? 1u : 0u;
+            EXPECT_EQ(tiles_.tileOf(draw(t, i).cell), t);
+            others += tiles_.tileOf(draw((t + 1) % tiles_.size(), i).cell) == t ? 1u : 0u;
         }
     EXPECT_EQ(others, 0u);
 }

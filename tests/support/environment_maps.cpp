@@ -49,11 +49,12 @@ Vec3d unturned(const Vec3d& w, double angle) {
 Texels::Texels(const Environment& environment, double rotationDegrees)
     : environment_(environment), rotation_(rotationDegrees * kPi / 180) {
     std::unordered_set<float> heights;
+    cellOf_.resize(environment.texelCount());
     for (std::uint32_t c = 0; c < cellCount(Environment::kLevel); ++c)
-        for (auto i = environment.texelsOf(c)[0]; i < environment.texelsOf(c)[1]; ++i) {
-            cellOf_.push_back(c);
+        environment.forEachTexel(c, [&](std::uint32_t i) {
+            cellOf_[i] = c;
             heights.insert(environment.texel(i).center.y);
-        }
+        });
     height_ = static_cast<int>(heights.size());
     width_ = static_cast<int>(cellOf_.size()) / height_;
     rankOf_.resize(cellOf_.size());
