@@ -1,8 +1,9 @@
 #include "common/light/environment_map.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "common/base/error.h"
 #include "common/base/parallel.h"
@@ -130,8 +131,8 @@ void EnvironmentMap::copyTexels(const Image& map) {
     width_ = mapWidth * repeatX;
     height_ = mapHeight * repeatY;
     if (width_ * height_ > std::size_t{1} << 31)
-        throw Error("environment map: " + std::to_string(map.width) + "x" +
-                    std::to_string(map.height) + " texels, at most 2^31 are supported");
+        throw Error(fmt::format("environment map: {}x{} texels, at most 2^31 are supported",
+                                map.width, map.height));
     map_.resize(width_ * height_);
     parallelFor(height_, kRowsPerChunk, [&](const Chunk& rows) {
         for (std::size_t y = rows.begin; y < rows.end; ++y)

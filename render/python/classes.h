@@ -35,7 +35,8 @@ struct CacheObject {
 struct EnvironmentObject {
     std::string name;
     std::shared_ptr<const RadianceImage> map;
-    double rotation = 0;  ///< [degrees]
+    std::shared_ptr<const EnvironmentMap> tables;  ///< of `map`; turned, they are still its
+    double rotation = 0;                           ///< [degrees]
     std::shared_ptr<const Environment> light;
 };
 

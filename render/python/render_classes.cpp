@@ -30,12 +30,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Lights a map by a rotation. To be called without the interpreter's lock.
+/// Lights a map's tables by a rotation. To be called without the interpreter's lock, as lit().
+std::shared_ptr<EnvironmentObject> turned(EnvironmentObject object, double rotation) {
+    object.rotation = rotation;
+    object.light =
+        std::make_shared<const Environment>(object.tables, turnByAngles({0, rotation, 0}));
+    return std::make_shared<EnvironmentObject>(std::move(object));
+}
+
+/// Makes a map's tables and lights them by a rotation.
 std::shared_ptr<EnvironmentObject> lit(const std::string& name,
                                        std::shared_ptr<const RadianceImage> map, double rotation) {
-    auto light = std::make_shared<const Environment>(map->image, rotation, map->luminanceWeights);
-    return std::make_shared<EnvironmentObject>(
-        EnvironmentObject{name, std::move(map), rotation, std::move(light)});
+    auto tables = std::make_shared<const EnvironmentMap>(map->image, map->luminanceWeights);
+    return turned({name, std::move(map), std::move(tables), 0, nullptr}, rotation);
 }
 
 void requireRotation(double rotation) {
@@ -89,10 +96,8 @@ std::shared_ptr<EnvironmentObject> constantEnvironment(const py::object& radianc
 std::shared_ptr<EnvironmentObject> rotated(const EnvironmentObject& environment, double degrees,
                                            const py::object& progress) {
     requireRotation(degrees);
-    const auto map = environment.map;
-    const std::string name = environment.name;
-    const double rotation = environment.rotation + degrees;
-    return longCall(progress, [&] { return lit(name, map, rotation); });
+    const EnvironmentObject copy = environment;
+    return longCall(progress, [&] { return turned(copy, copy.rotation + degrees); });
 }
 
 py::array integrate(const EnvironmentObject& environment) {

@@ -1,5 +1,7 @@
 #include "render/shot/light_rotation.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,12 +31,12 @@ void requireOrthogonal(const std::string& option, const std::vector<double>& num
         for (std::size_t j = i; j < 3; ++j) {
             const double product = rows[i].dot(rows[j]);
             if (std::abs(product - (i == j ? 1 : 0)) <= kLargestError) continue;
-            const std::string row = "row " + std::to_string(i + 1);
-            throw Error(option + ": " +
-                        (i == j ? row + " has the length " + numberText(std::sqrt(product))
-                                : row + " times row " + std::to_string(j + 1) + " is " +
-                                      numberText(product)) +
-                        ", expected rows of length 1 at right angles");
+            const std::string what =
+                i == j
+                    ? fmt::format("row {} has the length {}", i + 1, numberText(std::sqrt(product)))
+                    : fmt::format("row {} times row {} is {}", i + 1, j + 1, numberText(product));
+            throw Error(
+                fmt::format("{}: {}, expected rows of length 1 at right angles", option, what));
         }
 }
 
@@ -109,8 +111,9 @@ LightRotations parseRotation(const std::string& text) {
         return {{numbers}, {numbers}};
     }
     if (text.find(',') != text.npos)
-        throw Error(option + ": " + std::to_string(std::ranges::count(text, ',') + 1) +
-                    " parts, expected one angle, three or the nine numbers of a matrix");
+        throw Error(
+            fmt::format("{}: {} parts, expected one angle, three or the nine numbers of a matrix",
+                        option, std::ranges::count(text, ',') + 1));
     const auto [first, last] = anglesOf(option, text);
     for (const double angle : {first, last}) requireAngle(angle);
     return {{{first}}, {{last}}};
