@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <span>
 #include <utility>
 
@@ -79,7 +80,7 @@ struct Environment::Sums {
 
     void setTurned(const IntegralTurn& turn, const Rgb& gain, const double* sums) {
         for (int k = 0; k < 3; ++k) {
-            const double* from = sums + Integrals::kOfColor * k;
+            const double* from = sums + std::ptrdiff_t{Integrals::kOfColor} * k;
             const auto factor = static_cast<double>(gain[k]);
             for (int r = 0; r < Integrals::kSecond; ++r) {
                 double sum = 0;
@@ -192,7 +193,7 @@ void Environment::sumCell(std::uint32_t cell, const IntegralTurn& turn, std::vec
         // x^2 + y^2 + z^2 = 1.
         double luminance = 0;
         for (int c = 0; c < 3; ++c) {
-            const float* of = value + Integrals::kOfColor * c;
+            const float* of = value + std::ptrdiff_t{Integrals::kOfColor} * c;
             luminance += static_cast<double>(weights[c] * (of[0] + of[1] + of[2]));
         }
         light[k - first] = luminance;
