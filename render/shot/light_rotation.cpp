@@ -112,7 +112,7 @@ LightRotations parseRotation(const std::string& text) {
     }
     if (text.find(',') != text.npos)
         throw Error(
-            fmt::format("{}: {} parts, expected one angle, three or the nine numbers of a matrix",
+            fmt::format("{}: {} parts, expected numbers: one angle, three, or the nine of a matrix",
                         option, std::ranges::count(text, ',') + 1));
     const auto [first, last] = anglesOf(option, text);
     for (const double angle : {first, last}) requireAngle(angle);

@@ -109,10 +109,11 @@ std::vector<double> lightOfTiles(const Environment& plain, const Turn& turn, con
         const Environment::Texel texel = plain.texel(i);
         const double light = static_cast<double>(plain.luminance(texel.radiance * tint)) *
                              static_cast<double>(texel.solidAngle) / (kParts * kParts);
-        for (int part = 0; part < kParts * kParts; ++part)
-            tiles[locateCell(kTileLevel,
-                             turn.apply(plain.placeIn(i, (part % kParts + 0.5) / kParts,
-                                                      (part / kParts + 0.5) / kParts)))] += light;
+        for (int y = 0; y < kParts; ++y)
+            for (int x = 0; x < kParts; ++x)
+                tiles[locateCell(kTileLevel, turn.apply(plain.placeIn(i, (x + 0.5) / kParts,
+                                                                      (y + 0.5) / kParts)))] +=
+                    light;
     }
     return tiles;
 }
