@@ -55,8 +55,8 @@ public:
     /// @throws Error as EnvironmentMap
     Environment(const Image& map, double rotationDegrees, const Rgb& luminanceWeights);
 
-    /// Turns the map anew: a few milliseconds, whatever the number of texels. Nobody may use the
-    /// environment meanwhile, and tables made of it hold no longer.
+    /// Turns the map anew: some 20 ms, whatever the number of texels (docs/numerics.md). Nobody may
+    /// use the environment meanwhile, and tables made of it hold no longer.
     void turn(const Turn& turn, const Rgb& gain);
 
     /// Luminance of the three primaries; their sum is 1.
