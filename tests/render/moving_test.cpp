@@ -84,11 +84,11 @@ TEST_F(Moving, ChangesNoMean) {
     // And a place on the slab's upper side, of which the cache knows nothing.
     const Hit hit = scene_->intersect({0.2f, 3, 0.1f}, {0, -1, 0});
     ASSERT_NE(hit.scene, &*scene_);
-    points.push_back({hit.scene->rayOrigin(hit.position, hit.triangle, {0, 1, 0}),
-                      mesh_.origin + Vec3d(hit.position),
-                      {0, 1, 0},
-                      {0, 1, 0},
-                      0});
+    points.push_back({{hit.scene->rayOrigin(hit.position, hit.triangle, {0, 1, 0}),
+                       mesh_.origin + Vec3d(hit.position),
+                       {0, 1, 0},
+                       {0, 1, 0}},
+                      {}});
     const double level = test::significance(2 * points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Rgb truth = test::tracedIrradiance(*scene_, points[i], map, 64);
