@@ -81,11 +81,11 @@ constexpr const char* kFooter =
 
 /// Options of the programs that the plan sets.
 constexpr const char* kOurs[] = {
-    "--camera",      "--frames",         "--shot-frames",  "--fps",    "--size",     "--dynamic",
-    "--cache",       "--allow-external", "--output",       "-o",       "--check",    "--threads",
-    "--up",          "--scale",          "--set-frame",    "--resume", "--list",     "--explain",
-    "--debug",       "--stats",          "--write-config", "--shard",  "--estimate", "--lookups",
-    "--lookups-only"};
+    "--camera",  "--shutter",     "--frames",         "--shot-frames",  "--fps",    "--size",
+    "--dynamic", "--cache",       "--allow-external", "--output",       "-o",       "--check",
+    "--threads", "--up",          "--scale",          "--set-frame",    "--resume", "--list",
+    "--explain", "--debug",       "--stats",          "--write-config", "--shard",  "--estimate",
+    "--lookups", "--lookups-only"};
 
 void refuseOurOptions(const std::vector<std::string>& words, const char* where) {
     for (const std::string& word : words)
@@ -110,6 +110,7 @@ std::vector<std::string> commonWords(const ShotArguments& shot) {
     if (shot.setFrame) add("--set-frame", std::to_string(*shot.setFrame));
     if (shot.allowExternal) words.emplace_back("--allow-external");
     add("--camera", shot.camera);
+    if (shot.shutter != standard.shutter) add("--shutter", numberText(shot.shutter));
     if (shot.fps != standard.fps) add("--fps", numberText(shot.fps));
     if (shot.size != standard.size) add("--size", shot.size);
     for (const std::string& moving : shot.dynamic) add("--dynamic", moving);

@@ -56,7 +56,7 @@ void defineShot(CLI::App& app, BakeJob& job, ShotArguments& shot) {
     const std::string group = "Shot: bake only what its pictures look up";
     addShotOptions(app, shot, group);
     auto* camera = app.get_option("--camera");
-    for (const char* name : {"--frames", "--fps", "--size", "--dynamic"})
+    for (const char* name : {"--shutter", "--frames", "--fps", "--size", "--dynamic"})
         app.get_option(name)->needs(camera);
     app.get_option("--frames")->default_str(job.shot.frames);
     app.add_option("--margin", job.shot.margin,
@@ -147,6 +147,7 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     job.mesh = meshOptionsOf(shot, job.mesh);
     job.shot.camera.name = shot.camera;
     if (!shot.frames.empty()) job.shot.frames = shot.frames;
+    job.shot.camera.shutter = shot.shutter;
     job.shot.fps = shot.fps;
     job.shot.size = sizeOf(shot);
     job.shot.dynamic = dynamicFilesOf(shot);

@@ -54,7 +54,7 @@ const std::vector<NormalSet>& cellsNear() {
 /// Looks at one frame.
 class FrameLookups {
 public:
-    FrameLookups(const Camera& camera, const Scene& scene, const VoxelFrame& frame,
+    FrameLookups(const CameraMove& camera, const Scene& scene, const VoxelFrame& frame,
                  std::array<int, 2> size)
         : rays_(camera, static_cast<double>(size[0]) / size[1]),
           scene_(scene),
@@ -88,20 +88,21 @@ private:
         std::vector<Part> parts((rows + kRowsPerChunk - 1) / kRowsPerChunk);
         parallelFor(rows, kRowsPerChunk, [&](const Chunk& chunk) {
             throwIfInterrupted();
-            std::array<FilmPosition, RayPacket::kSize> at;
+            std::array<CameraRay, RayPacket::kSize> some;
             for (std::size_t row = chunk.begin; row < chunk.end; ++row)
-                for (std::size_t first = 0; first < columns; first += at.size()) {
-                    const std::size_t count = std::min(at.size(), columns - first);
+                for (std::size_t first = 0; first < columns; first += some.size()) {
+                    const std::size_t count = std::min(some.size(), columns - first);
                     for (std::size_t i = 0; i < count; ++i) {
                         const std::size_t column = first + i;
                         const std::uint64_t number = row * columns + column;
                         const double u = toUnit(hashWords(seed, BakeSalt::filmColumn, number));
                         const double v = toUnit(hashWords(seed, BakeSalt::filmRow, number));
-                        at[i] =
+                        some[i] = rayThrough(
                             onFilm((static_cast<double>(column) + u) / static_cast<double>(columns),
-                                   (static_cast<double>(row) + v) / static_cast<double>(rows));
+                                   (static_cast<double>(row) + v) / static_cast<double>(rows)),
+                            seed, number);
                     }
-                    look(std::span(at).first(count), parts[chunk.index]);
+                    look(std::span(some).first(count), parts[chunk.index]);
                 }
         });
         std::size_t newRays = 0;
@@ -124,18 +125,26 @@ private:
         return {along(x, size_[0]), along(y, size_[1])};
     }
 
-    /// @param at  as many as a packet has rays, or fewer
-    void look(std::span<const FilmPosition> at, Part& out) const {
+    /// One of the rays that meet at a place of the film.
+    CameraRay rayThrough(const FilmPosition& at, std::uint64_t seed, std::uint64_t number) const {
+        if (!rays_.spread()) return rays_.through(at);
+        return rays_.through(at, {toUnit(hashWords(seed, BakeSalt::lensU, number)),
+                                  toUnit(hashWords(seed, BakeSalt::lensV, number)),
+                                  toUnit(hashWords(seed, BakeSalt::shutterTime, number))});
+    }
+
+    /// @param rays  as many as a packet has, or fewer
+    void look(std::span<const CameraRay> rays, Part& out) const {
         RayPacket packet{};
         std::array<View, RayPacket::kSize> views;
         std::array<Hit, RayPacket::kSize> hits;
-        for (std::size_t i = 0; i < at.size(); ++i) {
-            views[i].direction = Vec3f(rays_.direction(at[i]));
-            packet.set(static_cast<int>(i), rayStart(rays_, scene_, at[i]), views[i].direction);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            views[i].direction = Vec3f(rays[i].direction);
+            packet.set(static_cast<int>(i), startIn(scene_, rays[i]), views[i].direction);
         }
-        scene_.intersect(packet, static_cast<int>(at.size()), hits.data());
-        for (std::size_t i = 0; i < at.size(); ++i) {
-            views[i].hit = hits[i];
+        scene_.intersect(packet, static_cast<int>(rays.size()), hits.data());
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (static_cast<double>(hits[i].distance) <= rays[i].reach) views[i].hit = hits[i];
             note(views[i], out);
         }
     }
@@ -171,7 +180,7 @@ LookupPlaces lookupsOf(const Shot& shot, Scene& scene, const VoxelFrame& frame) 
     Progress progress("look", std::max<std::size_t>(1, shot.frames.size()));
     for (const int number : shot.frames) {
         scene.setMoving(shot.moving.pose(number));
-        all.add(FrameLookups(shot.camera.at(number), scene, frame, shot.size).find().places());
+        all.add(FrameLookups(shot.camera.moveAt(number), scene, frame, shot.size).find().places());
         progress.add(1);
     }
     scene.setMoving(nullptr);

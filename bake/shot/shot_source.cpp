@@ -36,7 +36,7 @@ ShotSource::ShotSource(const ShotOptions& options, std::span<const std::filesyst
       frames_(parseFrames(options.frames)),
       shots_(openShots(files, mesh, options.fps)),
       camera_(options.camera, shots_) {
-    for (const int frame : frames_) camera_.at(frame);
+    for (const int frame : frames_) camera_.moveAt(frame);
 }
 
 LookupPlaces ShotSource::lookups(Scene& scene, const VoxelFrame& frame) const {
@@ -51,6 +51,7 @@ std::string ShotSource::text() const {
         "{}, frames {}, {}x{}",
         options_.camera.isFile() ? std::filesystem::path(camera).filename().string() : camera,
         options_.frames, options_.size[0], options_.size[1]);
+    if (options_.camera.shutter > 0) text += fmt::format(", shutter {:g}", options_.camera.shutter);
     if (options_.margin > 0) text += fmt::format(", margin {}", options_.margin);
     ContentHash shot;
     shot.addText(contents_);

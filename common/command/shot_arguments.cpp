@@ -37,6 +37,11 @@ void addShotOptions(CLI::App& app, ShotArguments& shot, const std::string& group
     app.add_option("--camera", shot.camera,
                    "Camera file (JSON), or the name of a camera in a glTF set")
         ->group(group);
+    app.add_option("--shutter", shot.shutter,
+                   "Share of a frame's time that the camera moves in while it is exposed, half "
+                   "before and half after the frame, 0 to 1; objects stand still")
+        ->capture_default_str()
+        ->group(group);
     app.add_option("--frames", shot.frames,
                    "Frames of the shot: A, A-B or A-BxSTEP, joined by commas [1]")
         ->group(group);

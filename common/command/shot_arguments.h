@@ -25,6 +25,7 @@ struct ShotArguments {
 
     std::string camera;                ///< file or name; empty: none
     std::string frames;                ///< as parseFrames reads them; empty: not given
+    double shutter = 0;                ///< CameraOptions::shutter
     double fps = 24;                   ///< of glTF's cameras and moving nodes
     std::string size = "960x540";      ///< of a picture
     std::vector<std::string> dynamic;  ///< as parseDynamic reads them
@@ -34,7 +35,7 @@ struct ShotArguments {
 void addSetOptions(CLI::App& app, ShotArguments& shot, const std::string& group,
                    const std::string& details);
 
-/// Defines --camera, --frames, --fps, --size and --dynamic.
+/// Defines --camera, --shutter, --frames, --fps, --size and --dynamic.
 void addShotOptions(CLI::App& app, ShotArguments& shot, const std::string& group);
 
 /// `others`, with how the files are brought into the world.

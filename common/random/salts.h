@@ -16,8 +16,11 @@ enum class BakeSalt : std::uint64_t {
     filmColumn =
         0x66696c6d,  ///< place of a camera ray that looks for voxels; third word: its number
     filmRow = 0x66696c6e,
-    hitOrigins = 0x68697473,  ///< points that an item's hit rays start from
-    sample = 0x73616d70,      ///< voxels that an estimate bakes; third word: their run's number
+    lensU = 0x66696c6f,  ///< where on the lens it starts
+    lensV = 0x66696c70,
+    shutterTime = 0x66696c71,  ///< and when
+    hitOrigins = 0x68697473,   ///< points that an item's hit rays start from
+    sample = 0x73616d70,       ///< voxels that an estimate bakes; third word: their run's number
 };
 
 /// Seeds of frames and of their pilots' places.
@@ -57,6 +60,7 @@ enum class RenderSalt : std::uint64_t {
     bounceChild = 103,    ///< seed of what a diffuse ray met
     bounceLobeChild = 104,  ///< and of what a lobe's ray met
     bounceDirect = 105,     ///< seed of a vertex's direct light
+    shutterTime = 106,      ///< a pixel's seed for when its camera rays are sent
     domePilotTile = 90,     ///< tiles of the map that `dome`'s pilot rays go to
     domePilotTexel = 91,    ///< places of these rays in their texels
     domeTurn = 92,          ///< which of `dome`'s samples is the first drawn by the cosine

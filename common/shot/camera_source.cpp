@@ -2,6 +2,9 @@
 
 #include <filesystem>
 
+#include "common/base/option_checks.h"
+#include "common/shot/camera_file.h"
+
 namespace shadowcache {
 
 bool CameraOptions::isFile() const {
@@ -10,6 +13,7 @@ bool CameraOptions::isFile() const {
 
 CameraSource::CameraSource(const CameraOptions& options, std::span<const GltfShot> shots)
     : options_(options) {
+    requireRange("shutter", options.shutter, 0.0, 1.0);
     if (options.name.empty()) return;
     if (shots.empty() || options.isFile())
         track_ = readCameraFile(options.name);
@@ -18,8 +22,20 @@ CameraSource::CameraSource(const CameraOptions& options, std::span<const GltfSho
 }
 
 Camera CameraSource::at(int frame) const {
-    if (track_) return cameraAtFrame(*track_, frame);
-    if (named_.shot) return named_.shot->camera(named_.node, frame);
+    if (track_) cameraAtFrame(*track_, frame);
+    return atTime(frame);
+}
+
+CameraMove CameraSource::moveAt(int frame) const {
+    const Camera middle = at(frame);
+    const double half = options_.shutter / 2;
+    if (half == 0) return middle;
+    return {atTime(frame - half), atTime(frame + half)};
+}
+
+Camera CameraSource::atTime(double time) const {
+    if (track_) return cameraAtTime(*track_, time);
+    if (named_.shot) return named_.shot->camera(named_.node, time);
     // A plan has its north, -Z, at the top.
     const bool vertical =
         options_.eye->x == options_.lookAt->x && options_.eye->z == options_.lookAt->z;

@@ -14,6 +14,7 @@ struct CameraOptions {
     std::string name;  ///< a file, or one of the set's cameras; empty: the one that stands still
     std::optional<Vec3d> eye, lookAt;  ///< of that one
     double fovYDegrees = 45;
+    double shutter = 0;  ///< share of a frame's time that the shutter is open, 0 .. 1
 
     /// Whether `name` is a file's, whatever the set holds.
     bool isFile() const;
@@ -29,7 +30,14 @@ public:
     /// @throws Error if the camera has no such frame
     Camera at(int frame) const;
 
+    /// What it does while the shutter is open: around the frame's time, half before and half after.
+    ///
+    /// @throws Error if the camera has no such frame, or as between() does
+    CameraMove moveAt(int frame) const;
+
 private:
+    Camera atTime(double time) const;
+
     CameraOptions options_;
     std::optional<CameraTrack> track_;
     NamedCamera named_;

@@ -28,12 +28,6 @@ std::size_t announcedTriangles(const GltfDocument& document, int mesh) {
     return sum;
 }
 
-/// Length that neither overflows nor underflows for any finite vector.
-Vec3d unit(const Vec3d& v) {
-    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    return largest > 0 ? (v / largest).normalized() : Vec3d(0.0);
-}
-
 }  // namespace
 
 GltfShot::GltfShot(const std::filesystem::path& path, const MeshOptions& options, double fps)
@@ -67,7 +61,7 @@ std::string GltfShot::cameraName(int node) const {
     return n.name.empty() ? document_->cameras[static_cast<std::size_t>(n.camera)].name : n.name;
 }
 
-Affine GltfShot::place(int node, int frame) const {
+Affine GltfShot::place(int node, double frame) const {
     return compose(world_, nodes_->at(node, frame / fps_));
 }
 
@@ -81,7 +75,7 @@ GltfPose GltfShot::pose(std::span<const int> nodes, int frame) const {
     return poseOf(*document_, *nodes_, nodes, frame / fps_);
 }
 
-Camera GltfShot::camera(int node, int frame) const {
+Camera GltfShot::camera(int node, double frame) const {
     const Affine at = place(node, frame);
     const GltfCamera& from = document_->cameras[static_cast<std::size_t>(
         document_->nodes[static_cast<std::size_t>(node)].camera)];
@@ -95,8 +89,8 @@ Camera GltfShot::camera(int node, int frame) const {
         fail(fmt::format("at {:g}, {:g}, {:g}, expected coordinates up to {:g}", camera.origin.x,
                          camera.origin.y, camera.origin.z, kMostCoordinate));
     // A camera looks along its -z; a scale has no say in that, and a shear of parents is undone.
-    camera.forward = unit(-at.axis[2]);
-    const Vec3d right = camera.forward.cross(unit(at.axis[1]));
+    camera.forward = unitOf(-at.axis[2]);
+    const Vec3d right = camera.forward.cross(unitOf(at.axis[1]));
     if (camera.forward == Vec3d(0.0) || !(right.length() > 1e-6))
         fail("the node's scale leaves no viewing direction");
     camera.up = right.normalized().cross(camera.forward).normalized();

@@ -36,9 +36,9 @@ public:
     std::string cameraName(int node) const;
 
     /// @throws Error if the node's scale leaves no direction of view
-    Camera camera(int node, int frame) const;
+    Camera camera(int node, double frame) const;
     /// A node's place in the world.
-    Affine place(int node, int frame) const;
+    Affine place(int node, double frame) const;
     /// A mesh's place in the world.
     Affine place(const GltfPlacement& placement, int frame) const;
     /// Nodes with meshes in a frame.

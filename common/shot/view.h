@@ -2,7 +2,7 @@
 
 #include "common/mesh/normal_map.h"
 #include "common/mesh/shading_normal.h"
-#include "common/shot/camera.h"
+#include "common/shot/camera_rays.h"
 #include "common/trace/scene.h"
 
 namespace shadowcache {
@@ -25,15 +25,17 @@ struct View {
     }
 };
 
-/// Where the ray through a place of the film starts, relative to the set's origin.
-inline Vec3f rayStart(const CameraRays& rays, const Scene& scene, const FilmPosition& at) {
-    return Vec3f(rays.start(at) - scene.mesh().origin);
+/// Where a camera's ray starts, relative to the set's origin.
+inline Vec3f startIn(const Scene& scene, const CameraRay& ray) {
+    return Vec3f(ray.start - scene.mesh().origin);
 }
 
-/// What a camera sees at a place of the film.
-inline View lookThrough(const CameraRays& rays, const Scene& scene, const FilmPosition& at) {
-    const Vec3f direction(rays.direction(at));
-    return {direction, scene.intersect(rayStart(rays, scene, at), direction)};
+/// What a camera's ray meets: nothing beyond its reach.
+inline View lookAlong(const CameraRay& ray, const Scene& scene) {
+    const Vec3f direction(ray.direction);
+    View view{direction, scene.intersect(startIn(scene, ray), direction)};
+    if (static_cast<double>(view.hit.distance) > ray.reach) view.hit = {};
+    return view;
 }
 
 /// Where a hit of the scene lies in world space.

@@ -112,6 +112,7 @@ RenderJob jobOf(const Arguments& arguments) {
     job.files = arguments.shot.files;
     job.mesh = meshOptionsOf(arguments.shot, job.mesh);
     job.camera.name = arguments.shot.camera;
+    job.camera.shutter = arguments.shot.shutter;
     job.fps = arguments.shot.fps;
     job.dynamic = dynamicFilesOf(arguments.shot);
     if (!(job.mesh.smoothDegrees >= 0 && job.mesh.smoothDegrees <= 180))

@@ -110,6 +110,10 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
         ->group(kOutput);
     addListOption(app, "--aov", job.aovs, aovNames(), "Additional channels, joined by commas")
         ->group(kOutput);
+    app.add_flag("--transparent", job.render.transparent,
+                 "Leave the sky out of the picture and write what the set covers as alpha (A); "
+                 "colours are multiplied by it")
+        ->group(kOutput);
     app.add_flag(
            "--png", job.png,
            "Also write an sRGB PNG for each EXR, and one in false colour for the AOVs openness, "

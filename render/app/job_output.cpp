@@ -84,7 +84,7 @@ void writeFrame(const RenderJob& job, const Film& film, Metadata metadata,
              {film.x, film.y, film.frameWidth, film.frameHeight});
     if (!job.png) return;
     auto png = path;
-    writePng(png.replace_extension(".png"), colorImage(film), job.exposure);
+    writePng(png.replace_extension(".png"), colorImage(film), job.exposure, alphaOf(film));
     for (const auto& [aov, picture] : aovPictures(png, job.aovs))
         writePng(picture, falseColorImage(film, aov), 0);
 }

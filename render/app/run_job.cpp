@@ -90,7 +90,7 @@ public:
         }
         std::vector<GltfShot> shots = openShots(job_.files, job_.mesh, job_.fps);
         const CameraSource camera(job_.camera, shots);
-        for (const int frame : job_.frames) camera.at(frame);
+        for (const int frame : job_.frames) camera.moveAt(frame);
         if (!job_.reference.empty()) reference_ = readReference(job_.reference, job_.render);
         mesh_ = loadMesh(job_.files, job_.mesh);
         std::printf("set: %s\n", describe(mesh_.report).c_str());
@@ -141,7 +141,7 @@ private:
         timing_.build += secondsNow() - start;
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;
-        const FrameRequest wanted{estimator, camera.at(frame), frame, options_};
+        const FrameRequest wanted{estimator, camera.moveAt(frame), frame, options_};
         if (job_.explain) {
             const Forecast forecast{entry_, !job_.estimator.empty(),
                                     static_cast<int>(job_.frames.size()),

@@ -56,6 +56,7 @@ const std::vector<Aov>& aovTable() {
         {"normal", xyz, [](const Pixel& p, int k) { return p.normal[k]; }},
         {"position", xyz, [](const Pixel& p, int k) { return p.position[k]; }},
         {"depth", {"Z"}, [](const Pixel& p, int) { return p.depth; }},
+        {"axial_depth", {"Z"}, [](const Pixel& p, int) { return p.axialDepth; }},
         {"variance", {"Y"}, [](const Pixel& p, int) { return p.variance; }},
         {"rays", {"Y"}, [](const Pixel& p, int) { return p.rays; }},
         {"camera_rays", {"Y"}, [](const Pixel& p, int) { return p.cameraRays; }},
@@ -116,6 +117,8 @@ std::vector<Channel> channels(const Film& film, const std::vector<std::string>& 
     for (int k = 0; k < 3; ++k)
         out.push_back(makeChannel(film, rgb[static_cast<std::size_t>(k)],
                                   [k](const Pixel& p) { return p.color[k]; }));
+    if (film.transparent)
+        out.push_back(makeChannel(film, "A", [](const Pixel& p) { return p.coverage; }));
     for (const std::string& name : aovs) {
         const Aov& aov = findAov(name);
         for (std::size_t k = 0; k < aov.parts.size(); ++k)
@@ -130,6 +133,13 @@ double meanCameraRays(const Film& film) {
     double sum = 0;
     for (const Pixel& p : film.pixels) sum += static_cast<double>(p.cameraRays);
     return sum / static_cast<double>(film.pixels.size());
+}
+
+std::vector<float> alphaOf(const Film& film) {
+    std::vector<float> alpha;
+    if (film.transparent)
+        for (const Pixel& p : film.pixels) alpha.push_back(p.coverage);
+    return alpha;
 }
 
 Image colorImage(const Film& film) {

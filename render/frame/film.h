@@ -27,6 +27,7 @@ struct Pixel {
     Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
     Vec3f position{0, 0, 0};  ///< world space
     float depth = 0;          ///< distance from the camera; 0: the sky
+    float axialDepth = 0;     ///< its part along the view
     float variance = 0;    ///< of the irradiance's luminance, from the spread of the camera rays;
                            ///< of one camera ray, from its samples
     float covariance = 0;  ///< of its camera rays' estimates, summed over all pairs
@@ -52,6 +53,7 @@ struct Film {
     std::vector<Pixel> pixels;
     int x = 0, y = 0;  ///< of its first pixel in the frame
     int frameWidth = 0, frameHeight = 0;
+    bool transparent = false;  ///< RenderOptions::transparent: it has an alpha channel
 };
 
 /// Whether colour, irradiance and variance are finite numbers.
@@ -72,7 +74,8 @@ std::optional<AovScale> aovScale(const std::string& name);
 /// Whether an AOV shows what the cache predicts (RenderOptions::insight).
 bool needsInsight(const std::string& aov);
 
-/// R, G, B and the channels of the AOVs named, for writeExr.
+/// R, G, B, the coverage as A if the film is transparent, and the channels of the AOVs named, for
+/// writeExr.
 ///
 /// @throws Error naming the AOVs there are
 std::vector<Channel> channels(const Film& film, const std::vector<std::string>& aovs);
@@ -81,5 +84,8 @@ std::vector<Channel> channels(const Film& film, const std::vector<std::string>& 
 double meanCameraRays(const Film& film);
 
 Image colorImage(const Film& film);
+
+/// Coverage of the pixels of a transparent film; none of another.
+std::vector<float> alphaOf(const Film& film);
 
 }  // namespace shadowcache

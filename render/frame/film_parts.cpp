@@ -23,7 +23,8 @@ void requireFinite(const Film& film, int frame, std::uint64_t seed) {
 
 Film makeFilm(const RenderOptions& options) {
     const FilmRectangle region = options.region();
-    Film film{region.width, region.height, {}, region.x, region.y, options.width, options.height};
+    Film film{region.width,   region.height,      {}, region.x, region.y, options.width,
+              options.height, options.transparent};
     film.pixels.resize(static_cast<std::size_t>(region.width) *
                        static_cast<std::size_t>(region.height));
     return film;

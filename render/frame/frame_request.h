@@ -34,7 +34,7 @@ struct RenderStats {
 /// A frame to render.
 struct FrameRequest {
     const Estimator& estimator;
-    Camera camera;
+    CameraMove camera;
     int number;
     RenderOptions options;
     /// Camera rays asked for of the pixels of each tile that the region touches, 1 ..

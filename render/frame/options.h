@@ -39,7 +39,8 @@ struct RenderOptions {
     float clampIndirect = 0;    ///< BounceOptions::clamp
     bool sharedBounces = true;  ///< BounceOptions::shared
     std::uint64_t seed = 1;
-    bool preview = false;  ///< filter what the samples add to the prediction: biased
+    bool transparent = false;  ///< the sky lights the set, but is not seen
+    bool preview = false;      ///< filter what the samples add to the prediction: biased
     bool insight =
         false;          ///< keep what the cache predicts at each place, for the AOVs that show it
     PlainLook plain{};  ///< of what has no material and no vertex colours

@@ -37,6 +37,7 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     pixel.normal *= scale;
     pixel.position *= scale;
     pixel.depth *= scale;
+    pixel.axialDepth *= scale;
     pixel.openness *= scale;
     // Errors of camera rays are independent.
     pixel.expectedNoise = std::sqrt(sum.expectedVariance) * scale;

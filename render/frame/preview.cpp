@@ -41,7 +41,7 @@ ResidualPixel residualOf(const FrameRequest& frame, const Pixel& pixel) {
     if (length > 0) result.normal = pixel.normal / length;
     result.variance = pixel.sampleVariance;
     result.position = pixel.position * scale;
-    result.width = pixelWidth(frame.camera, frame.options, pixel.depth * scale);
+    result.width = pixelWidth(frame.camera.open, frame.options, pixel.depth * scale);
     return result;
 }
 

@@ -40,7 +40,7 @@ std::vector<PredictedSpread> TileRenderer::predictSpreads(std::span<const FilmPl
 
 Rgb TileRenderer::predictRadiance(const View& view, const FilmPlace& place,
                                   Workspace& workspace) const {
-    if (!view.hit.found) return context_.environment.radiance(view.direction);
+    if (!view.hit.found) return skyAlong(view.direction);
     const Surface surface = surfaceOf(view.hit, options_.plain);
     if (surface.unlit) return surface.emission;
     // Gloss as if it were diffuse.

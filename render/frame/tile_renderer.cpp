@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "common/random/salts.h"
 #include "common/random/sequence.h"
 #include "render/estimators/set_place.h"
 
@@ -40,12 +41,16 @@ TileRenderer::TileRenderer(const FrameRequest& request)
       plan_(request.plan) {}
 
 View TileRenderer::look(const FilmPosition& at) const {
-    return lookThrough(camera_, context_.scene, at);
+    return lookAlong(camera_.through(at), context_.scene);
 }
 
 SetPlace TileRenderer::placeOf(const View& view) const {
     return {rayStartOf(context_.scene, view), worldPosition(context_.scene, view.hit),
             view.shadingNormal(), view.geometricNormal()};
+}
+
+Rgb TileRenderer::skyAlong(const Vec3f& direction) const {
+    return options_.transparent ? Rgb(0, 0, 0) : context_.environment.radiance(direction);
 }
 
 float TileRenderer::irradianceScale(double radiance, const Rgb& albedo) const {
@@ -58,22 +63,29 @@ float TileRenderer::irradianceScale(double radiance, const Rgb& albedo) const {
 
 void TileRenderer::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, int first,
                        int count, TileScratch& scratch) const {
-    if (options_.cameraRays > 1) {
-        scratch.columns.resize(static_cast<std::size_t>(count));
-        scratch.rows.resize(static_cast<std::size_t>(count));
-        owenSobol(static_cast<std::uint32_t>(first), 0, seed, scratch.columns);
-        owenSobol(static_cast<std::uint32_t>(first), 1, seed, scratch.rows);
+    const auto draw = [&](std::size_t word, int dimension, std::uint64_t sequence) {
+        scratch.words[word].resize(static_cast<std::size_t>(count));
+        owenSobol(static_cast<std::uint32_t>(first), dimension, sequence, scratch.words[word]);
+    };
+    const auto number = [&](std::size_t word, int k) {
+        return static_cast<double>(toUnitFloat(scratch.words[word][static_cast<std::size_t>(k)]));
+    };
+    const bool centered = options_.cameraRays == 1;
+    if (!centered)
+        for (const int d : {0, 1}) draw(static_cast<std::size_t>(d), d, seed);
+    if (camera_.spread()) {
+        for (const int d : {2, 3}) draw(static_cast<std::size_t>(d), d, seed);
+        draw(4, 0, hashWords(seed, RenderSalt::shutterTime));
     }
     for (int k = 0; k < count; ++k) {
-        double dx = 0, dy = 0;
-        if (options_.cameraRays > 1) {
-            const auto i = static_cast<std::size_t>(k);
-            dx = filter_.offset(static_cast<double>(toUnitFloat(scratch.columns[i])));
-            dy = filter_.offset(static_cast<double>(toUnitFloat(scratch.rows[i])));
-        }
+        const double dx = centered ? 0 : filter_.offset(number(0, k));
+        const double dy = centered ? 0 : filter_.offset(number(1, k));
         const FilmPosition at{(place.x + (0.5 + dx)) / options_.width,
                               (place.y + (0.5 + dy)) / options_.height};
-        scratch.rays.push_back({pixel, first + k, k, at, {Vec3f(camera_.direction(at)), {}}});
+        const CameraRay ray = camera_.spread()
+                                  ? camera_.through(at, {number(2, k), number(3, k), number(4, k)})
+                                  : camera_.through(at);
+        scratch.rays.push_back({pixel, first + k, k, ray, {Vec3f(ray.direction), {}}});
     }
 }
 
@@ -87,10 +99,12 @@ void TileRenderer::intersect(std::span<TileScratch::Ray> rays) const {
         const auto count = static_cast<int>(some.size());
         for (int i = 0; i < count; ++i) {
             const TileScratch::Ray& ray = some[static_cast<std::size_t>(i)];
-            packet.set(i, rayStart(camera_, context_.scene, ray.at), ray.view.direction);
+            packet.set(i, startIn(context_.scene, ray.ray), ray.view.direction);
         }
         context_.scene.intersect(packet, count, hits.data());
-        for (std::size_t i = 0; i < some.size(); ++i) some[i].view.hit = hits[i];
+        for (std::size_t i = 0; i < some.size(); ++i)
+            if (static_cast<double>(hits[i].distance) <= some[i].ray.reach)
+                some[i].view.hit = hits[i];
     }
 }
 
@@ -214,7 +228,7 @@ void TileRenderer::addBatch(const TileScratch& scratch, Workspace& workspace,
         PixelSum& sum = sums[ray.pixel];
         ++sum.cameraRays;
         if (ray.view.hit.found) {
-            addToPixel(scratch, i, ray.view.hit, workspace, sum);
+            addToPixel(scratch, i, ray, workspace, sum);
             ++i;
         } else {
             sum.sum.color += ray.sky;
@@ -241,7 +255,7 @@ void TileRenderer::sendCameraRays(std::span<const FilmPlace> places, int first, 
     scratch.places.clear();
     for (TileScratch::Ray& ray : scratch.rays) {
         if (!ray.view.hit.found) {
-            ray.sky = context_.environment.radiance(ray.view.direction);
+            ray.sky = skyAlong(ray.view.direction);
             continue;
         }
         const SetPlace at = placeOf(ray.view);
@@ -283,8 +297,9 @@ void TileRenderer::findPoints(TileScratch& scratch) const {
     scratch.glossEstimates.resize(scratch.glossyPoints.size());
 }
 
-void TileRenderer::addToPixel(const TileScratch& scratch, std::size_t number, const Hit& hit,
-                              Workspace& workspace, PixelSum& pixel) const {
+void TileRenderer::addToPixel(const TileScratch& scratch, std::size_t number,
+                              const TileScratch::Ray& ray, Workspace& workspace,
+                              PixelSum& pixel) const {
     const TileScratch::Place& place = scratch.places[number];
     const ShadingPoint& point = place.point;
     const Surface& surface = place.surface;
@@ -320,7 +335,9 @@ void TileRenderer::addToPixel(const TileScratch& scratch, std::size_t number, co
     sum.roughness += surface.roughness;
     sum.normal += point.normal;
     sum.position += Vec3f(point.position);
-    sum.depth += hit.distance;
+    const double depth = static_cast<double>(ray.view.hit.distance) + ray.ray.skipped;
+    sum.depth += static_cast<float>(depth);
+    sum.axialDepth += static_cast<float>(depth * ray.ray.cosine);
     sum.variance += e.variance;
     sum.covariance += e.covariance;
     sum.glossVariance += gloss.variance;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -21,7 +22,7 @@ struct TileScratch {
         std::uint32_t pixel = 0;  ///< number in the tile
         int number = 0;           ///< of the pixel's camera rays
         int row = 0;              ///< and of those in the batch
-        FilmPosition at;
+        CameraRay ray;
         View view;         ///< no hit: the sky
         Rgb sky{0, 0, 0};  ///< its radiance, if it is seen
     };
@@ -35,8 +36,9 @@ struct TileScratch {
             {};                                    ///< number in `points`; none: nothing is diffuse
         std::optional<std::uint32_t> glossy = {};  ///< number in `glossyPoints`
     };
-    std::vector<std::uint32_t> columns, rows;  ///< Sobol' words of a pixel's camera rays
-    std::vector<std::uint64_t> seeds;          ///< of what lights a pixel
+    /// Sobol' words of a pixel's camera rays: on the film, on the lens, and in time.
+    std::array<std::vector<std::uint32_t>, 5> words;
+    std::vector<std::uint64_t> seeds;  ///< of what lights a pixel
     std::vector<Ray> rays;
     std::vector<Place> places;         ///< of the rays that meet the set
     std::vector<ShadingPoint> points;  ///< those to estimate the irradiance of
@@ -134,12 +136,14 @@ private:
                     std::span<PixelSum> sums) const;
     void sendCameraRays(std::span<const FilmPlace> places, int first, int count,
                         TileScratch& scratch, std::span<PixelSum> sums) const;
+    /// What a pixel shows of the sky.
+    Rgb skyAlong(const Vec3f& direction) const;
     /// Irradiance by which a surface of such an albedo has a radiance.
     float irradianceScale(double radiance, const Rgb& albedo) const;
     PointBatch batchOf(std::span<const ShadingPoint> points, std::size_t pixels, int count) const;
     /// Sorts the places by what light is to be estimated of them.
     void findPoints(TileScratch& scratch) const;
-    void addToPixel(const TileScratch& scratch, std::size_t number, const Hit& hit,
+    void addToPixel(const TileScratch& scratch, std::size_t number, const TileScratch::Ray& ray,
                     Workspace& workspace, PixelSum& pixel) const;
 
     const Estimator& estimator_;

@@ -25,9 +25,9 @@ def entry(camera, scene, report):
         report.add("camera %s: %s" % (camera.name, camera.type.lower()))
         return None
     if camera.shift_x or camera.shift_y:
-        report.add("camera %s: shift" % camera.name)
+        report.add("camera %s: shift, which only CAMERA.json holds" % camera.name)
     if camera.dof.use_dof:
-        report.add("camera %s: depth of field" % camera.name)
+        report.add("camera %s: depth of field, which only CAMERA.json holds" % camera.name)
     width, height = picture_size(camera, scene)
     if camera.type == "ORTHO":
         return {"name": camera.name, "type": "orthographic", "orthographic": {
@@ -42,23 +42,58 @@ def changes(scene):
     return [m for m in scene.timeline_markers if m.camera and m.camera != scene.camera]
 
 
-def export_camera(depsgraph, path, set_frame):
-    """Writes the scene's camera, frame by frame; the scene's first frame is frame 1 there. Returns what is left out.
+def lens_of(thing):
+    """Lens of an evaluated camera, as a camera file has it; None where all is sharp."""
+    camera = thing.data
+    dof = camera.dof
+    if not dof.use_dof:
+        return None
+    focus = dof.focus_distance
+    if dof.focus_object:
+        matrix = thing.matrix_world
+        focus = abs((dof.focus_object.matrix_world.translation - matrix.translation).dot(matrix.col[2].xyz.normalized()))
+    focal_length = camera.lens * 1e-3 if camera.type == "PERSP" else 1
+    lens = {"radius": focal_length / (2 * dof.aperture_fstop), "focus": max(focus, 1e-5)}
+    if dof.aperture_blades >= 3:
+        # Blender's polygon has the middle of a side where that of a camera file has its first corner.
+        lens["blades"] = min(dof.aperture_blades, 64)
+        lens["rotation"] = dof.aperture_rotation + math.pi / dof.aperture_blades
+    return lens
 
-    The angle of view is that of the picture's height."""
+
+def frame_entry(thing, scene):
+    """An evaluated camera in one frame of a camera file."""
+    camera = thing.data
+    pose = matrices.of_camera(numpy.array(thing.matrix_world, float))
+    width, height = picture_size(camera, scene)
+    corners = camera.view_frame(scene=scene)
+    distance = -corners[0].z if camera.type == "PERSP" else 1
+    middle = [(max(c[k] for c in corners) + min(c[k] for c in corners)) / (2 * distance) for k in (0, 1)]
+    frame = {"origin": pose[:3, 3].tolist(), "forward": (-pose[:3, 2]).tolist(), "up": pose[:3, 1].tolist(),
+             "shift": [middle[0] / width, middle[1] / height], "near": camera.clip_start, "far": camera.clip_end}
+    if camera.type == "PERSP":
+        frame["yfov"] = 2 * math.atan(height / 2)
+    else:
+        frame["height"] = height
+    lens = lens_of(thing)
+    if lens:
+        frame["lens"] = lens
+    return frame
+
+
+def export_camera(depsgraph, path, set_frame, first=None):
+    """Writes the scene's camera, frame by frame from frame `first` [the scene's first] on, which is frame 1 there.
+    Returns what is left out."""
     scene, report, frames = depsgraph.scene, Report(), []
-    if not scene.camera or scene.camera.name == STAND_IN or scene.camera.data.type != "PERSP":
-        raise ValueError("%s: the scene has no perspective camera" % path)
-    entry(scene.camera.data, scene, report)
-    size = picture_size(scene.camera.evaluated_get(depsgraph).data, scene)
-    for frame in range(scene.frame_start, scene.frame_end + 1):
+    if not scene.camera or scene.camera.name == STAND_IN or scene.camera.data.type not in ("PERSP", "ORTHO"):
+        raise ValueError("%s: the scene has no perspective or orthographic camera" % path)
+    if scene.camera.data.dof.use_dof and scene.camera.data.dof.aperture_ratio != 1:
+        report.add("camera %s: aperture ratio" % scene.camera.name)
+    for frame in range(scene.frame_start if first is None else first, scene.frame_end + 1):
         set_frame(frame)
-        camera = scene.camera.evaluated_get(depsgraph)
-        pose = matrices.of_camera(numpy.array(camera.matrix_world, float))
-        frames.append({"origin": pose[:3, 3].tolist(), "forward": (-pose[:3, 2]).tolist(), "up": pose[:3, 1].tolist()})
-        if not numpy.allclose(picture_size(camera.data, scene), size, rtol=1e-5):
-            report.add("camera %s: its lens changes" % camera.name)
+        frames.append(frame_entry(scene.camera.evaluated_get(depsgraph), scene))
+    render = scene.render
     with open(path, "w", encoding="ascii") as out:
-        json.dump({"cam": {"yfov": 2 * math.atan(size[1] / 2), "fps": scene.render.fps / scene.render.fps_base,
-                           "frames": frames}}, out)
+        json.dump({"cam": {"fps": render.fps / render.fps_base, "frames": frames,
+                           "pixel_aspect": render.pixel_aspect_x / render.pixel_aspect_y}}, out)
     return report.entries()

@@ -170,7 +170,8 @@ double differentLookups(const BakeResult& a, const BakeResult& b, int frame) {
     double all = 0, different = 0;
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
-            const View view = lookThrough(rays, scene, {(x + 0.5) / kWidth, (y + 0.5) / kHeight});
+            const View view =
+                lookAlong(rays.through({(x + 0.5) / kWidth, (y + 0.5) / kHeight}), scene);
             if (!view.hit.found) continue;
             const Vec3d place = worldPosition(scene, view.hit);
             const auto countA = readerA.lookUp(place, view.geometricNormal(), itemsA);

@@ -9,6 +9,7 @@
 
 #include "common/base/error.h"
 #include "common/image/radiance.h"
+#include "common/shot/camera_rays.h"
 #include "render/frame/film.h"
 #include "render/frame/pilot.h"
 #include "render/table/estimator_table.h"
@@ -78,7 +79,7 @@ std::vector<bool> findFitPixels(const Set& set, int frame, int width, int height
     std::vector<bool> fit(static_cast<std::size_t>(width * height), true);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const Vec3f direction(rays.direction({(x + 0.5) / width, (y + 0.5) / height}));
+            const Vec3f direction(rays.through({(x + 0.5) / width, (y + 0.5) / height}).direction);
             const Hit hit = set.scene->intersect(origin, direction);
             if (hit.found && !duplicate[hit.triangle]) continue;
             for (int py = std::max(0, y - 1); py <= std::min(height - 1, y + 1); ++py)

@@ -7,6 +7,7 @@
 #include "bake/core/default_spacing.h"
 #include "bake/core/item_baker.h"
 #include "common/random/sequence.h"
+#include "common/shot/camera_rays.h"
 #include "render/table/estimator_table.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/support/test_scenes.h"
@@ -47,7 +48,8 @@ std::vector<ShadingPoint> places(const Set& set, const Settings& settings) {
     const Camera camera = cameraAtFrame(set.cameras, 1);
     const CameraRays rays(camera, static_cast<double>(settings.width) / settings.height);
     for (std::uint64_t i = 0; points.size() < kPlaces && i < 20 * kPlaces; ++i) {
-        const Vec3f direction(rays.direction({toUnit(hashWords(i, 1)), toUnit(hashWords(i, 2))}));
+        const Vec3f direction(
+            rays.through({toUnit(hashWords(i, 1)), toUnit(hashWords(i, 2))}).direction);
         const Vec3f eye(camera.origin - set.scene->mesh().origin);
         if (!set.scene->intersect(eye, direction).found) continue;
         points.push_back(test::pointAlong(*set.scene, eye, direction));

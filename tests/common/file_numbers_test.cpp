@@ -15,6 +15,7 @@
 #include "common/math/limits.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/moving_set.h"
+#include "common/shot/view.h"
 #include "tests/support/extreme_numbers.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/temporary_folder.h"
@@ -59,8 +60,9 @@ void expectTraceable(const Camera& camera, const Scene& scene) {
     int count = 0;
     for (const double x : {0.0, 0.5, 1.0})
         for (const double y : {0.0, 1.0}) {
-            const Vec3f origin(film.start({x, y}) - scene.mesh().origin);
-            const Vec3f direction(film.direction({x, y}));
+            const CameraRay ray = film.through({x, y});
+            const Vec3f origin = startIn(scene, ray);
+            const Vec3f direction(ray.direction);
             ASSERT_TRUE(isInReach(Vec3d(origin) / 10)) << origin;
             ASSERT_NEAR(static_cast<double>(direction.length()), 1, 1e-5);
             scene.intersect(origin, direction);

@@ -3,7 +3,8 @@
 #include <cmath>
 
 #include "common/math/limits.h"
-#include "common/shot/camera.h"
+#include "common/shot/camera_file.h"
+#include "common/shot/camera_rays.h"
 #include "tests/fuzz/input_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
@@ -13,8 +14,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         const CameraTrack track = readCameraFile(path);
         for (const Camera& camera : track.frames) {
             const CameraRays rays(camera, 1.5);
-            fuzz::require(isInReach(rays.start({0, 1})));
-            fuzz::require(std::abs(rays.direction({0, 1}).length() - 1) < 1e-6);
+            for (const CameraRay& ray :
+                 {rays.through({0, 1}), rays.through({0, 1}, {0.9, 0.2, 0})}) {
+                fuzz::require(isInReach(ray.start / 10));
+                fuzz::require(std::abs(ray.direction.length() - 1) < 1e-6);
+                fuzz::require(!std::isnan(ray.reach));
+            }
         }
     });
     return 0;

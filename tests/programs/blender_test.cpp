@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <vector>
 
+#include "common/base/error.h"
+#include "common/image/exr.h"
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_options.h"
 #include "common/shot/gltf_shot.h"
@@ -97,6 +102,52 @@ TEST_F(Blender, BothExportsOfAFileAgree) {
     EXPECT_EQ(whole.report.placed, bare.triangles.size());
     EXPECT_EQ(whole.report.instances, 80u);
     EXPECT_LT((whole.origin - bare.origin).length(), 1e-4);
+}
+
+/// Mean alpha of tiles of 4 x 4 pixels.
+std::vector<double> tilesOfAlpha(const std::filesystem::path& file) {
+    constexpr int kTile = 4;
+    const ExrFile picture = readExr(file);
+    const auto alpha = std::ranges::find(picture.channels, "A", &Channel::name);
+    if (alpha == picture.channels.end()) throw Error(file.string() + " has no alpha");
+    const int columns = picture.width / kTile;
+    std::vector<double> tiles(static_cast<std::size_t>(columns * (picture.height / kTile)));
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x)
+            tiles[static_cast<std::size_t>(y / kTile * columns + x / kTile)] +=
+                static_cast<double>(
+                    alpha->values[static_cast<std::size_t>(y * picture.width + x)]) /
+                (kTile * kTile);
+    return tiles;
+}
+
+double mostApart(const std::vector<double>& a, const std::vector<double>& b) {
+    double most = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+    return most;
+}
+
+// Lens, shift, planes, orthographic views and wide pixels, as the exporter writes them.
+TEST_F(Blender, CamerasAreThoseOfCycles) {
+    blender("--factory-startup --python " SHADOWCACHE_SCENES "/blender_cameras.py -- .");
+    const std::vector<double> plain = tilesOfAlpha(path("plain.exr"));
+    for (const std::string name :
+         {"plain", "shifted", "orthographic", "wide_pixels", "clipped", "soft", "triangular"}) {
+        SCOPED_TRACE(name);
+        const ProgramRun result =
+            runProgram("render",
+                       words("set.ply --up z --env 1,1,1 --camera " + name +
+                             ".json --size 96x64 --estimator mis --camera-rays 256 --samples 1 "
+                             "--bounces 0 --filter box --transparent -o ours.exr"),
+                       folder_.path());
+        ASSERT_EQ(result.status, 0) << result.err;
+        const std::vector<double> wanted = tilesOfAlpha(folder_.path() / (name + ".exr"));
+        // Of 4096 rays a tile, a lens's noise included.
+        EXPECT_LT(mostApart(tilesOfAlpha(path("ours.exr")), wanted), 0.02);
+        if (name != "plain") {
+            EXPECT_GT(mostApart(plain, wanted), 0.1) << "control: the plain camera";
+        }
+    }
 }
 
 }  // namespace

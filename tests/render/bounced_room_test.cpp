@@ -119,9 +119,10 @@ protected:
                         const FilmPosition at{
                             (static_cast<double>(column) + toUnit(hashWords(key, 1))) / kWidth,
                             (static_cast<double>(row) + toUnit(hashWords(key, 2))) / kHeight};
-                        sum += Vec3d(test::pathRadiance(
-                            scene, environment, plain, rayStart(rays, scene, at),
-                            Vec3f(rays.direction(at)), bounces, hashWords(key, 3)));
+                        const CameraRay ray = rays.through(at);
+                        sum += Vec3d(test::pathRadiance(scene, environment, plain,
+                                                        startIn(scene, ray), Vec3f(ray.direction),
+                                                        bounces, hashWords(key, 3)));
                     }
                     parts[i] = Rgb(sum / static_cast<double>(paths));
                 }

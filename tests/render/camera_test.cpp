@@ -1,9 +1,14 @@
-#include "common/shot/camera.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <vector>
 
+#include "common/random/sequence.h"
+#include "common/shot/camera_file.h"
+#include "common/shot/camera_json.h"
+#include "common/shot/camera_rays.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
@@ -15,10 +20,120 @@ void expectNear(const Vec3d& a, const Vec3d& b) {
 
 TEST(Camera, RaysFollowTheFilm) {
     const Camera camera = lookAt({1, 2, 3}, {1, 2, -5}, {0, 1, 0}, kPi / 2);
-    expectNear(CameraRays(camera, 2.0).direction({0.5, 0.5}), {0, 0, -1});
-    expectNear(CameraRays(camera, 2.0).direction({0.5, 0.0}), Vec3d(0, 1, -1).normalized());
-    expectNear(CameraRays(camera, 2.0).direction({1.0, 0.5}), Vec3d(2, 0, -1).normalized());
-    expectNear(CameraRays(camera, 1.0).direction({0.0, 1.0}), Vec3d(-1, -1, -1).normalized());
+    expectNear(CameraRays(camera, 2.0).through({0.5, 0.5}).direction, {0, 0, -1});
+    expectNear(CameraRays(camera, 2.0).through({0.5, 0.0}).direction, Vec3d(0, 1, -1).normalized());
+    expectNear(CameraRays(camera, 2.0).through({1.0, 0.5}).direction, Vec3d(2, 0, -1).normalized());
+    expectNear(CameraRays(camera, 1.0).through({0.0, 1.0}).direction,
+               Vec3d(-1, -1, -1).normalized());
+}
+
+TEST(Camera, ShiftMovesTheFilmByItsWidthsAndHeights) {
+    Camera camera = lookAt({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, kPi / 2);
+    const CameraRays straight(camera, 2.0);
+    camera.shiftX = 0.25;
+    camera.shiftY = -0.5;
+    const CameraRays shifted(camera, 2.0);
+    for (const FilmPosition at : {FilmPosition{0.5, 0.5}, FilmPosition{0.1, 0.9}})
+        expectNear(shifted.through(at).direction,
+                   straight.through({at.x + 0.25, at.y + 0.5}).direction);
+    camera.height = 3;
+    expectNear(CameraRays(camera, 2.0).through({0.5, 0.5}).start, {0.25 * 6, -0.5 * 3, 0});
+}
+
+TEST(Camera, WidePixelsSeeMoreToTheSides) {
+    Camera camera = lookAt({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, kPi / 2);
+    camera.pixelAspect = 1.5;
+    expectNear(CameraRays(camera, 2.0).through({1.0, 0.5}).direction, Vec3d(3, 0, -1).normalized());
+}
+
+TEST(Camera, RaysGoFromTheNearPlaneToTheFarOne) {
+    Camera camera = lookAt({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, kPi / 2);
+    EXPECT_EQ(CameraRays(camera, 1.0).through({0, 0}).reach, camera.far);
+    camera.near = 2;
+    camera.far = 5;
+    for (const FilmPosition at : {FilmPosition{0.5, 0.5}, FilmPosition{0, 1}}) {
+        const CameraRay ray = CameraRays(camera, 1.0).through(at);
+        EXPECT_NEAR(ray.start.z, -2, 1e-12);
+        EXPECT_NEAR(ray.skipped, ray.start.length(), 1e-12);
+        EXPECT_NEAR((ray.start + ray.direction * ray.reach).z, -5, 1e-12);
+    }
+}
+
+Camera throughALens(int blades) {
+    Camera camera = lookAt({1, 2, 3}, {1, 2, -5}, {0, 1, 0}, 1.0);
+    camera.lens = {.radius = 0.25, .focus = 4, .blades = blades, .rotation = 0.3};
+    return camera;
+}
+
+TEST(Lens, RaysOfAPlaceOnTheFilmMeetInTheFocusPlane) {
+    for (const int blades : {0, 5}) {
+        Camera camera = throughALens(blades);
+        for (const double height : {0.0, 2.0}) {
+            camera.height = height;
+            const CameraRays rays(camera, 1.5);
+            const FilmPosition at{0.2, 0.7};
+            const CameraRay middle = rays.through(at);
+            const Vec3d sharp = middle.start + middle.direction * (4 / middle.cosine);
+            for (const double u : {0.1, 0.6, 0.9}) {
+                const CameraRay ray = rays.through(at, {u, 0.8, 0});
+                expectNear(ray.start + ray.direction * (4 / ray.cosine), sharp);
+                EXPECT_GT((ray.start - middle.start).length(), 0.05);
+            }
+        }
+    }
+}
+
+/// Share of the lens's rays that leave it within `radius` of its middle.
+double shareWithin(const Camera& camera, double radius) {
+    constexpr std::size_t kRays = 1 << 14;
+    std::vector<std::uint32_t> u(kRays), v(kRays);
+    owenSobol(0, 0, 7, u);
+    owenSobol(0, 1, 7, v);
+    const CameraRays rays(camera, 1.0);
+    double within = 0;
+    for (std::size_t i = 0; i < kRays; ++i) {
+        const LensSample sample{static_cast<double>(toUnitFloat(u[i])),
+                                static_cast<double>(toUnitFloat(v[i])), 0};
+        within += (rays.through({0.5, 0.5}, sample).start - camera.origin).length() < radius;
+    }
+    return within / kRays;
+}
+
+TEST(Lens, IsUniformlyUsed) {
+    for (const int blades : {0, 3, 6}) {
+        const Camera camera = throughALens(blades);
+        const double radius = camera.lens.radius;
+        // Of the triangle, what its inscribed circle holds.
+        const double inner = 0.45 * radius;
+        const double area =
+            blades == 0 ? std::numbers::pi * radius * radius
+                        : blades / 2.0 * radius * radius * std::sin(2 * std::numbers::pi / blades);
+        EXPECT_NEAR(shareWithin(camera, inner), std::numbers::pi * inner * inner / area, 0.005)
+            << blades;
+        EXPECT_EQ(shareWithin(camera, radius * 1.0001), 1);
+        // Uniform over the radius of a disc it would be 0.45.
+        EXPECT_GT(std::abs(0.45 - std::numbers::pi * inner * inner / area), 0.03) << blades;
+    }
+}
+
+TEST(CameraMove, IsStraightBetweenTwoFrames) {
+    Camera a = lookAt({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1.0);
+    Camera b = lookAt({2, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.5);
+    b.far = 10;
+    expectError([&] { between(a, b, 0.5); }, "", "right angle");
+    b = lookAt({2, 0, 0}, {3, 0, -2}, {0, 1, 0}, 0.5);
+    const Camera middle = between(a, b, 0.5);
+    EXPECT_EQ(middle.origin, Vec3d(1, 0, 0));
+    EXPECT_NEAR(middle.forward.dot(a.forward), middle.forward.dot(b.forward), 1e-12);
+    EXPECT_NEAR(middle.forward.length(), 1, 1e-12);
+    EXPECT_EQ(middle.fovY, 0.75);
+    EXPECT_EQ(middle.far, a.far);
+    const CameraRays rays(CameraMove(a, b), 1.0);
+    expectNear(rays.through({0.5, 0.5}).start, middle.origin);
+    EXPECT_NEAR(rays.through({0.5, 0.5}, {0.5, 0.5, 0.25}).start.x, 0.5, 1e-12);
+    b.height = 1;
+    expectError([&] { between(a, b, 0.5); }, "", "orthographic");
+    expectError([&] { CameraRays(CameraMove(a, b), 1.0); }, "", "orthographic");
 }
 
 TEST(Camera, LookAtMakesUpUpright) {
@@ -61,6 +176,80 @@ TEST(CameraFile, ReadsFrames) {
     EXPECT_DOUBLE_EQ(camera.fovY, 0.8);
     expectError([&] { cameraAtFrame(track, 300); }, "c.json", "frame 300 of 2, expected 1 to 2");
     expectError([&] { cameraAtFrame(track, 0); }, "c.json", "frame 0 of 2");
+}
+
+const std::string kPose = R"("origin": [0,0,0], "forward": [0,0,-1], "up": [0,1,0])";
+
+/// A file whose "cam" and whose second of three frames have more keys.
+std::string cameraWith(const std::string& common, const std::string& own) {
+    const std::string frame = "{" + kPose + "}";
+    return R"({"cam": {"fps": 24, )" + common + R"("frames": [)" + frame + ", {" + own + kPose +
+           "}, " + frame + "]}}";
+}
+
+TEST(CameraFile, ReadsLensesShiftsAndPlanesOfAllFramesAndOfOne) {
+    const TemporaryFolder folder;
+    const CameraTrack track = readCameraFile(folder.write(
+        "c.json",
+        cameraWith(R"("yfov": 1, "shift": [0.1, -0.2], "pixel_aspect": 2, "near": 0.5,)"
+                   R"("lens": {"radius": 0.01, "focus": 3},)",
+                   R"("height": 4, "far": 9, "lens": {"radius": 0, "focus": 2, "blades": 7,)"
+                   R"( "rotation": 0.5},)")));
+    const Camera& first = track.frames[0];
+    EXPECT_EQ(first.shiftX, 0.1);
+    EXPECT_EQ(first.shiftY, -0.2);
+    EXPECT_EQ(first.pixelAspect, 2);
+    EXPECT_EQ(first.near, 0.5);
+    EXPECT_EQ(first.far, std::numeric_limits<double>::infinity());
+    EXPECT_EQ(first.lens.radius, 0.01);
+    EXPECT_EQ(first.lens.blades, 0);
+    EXPECT_EQ(first.height, 0);
+    const Camera& second = track.frames[1];
+    EXPECT_EQ(second.height, 4);
+    EXPECT_EQ(second.far, 9);
+    EXPECT_EQ(second.shiftX, 0.1);
+    EXPECT_EQ(second.lens.blades, 7);
+    EXPECT_EQ(second.lens.rotation, 0.5);
+    EXPECT_EQ(second.lens.focus, 2);
+    EXPECT_EQ(track.frames[2].fovY, 1);
+    EXPECT_EQ(cameraAtTime(track, -3).far, first.far);
+    EXPECT_EQ(cameraAtTime(track, 2).far, 9);
+    expectError([&] { cameraAtTime(track, 1.5); }, "", "orthographic");
+}
+
+TEST(CameraJson, HasTheKeysOfAFrameAndNoOthers) {
+    const auto of = [](const std::string& keys) {
+        return cameraOf(nlohmann::json::parse("{" + keys + kPose + "}"), "camera");
+    };
+    EXPECT_EQ(of(R"("yfov": 0.5, "lens": {"radius": 1, "focus": 2},)").lens.focus, 2);
+    EXPECT_EQ(of(R"("height": 2,)").height, 2);
+    expectError([&] { of(""); }, "camera", "has no yfov");
+    expectError([&] { of(R"("yfov": 0.5, "roll": 1,)"); }, "camera", "has the unknown key roll");
+    expectError([] { cameraOf(3, "camera"); }, "camera", "holds no JSON object");
+}
+
+TEST(CameraFile, RefusesLensesShiftsAndPlanesOutOfRange) {
+    const TemporaryFolder folder;
+    const auto refuses = [&](const std::string& key, const std::string& cause) {
+        const auto path = folder.write("c.json", cameraWith(R"("yfov": 1,)", key + ","));
+        expectError([&] { readCameraFile(path); }, path.string(), cause);
+    };
+    refuses(R"("height": 0)", "cam.frames[1].height is 0, expected metres in (0,");
+    refuses(R"("yfov": 1, "height": 2)", "height is 2, expected either yfov");
+    refuses(R"("shift": 1)", "shift is 1, expected two finite numbers");
+    refuses(R"("shift": [0, 1e9])", "shift is [0,1000000000.0], expected numbers up to 100");
+    refuses(R"("pixel_aspect": 0)", "pixel_aspect is 0, expected a ratio");
+    refuses(R"("near": -1)", "near is -1, expected metres, 0 or more");
+    refuses(R"("near": 3, "far": 2)", "has near 3 and far 2, expected near below far");
+    refuses(R"("far": "all")", "far is \"all\", expected metres above 0");
+    refuses(R"("lens": 3)", "lens is 3, expected an object");
+    refuses(R"("lens": {"radius": 1})", "has no cam.frames[1].lens.focus");
+    refuses(R"("lens": {"radius": -1, "focus": 1})", "lens.radius is -1");
+    refuses(R"("lens": {"radius": 1, "focus": 0})", "lens.focus is 0, expected metres above 0");
+    refuses(R"("lens": {"radius": 1, "focus": 1, "blades": 2})",
+            "lens.blades is 2, expected 0, or a whole number from 3 to 64");
+    const auto path = folder.write("c.json", cameraWith("", R"("height": 2,)"));
+    expectError([&] { readCameraFile(path); }, path.string(), "has no cam.yfov");
 }
 
 TEST(CameraFile, NamesTheKeyTheValueAndTheWantedOne) {

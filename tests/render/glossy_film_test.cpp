@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/mesh/placed_mesh.h"
+#include "common/shot/camera_rays.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
 #include "tests/support/glossy_reference.h"
@@ -46,8 +47,8 @@ protected:
         for (int k = 0; k < side * side; ++k) {
             const int column = k % side, row = k / side;
             const FilmPosition at{(column + 0.5) / side, (row + 0.5) / side};
-            const Vec3d direction = rays.direction(at);
-            const Vec3d from = rays.start(at) - world_.mesh.origin;
+            const auto [start, direction, cosine, skipped, reach] = rays.through(at);
+            const Vec3d from = start - world_.mesh.origin;
             const ShadingPoint point =
                 test::pointAlong(world_.scene, Vec3f(from), Vec3f(direction));
             sum += test::tracedReflection(world_.scene, point, GetParam(), -direction,
