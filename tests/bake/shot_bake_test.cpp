@@ -16,6 +16,7 @@
 #include "bake/core/surface_voxels.h"
 #include "bake/shot/shot_source.h"
 #include "common/import/load_mesh.h"
+#include "common/shot/camera_file.h"
 #include "common/shot/frames.h"
 #include "common/shot/view.h"
 #include "render/frame/integrator.h"

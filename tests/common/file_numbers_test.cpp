@@ -13,6 +13,7 @@
 #include "common/image/png.h"
 #include "common/import/load_mesh.h"
 #include "common/math/limits.h"
+#include "common/shot/camera_file.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/moving_set.h"
 #include "common/shot/view.h"

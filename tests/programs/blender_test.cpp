@@ -12,6 +12,7 @@
 #include "common/image/exr.h"
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_options.h"
+#include "common/shot/camera_file.h"
 #include "common/shot/gltf_shot.h"
 #include "tests/support/needs.h"
 #include "tests/support/program_run.h"
