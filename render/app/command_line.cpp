@@ -6,6 +6,7 @@
 
 #include "common/cli/command_line.h"
 #include "common/cli/options.h"
+#include "render/frame/aov_channels.h"
 #include "render/frame/film.h"
 
 namespace shadowcache {

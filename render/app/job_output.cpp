@@ -17,6 +17,7 @@
 #include "common/shot/frames.h"
 #include "render/app/frame_metadata.h"
 #include "render/app/memory_report.h"
+#include "render/frame/aov_channels.h"
 #include "render/frame/aov_pictures.h"
 
 namespace shadowcache {

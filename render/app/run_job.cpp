@@ -25,6 +25,7 @@
 #include "render/app/memory_report.h"
 #include "render/app/pixel_report.h"
 #include "render/app/stale_cache.h"
+#include "render/frame/aov_channels.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
 #include "render/frame/progressive.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/image/false_color.h"
+#include "render/frame/aov_channels.h"
 
 namespace shadowcache {
 

@@ -17,6 +17,7 @@
 #include "common/image/radiance.h"
 #include "common/random/sequence.h"
 #include "common/shot/camera_source.h"
+#include "render/frame/aov_channels.h"
 #include "render/library/pixel_rays.h"
 #include "render/library/shot.h"
 #include "render/python/arrays.h"

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "render/frame/aov_channels.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
 #include "render/table/estimator_table.h"

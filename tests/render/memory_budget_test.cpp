@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "render/frame/aov_channels.h"
 #include "tests/support/plain_set.h"
 
 namespace shadowcache::test {

@@ -9,6 +9,7 @@
 #include "bake/core/baker.h"
 #include "common/base/parallel.h"
 #include "common/image/exr.h"
+#include "render/frame/aov_channels.h"
 #include "render/frame/integrator.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/foreign_vdb.h"
