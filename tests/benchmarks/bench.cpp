@@ -14,6 +14,7 @@
 #include "common/image/radiance.h"
 #include "common/import/load_mesh.h"
 #include "common/mesh/mesh_fingerprint.h"
+#include "common/shot/camera_file.h"
 #include "render/frame/pilot.h"
 #include "render/table/estimator_table.h"
 
