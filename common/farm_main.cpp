@@ -34,7 +34,7 @@ struct Arguments {
 void define(CLI::App& app, Arguments& a) {
     const std::string shot = "Shot";
     addSetOptions(app, a.shot, shot, shot);
-    addShotOptions(app, a.shot, shot);
+    addShotOptions(app, a.shot, shot, shot);
     app.get_option("--camera")->required();
     app.get_option("--frames")->required();
     const std::string work = "Work";

@@ -54,7 +54,7 @@ void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform, 
 
 void defineShot(CLI::App& app, BakeJob& job, ShotArguments& shot) {
     const std::string group = "Shot: bake only what its pictures look up";
-    addShotOptions(app, shot, group);
+    addShotOptions(app, shot, group, group);
     auto* camera = app.get_option("--camera");
     for (const char* name : {"--shutter", "--frames", "--fps", "--size", "--dynamic"})
         app.get_option(name)->needs(camera);

@@ -33,7 +33,8 @@ void addSetOptions(CLI::App& app, ShotArguments& shot, const std::string& group,
         ->group(details);
 }
 
-void addShotOptions(CLI::App& app, ShotArguments& shot, const std::string& group) {
+void addShotOptions(CLI::App& app, ShotArguments& shot, const std::string& group,
+                    const std::string& details) {
     app.add_option("--camera", shot.camera,
                    "Camera file (JSON), or the name of a camera in a glTF set")
         ->group(group);
@@ -41,7 +42,7 @@ void addShotOptions(CLI::App& app, ShotArguments& shot, const std::string& group
                    "Share of a frame's time that the camera moves in while it is exposed, half "
                    "before and half after the frame, 0 to 1; objects stand still")
         ->capture_default_str()
-        ->group(group);
+        ->group(details);
     app.add_option("--frames", shot.frames,
                    "Frames of the shot: A, A-B or A-BxSTEP, joined by commas [1]")
         ->group(group);

@@ -35,8 +35,9 @@ struct ShotArguments {
 void addSetOptions(CLI::App& app, ShotArguments& shot, const std::string& group,
                    const std::string& details);
 
-/// Defines --camera, --shutter, --frames, --fps, --size and --dynamic.
-void addShotOptions(CLI::App& app, ShotArguments& shot, const std::string& group);
+/// Defines --camera, --frames, --fps, --size and --dynamic, and in the group `details` --shutter.
+void addShotOptions(CLI::App& app, ShotArguments& shot, const std::string& group,
+                    const std::string& details);
 
 /// `others`, with how the files are brought into the world.
 ///

@@ -51,7 +51,7 @@ void defineSet(CLI::App& app, Arguments& arguments) {
 
 void defineCamera(CLI::App& app, Arguments& arguments) {
     RenderJob& job = arguments.job;
-    addShotOptions(app, arguments.shot, kCamera);
+    addShotOptions(app, arguments.shot, kCamera, kPicture);
     auto* eye = app.add_option("--eye", arguments.eye, "Position of the camera: X,Y,Z")
                     ->excludes("--camera")
                     ->group(kCamera);
@@ -114,7 +114,7 @@ void defineOutput(CLI::App& app, Arguments& arguments) {
     app.add_flag("--transparent", job.render.transparent,
                  "Leave the sky out of the picture and write what the set covers as alpha (A); "
                  "colours are multiplied by it")
-        ->group(kOutput);
+        ->group(kPicture);
     app.add_flag(
            "--png", job.png,
            "Also write an sRGB PNG for each EXR, and one in false colour for the AOVs openness, "
