@@ -9,7 +9,7 @@ namespace shadowcache {
 
 /// Camera in world space.
 struct Camera {
-    Vec3d origin{0, 0, 0};
+    Vec3d origin{0, 0, 0};    ///< where it stands
     Vec3d forward{0, 0, -1};  ///< unit
     Vec3d up{0, 1, 0};        ///< unit, at right angles to forward
     double fovY = 1.0;        ///< full vertical angle of view in radians, in (0, pi)
@@ -18,9 +18,9 @@ struct Camera {
 
 /// Moving camera of a file.
 struct CameraTrack {
-    std::filesystem::path path;
-    double fovY = 1.0;
-    double fps = 30.0;
+    std::filesystem::path path;  ///< the file
+    double fovY = 1.0;           ///< as Camera::fovY
+    double fps = 30.0;           ///< frames a second
     std::vector<Camera> frames;  ///< frames[0] is frame 1
 };
 
