@@ -39,6 +39,7 @@ build(read_cache
     -D CMAKE_DISABLE_FIND_PACKAGE_embree=ON -D CMAKE_DISABLE_FIND_PACKAGE_OpenMesh=ON
     -D CMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON -D CMAKE_DISABLE_FIND_PACKAGE_CLI11=ON)
 build(render_set -D CMAKE_DISABLE_FIND_PACKAGE_CLI11=ON)
+build(path_tracer -D CMAKE_DISABLE_FIND_PACKAGE_OpenMesh=ON)
 # Nothing but what it says itself is printed.
 run("${WORK}/build/render_set/render_set")
 set(wanted "^bake: done\n[1-9][0-9]* items\nsky 1.0: mean 0[.]([0-9]+)\nsky 0.5: mean 0[.]([0-9]+)\n$")
@@ -75,6 +76,7 @@ expect("[1-9][0-9]* items here, sky visibility [0-9] %")
 expect("irradiance 0[.]0[0-3]")
 run("${WORK}/build/read_cache/read_cache" set.vdb 1.5 5 0.1 0 1 0 sky.hdr)
 expect("0 items here.*the cache has nothing here")
+run("${WORK}/build/path_tracer/path_tracer" set.obj set.vdb sky.hdr a.pfm size=8,8 spp=1)
 run("${WORK}/prefix/bin/shadowcache-info" set.vdb)
 expect("items +[1-9]")
 run("${WORK}/prefix/bin/shadowcache-merge" set.vdb -o merged.vdb)

@@ -26,6 +26,7 @@ const std::string& programPath(const std::string& name) {
         {"bake", SHADOWCACHE_BAKE},   {"render", SHADOWCACHE_RENDER},
         {"farm", SHADOWCACHE_FARM},   {"info", SHADOWCACHE_INFO},
         {"merge", SHADOWCACHE_MERGE}, {"make-set", SHADOWCACHE_MAKE_SET},
+        {"path-tracer", SHADOWCACHE_PATH_TRACER},
     };
     return paths.at(name);
 }
