@@ -59,8 +59,8 @@ public:
         ~Reader();
         Reader(Reader&&) noexcept;
 
-        /// Goes to a place; all other functions are about the last one. It takes some tens of
-        /// microseconds, so that several samples at one place cost less than one each.
+        /// Goes to a place; all other functions are about the last one. This is what costs time:
+        /// several samples at one place take little more than one.
         ///
         /// @param position  world space
         /// @param normal    unit, towards the side that is lit
