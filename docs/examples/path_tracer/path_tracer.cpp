@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <fstream>
 #include <limits>
@@ -107,12 +107,12 @@ public:
                 corners.insert(corners.end(), {face[0], face[i - 1], face[i]});
         }
         const RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-        std::memcpy(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                            sizeof(Vec3f), vertices.size()),
-                    vertices.data(), sizeof(Vec3f) * vertices.size());
-        std::memcpy(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                            3 * sizeof(unsigned), corners.size() / 3),
-                    corners.data(), sizeof(unsigned) * corners.size());
+        std::ranges::copy(vertices, static_cast<Vec3f*>(rtcSetNewGeometryBuffer(
+                                        mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                        sizeof(Vec3f), vertices.size())));
+        std::ranges::copy(corners, static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+                                       mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                       3 * sizeof(unsigned), corners.size() / 3)));
         rtcCommitGeometry(mesh);
         rtcAttachGeometry(scene_, mesh);
         rtcReleaseGeometry(mesh);
@@ -213,13 +213,15 @@ std::vector<Rgb> render(const Set& set, const LightSampler& sampler, const Optio
     const Vec3f forward = (target - eye).normalized();
     const Vec3f right = forward.cross(Vec3f(0, 1, 0)).normalized(), up = right.cross(forward);
     const auto tangent = static_cast<float>(std::tan(o.fov * kPi / 360));
-    std::vector<Rgb> picture(static_cast<std::size_t>(width * height), Rgb(0.0f));
+    const auto rowPixels = static_cast<std::size_t>(width);
+    std::vector<Rgb> picture(rowPixels * static_cast<std::size_t>(height), Rgb(0.0f));
     std::atomic<int> nextRow{0};
     const auto work = [&] {
         LightSampler::Reader light(sampler);
         for (int y = nextRow++; y < height; y = nextRow++)
             for (int x = 0; x < width; ++x) {
-                const auto pixel = static_cast<std::size_t>(y * width + x);
+                const auto pixel =
+                    static_cast<std::size_t>(y) * rowPixels + static_cast<std::size_t>(x);
                 Random random(static_cast<std::uint64_t>(o.seed) << 40 ^ pixel << 8);
                 for (int i = 0; i < spp; ++i) {
                     const float u = 2 * (static_cast<float>(x) + random.nextFloat()) /
@@ -245,9 +247,10 @@ std::vector<Rgb> render(const Set& set, const LightSampler& sampler, const Optio
 void writePfm(const char* path, int width, int height, const std::vector<Rgb>& picture) {
     std::ofstream file(path, std::ios::binary);
     file << "PF\n" << width << ' ' << height << "\n-1\n";
-    for (int y = height - 1; y >= 0; --y)
-        file.write(reinterpret_cast<const char*>(&picture[static_cast<std::size_t>(y * width)]),
-                   static_cast<std::streamsize>(sizeof(Rgb)) * width);
+    const auto rowPixels = static_cast<std::size_t>(width);
+    for (std::size_t end = picture.size(); end > 0; end -= rowPixels)
+        file.write(reinterpret_cast<const char*>(&picture[end - rowPixels]),
+                   static_cast<std::streamsize>(sizeof(Rgb) * rowPixels));
     if (!file.flush()) throw std::runtime_error(std::string(path) + ": cannot be written");
 }
 
