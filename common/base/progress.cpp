@@ -9,13 +9,8 @@
 namespace shadowcache {
 namespace {
 
-std::optional<ProgressStyle> chosenStyle;
+ProgressStyle chosenStyle = ProgressStyle::none;
 std::optional<std::int64_t> chosenInterval;
-
-ProgressStyle currentStyle() {
-    const bool terminal = isatty(STDERR_FILENO) != 0;
-    return chosenStyle.value_or(terminal ? ProgressStyle::bar : ProgressStyle::lines);
-}
 
 std::int64_t intervalOf(ProgressStyle style, const Watch* watch) {
     if (watch) return 100;
@@ -32,6 +27,10 @@ std::int64_t intervalOf(ProgressStyle style, const Watch* watch) {
 
 }  // namespace
 
+ProgressStyle standardProgressStyle() {
+    return isatty(STDERR_FILENO) != 0 ? ProgressStyle::bar : ProgressStyle::lines;
+}
+
 void setProgressStyle(ProgressStyle style, std::optional<std::int64_t> milliseconds) {
     chosenStyle = style;
     chosenInterval = milliseconds;
@@ -41,7 +40,7 @@ Progress::Progress(std::string label, std::uint64_t total)
     : label_(std::move(label)),
       total_(std::max<std::uint64_t>(1, total)),
       watch_(currentWatch()),
-      style_(watch_ ? ProgressStyle::json : currentStyle()),
+      style_(watch_ ? ProgressStyle::json : chosenStyle),
       intervalMilliseconds_(intervalOf(style_, watch_)),
       start_(std::chrono::steady_clock::now()),
       nextPrintMilliseconds_(style_ == ProgressStyle::bar ? 0 : intervalMilliseconds_) {}

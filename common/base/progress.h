@@ -25,8 +25,11 @@ inline constexpr Named<ProgressStyle> kProgressStyles[] = {{"none", ProgressStyl
                                                            {"lines", ProgressStyle::lines},
                                                            {"json", ProgressStyle::json}};
 
-/// Chooses the style of all progress from here on; without a call it is a bar on a terminal, lines
-/// elsewhere.
+/// A bar on a terminal, lines elsewhere.
+ProgressStyle standardProgressStyle();
+
+/// Chooses the style of all progress from here on; without a call, as in the library, none is
+/// shown.
 ///
 /// @param milliseconds  between two prints; none: as Progress has them
 void setProgressStyle(ProgressStyle style, std::optional<std::int64_t> milliseconds = {});

@@ -12,6 +12,7 @@ namespace shadowcache {
 /// A signal, or who watches the call, has asked for the end.
 class Interrupted : public Error {
 public:
+    /// The end that was asked for.
     Interrupted() : Error("interrupted") {}
 };
 

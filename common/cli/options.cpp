@@ -75,6 +75,7 @@ void addThreadsOption(CLI::App& app, int& threads, const std::string& group) {
 }
 
 void addProgressOption(CLI::App& app, const std::string& group) {
+    setProgressStyle(standardProgressStyle());
     addWordOption(
         app, "--progress", namesOf(kProgressStyles),
         [](std::size_t i) { setProgressStyle(kProgressStyles[i].value); },

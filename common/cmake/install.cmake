@@ -1,5 +1,5 @@
-# What a package holds: the programs, the library with its public headers (common/CMakeLists.txt), and
-# a package config. The headers are in include/shadowcache, so that
+# What a package holds: the programs, the libraries with their public headers (common/CMakeLists.txt,
+# render/CMakeLists.txt), and a package config. The headers are in include/shadowcache, so that
 # #include "common/cache/shadow_cache.h" means the same everywhere.
 include(CMakePackageConfigHelpers)
 
@@ -14,9 +14,16 @@ install(TARGETS shadowcache_library EXPORT shadowcache_targets
     LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
     FILE_SET generated DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache"
     FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache")
+set_target_properties(shadowcache_render_component PROPERTIES
+    OUTPUT_NAME shadowcache-render EXPORT_NAME render)
+install(TARGETS shadowcache_render_component EXPORT shadowcache_render_targets
+    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache")
 install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 
 install(EXPORT shadowcache_targets NAMESPACE shadowcache:: FILE shadowcacheTargets.cmake
+    DESTINATION "${SHADOWCACHE_CONFIG_DIR}")
+install(EXPORT shadowcache_render_targets NAMESPACE shadowcache:: FILE shadowcacheRenderTargets.cmake
     DESTINATION "${SHADOWCACHE_CONFIG_DIR}")
 configure_package_config_file(common/cmake/shadowcacheConfig.cmake.in
     "${PROJECT_BINARY_DIR}/shadowcacheConfig.cmake" INSTALL_DESTINATION "${SHADOWCACHE_CONFIG_DIR}")

@@ -64,3 +64,21 @@ add_custom_target(shadowcache_rooms
     COMMAND "${CMAKE_COMMAND}" -D "ROOMS=${PROJECT_BINARY_DIR}/rooms.txt"
         -D "SOURCE=${PROJECT_SOURCE_DIR}" -P "${CMAKE_CURRENT_LIST_DIR}/check_rooms.cmake"
     VERBATIM)
+
+# shadowcache_headers_within(RESULT header...): these headers of ours and all that they include, as paths.
+function(shadowcache_headers_within result)
+    set(found)
+    set(left ${ARGN})
+    while(left)
+        list(POP_FRONT left header)
+        set(file "${PROJECT_SOURCE_DIR}/${header}")
+        if(file IN_LIST found OR NOT EXISTS "${file}")
+            continue()
+        endif()
+        list(APPEND found "${file}")
+        file(STRINGS "${file}" includes REGEX "^#include \"")
+        list(TRANSFORM includes REPLACE "^#include \"([^\"]+)\".*" "\\1")
+        list(APPEND left ${includes})
+    endwhile()
+    set(${result} ${found} PARENT_SCOPE)
+endfunction()

@@ -21,16 +21,6 @@ constexpr std::size_t kChunk = 8192;
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
-bool isFinite(const Vec3d& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-/// Unit vector along one that is finite and not 0, however long.
-Vec3d unitAlong(const Vec3d& v) {
-    const double most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    return (v / most).normalized();
-}
-
 /// Spreads the lower 21 bits, two zeros between any two.
 std::uint64_t spreadBits(std::uint64_t bits) {
     bits &= 0x1fffff;
@@ -55,12 +45,9 @@ std::uint64_t placeOnCurve(const Vec3d& position, double spacing) {
 /// Numbers of the places that can find anything, near ones together.
 std::vector<std::uint64_t> orderOf(const Places& places, double spacing) {
     std::vector<std::pair<std::uint64_t, std::uint64_t>> keys;
-    keys.reserve(places.positions.size());
-    for (std::size_t i = 0; i < places.positions.size(); ++i) {
-        const Vec3d& normal = places.normals[i];
-        if (isFinite(places.positions[i]) && isFinite(normal) && normal != Vec3d(0.0))
-            keys.emplace_back(placeOnCurve(places.positions[i], spacing), i);
-    }
+    keys.reserve(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+        if (isPlace(places, i)) keys.emplace_back(placeOnCurve(places.positions[i], spacing), i);
     std::ranges::sort(keys);
     std::vector<std::uint64_t> order;
     order.reserve(keys.size());
@@ -125,7 +112,7 @@ void visibilityAt(const ShadowCache& cache, const Places& places, std::span<cons
         for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
             if (around.moveTo(order[k])) pooled.pool(around.items());
             const Vec3d& direction = directions[order[k]];
-            if (around.items().empty() || !isFinite(direction) || direction == Vec3d(0.0)) continue;
+            if (around.items().empty() || !isDirection(direction)) continue;
             out[order[k]] = visibilityAlong(pooled, unitAlong(direction)).ratio;
         }
     });

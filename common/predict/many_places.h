@@ -4,18 +4,13 @@
 
 #include "common/cache/shadow_cache.h"
 #include "common/predict/cache_preview.h"
+#include "common/predict/places.h"
 
 namespace shadowcache {
 
 // What a cache predicts at many places at once: near ones are looked up one after the other, which
 // is faster, on all threads. The results are those of one place at a time, in the order given.
-
-/// Places on surfaces. Those with a number that is not finite, or a normal of length 0, find
-/// nothing.
-struct Places {
-    std::span<const Vec3d> positions;  ///< world space
-    std::span<const Vec3d> normals;    ///< as many; of any length, towards the side that is lit
-};
+// Those that are no places (isPlace()) find nothing.
 
 /// Irradiance [radiance sr].
 ///

@@ -18,7 +18,7 @@ struct Lens {
 
 /// Camera in world space.
 struct Camera {
-    Vec3d origin{0, 0, 0};
+    Vec3d origin{0, 0, 0};    ///< where it stands
     Vec3d forward{0, 0, -1};  ///< unit
     Vec3d up{0, 1, 0};        ///< unit, at right angles to forward
     double fovY = 1.0;        ///< full vertical angle of view in radians, in (0, pi)
@@ -53,9 +53,9 @@ struct CameraMove {
 
 /// Moving camera of a file.
 struct CameraTrack {
-    std::filesystem::path path;
-    double fovY = 1.0;  ///< of frames that have none of their own
-    double fps = 30.0;
+    std::filesystem::path path;  ///< the file
+    double fovY = 1.0;           ///< Camera::fovY of frames that have none of their own
+    double fps = 30.0;           ///< frames a second
     std::vector<Camera> frames;  ///< frames[0] is frame 1
 };
 

@@ -19,9 +19,9 @@ struct LoadedSet {
     LoadedSet(const LoadedSet&) = delete;
     LoadedSet& operator=(const LoadedSet&) = delete;
 
-    const MeshOptions options;
-    const TriangleMesh mesh;
-    const Scene scene;
+    const MeshOptions options;        ///< that it was loaded with
+    const TriangleMesh mesh;          ///< its triangles and materials
+    const Scene scene;                ///< of the mesh, for rays
     const std::uint64_t fingerprint;  ///< of the mesh, as caches have it
 };
 

@@ -17,10 +17,10 @@ namespace shadowcache {
 
 /// How a shot is lit.
 struct ShotOptions {
-    EstimatorOptions estimator = {};
-    Sequence sequence = Sequence::sobol;
-    int bounces = 0;  ///< as RenderOptions::bounces
-    PlainLook plain = {};
+    EstimatorOptions estimator = {};      ///< of the one that is chosen
+    Sequence sequence = Sequence::sobol;  ///< of random numbers
+    int bounces = 0;                      ///< as RenderOptions::bounces
+    PlainLook plain = {};                 ///< as RenderOptions::plain
 };
 
 /// A set and its cache under one environment after another: what its frames share is made once, and

@@ -43,6 +43,7 @@ struct EnvironmentObject {
 void defineScene(pybind11::module_& module);
 void defineCache(pybind11::module_& module);
 void defineEnvironment(pybind11::module_& module);
+void defineSampler(pybind11::module_& module);  ///< after the two
 void defineRender(pybind11::module_& module);
 
 }  // namespace shadowcache::python

@@ -229,5 +229,6 @@ PYBIND11_MODULE(shadowcache, module) {
     shadowcache::python::defineScene(module);
     shadowcache::python::defineCache(module);
     shadowcache::python::defineEnvironment(module);
+    shadowcache::python::defineSampler(module);
     shadowcache::python::defineRender(module);
 }

@@ -41,6 +41,28 @@ class Cache:
     def irradiance(
         self, points: ArrayLike, normals: ArrayLike, environment: Environment, *, progress: _Progress = ...
     ) -> NDArray[np.float32]: ...
+    def sampler(self, environment: Environment) -> LightSampler: ...
+
+class LightSampler:
+    def sample(
+        self,
+        points: ArrayLike,
+        normals: ArrayLike,
+        *,
+        count: int = ...,
+        seed: int = ...,
+        control: bool = ...,
+        progress: _Progress = ...,
+    ) -> dict[str, NDArray[Any]]: ...
+    def look_up(
+        self,
+        points: ArrayLike,
+        normals: ArrayLike,
+        directions: ArrayLike,
+        *,
+        control: bool = ...,
+        progress: _Progress = ...,
+    ) -> dict[str, NDArray[Any]]: ...
 
 class Environment:
     @staticmethod

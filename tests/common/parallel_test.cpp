@@ -115,14 +115,15 @@ std::string progressOfFour() {
     return testing::internal::GetCapturedStderr();
 }
 
-TEST(Progress, OfShortWorkIsSilentInAPipe) {
-    EXPECT_EQ(progressOfFour(), "");
-}
-
 class ProgressStyles : public testing::Test {
 protected:
-    ~ProgressStyles() override { setProgressStyle(ProgressStyle::lines); }
+    ~ProgressStyles() override { setProgressStyle(ProgressStyle::none); }
 };
+
+TEST_F(ProgressStyles, OfShortWorkIsSilentInAPipe) {
+    setProgressStyle(standardProgressStyle());
+    EXPECT_EQ(progressOfFour(), "");
+}
 
 TEST_F(ProgressStyles, LinesAreWhole) {
     setProgressStyle(ProgressStyle::lines, 0);

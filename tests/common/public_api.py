@@ -1,5 +1,5 @@
 """Checks that docs/api.md names every public header and every public name in it, and that each of
-these has a docstring: public_api.py INCLUDE PAGE. Before that it checks itself on a header with
+these has a docstring: public_api.py PAGE INCLUDE... Before that it checks itself on a header with
 faults."""
 import pathlib
 import re
@@ -70,6 +70,7 @@ def note(found, text, documented, scopes, public):
     if re.match(r"(class|struct) \w+$", text):  # declared ahead
         return
     text = re.sub(r"^template <.*?> ", "", text)
+    text = re.sub(r"^std::function<[^=]*> (\w+).*", r"value \1", text)
     if "= delete" in text or "= default" in text or "~" in text:
         return
     if "(" in text:
@@ -120,11 +121,12 @@ def main():
     if list(faults([("common/a.h", planted)], page)) != wanted:
         sys.exit(f"the check is wrong: {list(faults([('common/a.h', planted)], page))}")
 
-    include, page = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).read_text()
-    headers = [(str(f.relative_to(include)), f.read_text()) for f in sorted(include.rglob("*.h"))]
-    if not headers:
-        sys.exit(f"{include}: no headers")
-    found = list(faults(headers, page))
+    page, found = pathlib.Path(sys.argv[1]).read_text(), []
+    for include in map(pathlib.Path, sys.argv[2:]):
+        headers = [(str(f.relative_to(include)), f.read_text()) for f in sorted(include.rglob("*.h"))]
+        if not headers:
+            sys.exit(f"{include}: no headers")
+        found += faults(headers, page)
     print("\n".join(found))
     sys.exit(1 if found else 0)
 

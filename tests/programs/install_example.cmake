@@ -1,4 +1,4 @@
-# Installs the build tree into a prefix of its own, builds docs/examples/read_cache against that, and
+# Installs the build tree into a prefix of its own, moves that, builds the docs/examples against it, and
 # asks a cache that the installed program baked. Needs BUILD, SOURCE, WORK, GENERATOR and COMPILER.
 function(run)
     execute_process(COMMAND ${ARGN} WORKING_DIRECTORY "${WORK}" RESULT_VARIABLE status
@@ -17,7 +17,8 @@ endfunction()
 
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")
-run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${WORK}/prefix")
+run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${WORK}/installed")
+file(RENAME "${WORK}/installed" "${WORK}/prefix")
 foreach(program bake render info merge)
     file(GLOB page "${WORK}/prefix/share/man/man1/shadowcache-${program}.1")
     file(GLOB completion
@@ -26,13 +27,38 @@ foreach(program bake render info merge)
         message(FATAL_ERROR "shadowcache-${program} has no man page or no completion")
     endif()
 endforeach()
+# build(EXAMPLE ARGUMENT...): one of docs/examples, in build/EXAMPLE.
+function(build example)
+    run("${CMAKE_COMMAND}" -S "${SOURCE}/docs/examples/${example}" -B "${WORK}/build/${example}"
+        -G "${GENERATOR}" -D "CMAKE_CXX_COMPILER=${COMPILER}" -D CMAKE_BUILD_TYPE=Release
+        -D "CMAKE_PREFIX_PATH=${WORK}/prefix" ${ARGN})
+    run("${CMAKE_COMMAND}" --build "${WORK}/build/${example}")
+endfunction()
 # What the library does not use is not demanded of whoever links it.
-run("${CMAKE_COMMAND}" -S "${SOURCE}/docs/examples/read_cache" -B "${WORK}/build" -G "${GENERATOR}"
+build(read_cache
     -D CMAKE_DISABLE_FIND_PACKAGE_embree=ON -D CMAKE_DISABLE_FIND_PACKAGE_OpenMesh=ON
-    -D CMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON -D CMAKE_DISABLE_FIND_PACKAGE_CLI11=ON
-    -D "CMAKE_CXX_COMPILER=${COMPILER}" -D CMAKE_BUILD_TYPE=Release
+    -D CMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON -D CMAKE_DISABLE_FIND_PACKAGE_CLI11=ON)
+build(render_set -D CMAKE_DISABLE_FIND_PACKAGE_CLI11=ON)
+build(path_tracer -D CMAKE_DISABLE_FIND_PACKAGE_OpenMesh=ON)
+# Nothing but what it says itself is printed.
+run("${WORK}/build/render_set/render_set")
+set(wanted "^bake: done\n[1-9][0-9]* items\nsky 1.0: mean 0[.]([0-9]+)\nsky 0.5: mean 0[.]([0-9]+)\n$")
+expect("${wanted}")
+string(REGEX MATCH "${wanted}" matched "${output}")
+math(EXPR difference "1${CMAKE_MATCH_1} + 10000 - 2 * 1${CMAKE_MATCH_2}")
+if(difference LESS -10 OR difference GREATER 10)
+    message(FATAL_ERROR "half of the light does not make half of the picture:\n${output}")
+endif()
+
+# Another version is refused.
+file(WRITE "${WORK}/version/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)
+project(version LANGUAGES NONE)
+find_package(shadowcache 0.0 CONFIG QUIET)
+if(NOT shadowcache_CONSIDERED_CONFIGS OR shadowcache_FOUND)
+    message(FATAL_ERROR \"considered: \${shadowcache_CONSIDERED_CONFIGS}\")
+endif()")
+run("${CMAKE_COMMAND}" -S "${WORK}/version" -B "${WORK}/build/version"
     -D "CMAKE_PREFIX_PATH=${WORK}/prefix")
-run("${CMAKE_COMMAND}" --build "${WORK}/build")
 
 # A floor, and a roof over its half x < 0.
 file(WRITE "${WORK}/set.obj"
@@ -42,14 +68,15 @@ run("${WORK}/prefix/bin/shadowcache-bake" set.obj -o set.vdb --spacing 0.1)
 # A map of the radiance 1/8 everywhere: under an open sky the irradiance is pi / 8 = 0.393, a little less beside the roof.
 string(ASCII 64 64 64 127 texel)
 file(WRITE "${WORK}/sky.hdr" "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n${texel}")
-run("${WORK}/build/read_cache" set.vdb 1.5 0 0.1 0 1 0 sky.hdr)
+run("${WORK}/build/read_cache/read_cache" set.vdb 1.5 0 0.1 0 1 0 sky.hdr)
 expect("sky visibility (9[0-9]|100) %")
 expect("irradiance (0[.]3[89][0-9]) (0[.]3[89][0-9]) (0[.]3[89][0-9])")
-run("${WORK}/build/read_cache" set.vdb -1 0 0.1 0 1 0 sky.hdr)
+run("${WORK}/build/read_cache/read_cache" set.vdb -1 0 0.1 0 1 0 sky.hdr)
 expect("[1-9][0-9]* items here, sky visibility [0-9] %")
 expect("irradiance 0[.]0[0-3]")
-run("${WORK}/build/read_cache" set.vdb 1.5 5 0.1 0 1 0 sky.hdr)
+run("${WORK}/build/read_cache/read_cache" set.vdb 1.5 5 0.1 0 1 0 sky.hdr)
 expect("0 items here.*the cache has nothing here")
+run("${WORK}/build/path_tracer/path_tracer" set.obj set.vdb sky.hdr a.pfm size=8,8 spp=1)
 run("${WORK}/prefix/bin/shadowcache-info" set.vdb)
 expect("items +[1-9]")
 run("${WORK}/prefix/bin/shadowcache-merge" set.vdb -o merged.vdb)

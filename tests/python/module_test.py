@@ -256,6 +256,47 @@ def test_samples_have_their_densities():
     assert np.allclose(radiances @ weights / densities, sky.integrate() @ weights, rtol=1e-3)
     assert not np.array_equal(directions, sky.sample(4096, seed=6)[0])
 
+def visible_past_the_roof(points, directions):
+    """Whether rays from the floor miss the roof, x in [-2, 0], z in [-2, 2], 1 m above."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = points + directions / directions[..., 1:2]
+    hit = (np.abs(at[..., 0] + 1) < 1) & (np.abs(at[..., 2]) < 2)
+    return (directions[..., 1] > 0) & ~hit
+
+
+@pytest.mark.parametrize("control", [True, False])
+def test_samples_make_the_irradiance(cache, control):
+    sky = shadowcache.Environment.load(MAP)
+    points = np.array([OPEN, (0.3, 0, 0.5), COVERED])
+    found = cache.sampler(sky).sample(points, UP, count=4096, control=control)
+    assert found["direction"].shape == found["radiance"].shape == found["control"].shape == (3, 4096, 3)
+    assert found["pdf"].shape == (3, 4096) and found["integral"].shape == (3, 3)
+    assert np.allclose(np.linalg.norm(found["direction"], axis=-1), 1, atol=1e-5)
+    seen = visible_past_the_roof(points[:, None].astype(np.float32), found["direction"])
+    light = found["radiance"] * np.where(seen, found["direction"][..., 1], 0)[..., None]
+    weight = 1 / found["pdf"][..., None]
+    irradiance = (light * weight).mean(axis=1)
+    if control:
+        irradiance = found["integral"] + ((light - found["control"]) * weight).mean(axis=1)
+    # Brute force: directions by the light alone.
+    by_light, radiance, pdf = sky.sample(1 << 18)
+    for point, ours in zip(points, irradiance):
+        above = visible_past_the_roof(point.astype(np.float32), by_light) * by_light[:, 1]
+        truth = (radiance * (above / pdf)[:, None]).mean(axis=0)
+        assert np.allclose(ours, truth, rtol=0.03)
+        assert not np.allclose(ours, 1.1 * truth, rtol=0.03)  # the control: 10 per cent off
+
+
+def test_samples_are_what_is_looked_up(cache, white):
+    sampler = cache.sampler(white)
+    drawn = sampler.sample(OPEN, UP, count=64)
+    known = sampler.look_up(OPEN, UP, drawn["direction"])
+    assert np.allclose(known["pdf"], drawn["pdf"], rtol=0.01)
+    assert np.allclose(known["control"], drawn["control"], atol=0.01)
+    assert sampler.look_up(OPEN, UP, (0, -1, 0))["pdf"] == 0
+    assert np.isnan(sampler.look_up(OPEN, UP, (0, 0, 0))["pdf"])
+    assert np.isnan(sampler.sample((np.nan, 0, 0), UP)["integral"]).all()
+
 
 # What is refused.
 

@@ -23,9 +23,13 @@ namespace {
 
 const std::string& programPath(const std::string& name) {
     static const std::map<std::string, std::string> paths{
-        {"bake", SHADOWCACHE_BAKE},   {"render", SHADOWCACHE_RENDER},
-        {"farm", SHADOWCACHE_FARM},   {"info", SHADOWCACHE_INFO},
-        {"merge", SHADOWCACHE_MERGE}, {"make-set", SHADOWCACHE_MAKE_SET},
+        {"bake", SHADOWCACHE_BAKE},
+        {"render", SHADOWCACHE_RENDER},
+        {"farm", SHADOWCACHE_FARM},
+        {"info", SHADOWCACHE_INFO},
+        {"merge", SHADOWCACHE_MERGE},
+        {"make-set", SHADOWCACHE_MAKE_SET},
+        {"path-tracer", SHADOWCACHE_PATH_TRACER},
     };
     return paths.at(name);
 }
