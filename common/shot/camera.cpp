@@ -25,9 +25,6 @@ constexpr double kLeastUpSine = 1e-6;
 
 constexpr std::size_t kQuotedLength = 60;
 
-/// Beyond, a picture shows nothing but rounding; 200 is what Blender offers for its pixels.
-constexpr double kMostShift = 100, kMostPixelAspect = 200;
-
 /// A value of the file and where it stands ("cam.frames[3].up"), for messages.
 struct Value {
     const std::filesystem::path& file;
@@ -62,23 +59,18 @@ struct Value {
         return result;
     }
 
-    template <std::size_t Count>
-    std::array<double, Count> numbers(const std::string& name, const std::string& wanted) const {
+    Vec3d vector(const std::string& name) const {
         const Value value = at(name);
-        if (!value.json.is_array() || value.json.size() != Count) value.fail(wanted);
-        std::array<double, Count> result{};
-        for (std::size_t i = 0; i < Count; ++i) {
-            const Json& element = value.json[i];
+        const std::string wanted = "three finite numbers";
+        if (!value.json.is_array() || value.json.size() != 3) value.fail(wanted);
+        Vec3d result;
+        for (int i = 0; i < 3; ++i) {
+            const Json& element = value.json[static_cast<std::size_t>(i)];
             if (!element.is_number()) value.fail(wanted);
             result[i] = element.get<double>();
             if (!std::isfinite(result[i])) value.fail(wanted);
         }
         return result;
-    }
-
-    Vec3d vector(const std::string& name) const {
-        const auto [x, y, z] = numbers<3>(name, "three finite numbers");
-        return {x, y, z};
     }
 };
 
@@ -103,32 +95,9 @@ std::string placeText(const Vec3d& p) {
     return fmt::format("{:g},{:g},{:g}", p.x, p.y, p.z);
 }
 
-/// Lens and film, where the object states them; else they stay.
-void parseLens(const Value& of, Camera& camera) {
-    const bool angle = of.json.contains("yfov"), height = of.json.contains("height");
-    if (angle && height) of.at("height").fail("yfov or height, not both");
-    if (angle) {
-        camera.fovY = of.number("yfov", 0.0, kPi, "radians in (0, pi)");
-        camera.height = 0;
-    }
-    if (height)
-        camera.height = of.number("height", 0.0, std::nextafter(kMostViewHeight, 2 * kMostViewHeight),
-                                  fmt::format("a height above 0, up to {:g}", kMostViewHeight));
-    if (of.json.contains("shift")) {
-        const std::string wanted = fmt::format("two numbers up to {:g}", kMostShift);
-        const auto [x, y] = of.numbers<2>("shift", wanted);
-        if (std::max(std::abs(x), std::abs(y)) > kMostShift) of.at("shift").fail(wanted);
-        camera.shiftX = x;
-        camera.shiftY = y;
-    }
-    if (of.json.contains("pixel_aspect"))
-        camera.pixelAspect =
-            of.number("pixel_aspect", 1 / kMostPixelAspect, kMostPixelAspect,
-                      fmt::format("a number between 1/{0:g} and {0:g}", kMostPixelAspect));
-}
-
-Camera parseFrame(const Value& frame, Camera camera) {
-    parseLens(frame, camera);
+Camera parseFrame(const Value& frame, double fovY) {
+    Camera camera;
+    camera.fovY = fovY;
     camera.origin = frame.vector("origin");
     if (!isInReach(camera.origin)) frame.at("origin").fail("numbers up to " + reachText());
     camera.forward = unit(frame.vector("forward"));
@@ -176,41 +145,37 @@ Camera lookAt(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double fov
 
 CameraRays::CameraRays(const Camera& camera, double aspect) noexcept
     : camera_(camera),
-      aspect_(aspect * camera.pixelAspect),
+      aspect_(aspect),
       tangent_(std::tan(0.5 * camera.fovY)),
       right_(camera.forward.cross(camera.up)) {}
 
-double CameraRays::across(const FilmPosition& at) const noexcept {
-    return 2.0 * (at.x + camera_.shiftX) - 1.0;
-}
-
-double CameraRays::upwards(const FilmPosition& at) const noexcept {
-    return 1.0 - 2.0 * (at.y - camera_.shiftY);
-}
-
 Vec3d CameraRays::start(const FilmPosition& at) const noexcept {
-    return camera_.origin + right_ * (0.5 * across(at) * aspect_ * camera_.height) +
-           camera_.up * (0.5 * upwards(at) * camera_.height);
+    return camera_.origin + right_ * ((at.x - 0.5) * aspect_ * camera_.height) +
+           camera_.up * ((0.5 - at.y) * camera_.height);
 }
 
 Vec3d CameraRays::direction(const FilmPosition& at) const noexcept {
     if (camera_.height > 0) return camera_.forward;
-    return (camera_.forward + right_ * (across(at) * aspect_ * tangent_) +
-            camera_.up * (upwards(at) * tangent_))
+    return (camera_.forward + right_ * ((2.0 * at.x - 1.0) * aspect_ * tangent_) +
+            camera_.up * ((1.0 - 2.0 * at.y) * tangent_))
         .normalized();
 }
 
-Camera cameraOf(const nlohmann::json& json, const std::string& name) {
+Camera cameraOf(const Json& json, const std::string& name) {
     const std::filesystem::path where = name;
     const Value frame{where, "", json};
     if (!json.is_object()) throwFileError(where, "holds no JSON object, expected a camera");
-    static constexpr std::array kKnown{"origin", "forward", "up",          "yfov",
-                                       "height", "shift",   "pixel_aspect"};
+    static constexpr std::array kKnown{"origin", "forward", "up", "yfov", "height"};
     for (const auto& item : json.items())
         if (std::ranges::find(kKnown, item.key()) == kKnown.end())
             throwFileError(where, "has the unknown key " + item.key());
-    if (!json.contains("height")) frame.at("yfov");
-    return parseFrame(frame, {});
+    if (!json.contains("height"))
+        return parseFrame(frame, frame.number("yfov", 0.0, kPi, "radians in (0, pi)"));
+    if (json.contains("yfov")) frame.at("height").fail("yfov or height, not both");
+    Camera camera = parseFrame(frame, 1.0);
+    camera.height = frame.number("height", 0.0, kMostViewHeight,
+                                 fmt::format("metres in (0, {:g})", kMostViewHeight));
+    return camera;
 }
 
 CameraTrack readCameraFile(const std::filesystem::path& path) {
@@ -222,10 +187,7 @@ CameraTrack readCameraFile(const std::filesystem::path& path) {
 
     CameraTrack track;
     track.path = path;
-    if (!cam.json.contains("height")) cam.number("yfov", 0.0, kPi, "radians in (0, pi)");
-    Camera lens;
-    parseLens(cam, lens);
-    track.fovY = lens.fovY;
+    track.fovY = cam.number("yfov", 0.0, kPi, "radians in (0, pi)");
     track.fps = cam.number("fps", 0.0, 1e6, "frames a second above 0");
     const Value frames = cam.at("frames");
     if (!frames.json.is_array() || frames.json.empty()) frames.fail("a list of frames");
@@ -233,7 +195,7 @@ CameraTrack readCameraFile(const std::filesystem::path& path) {
     for (std::size_t i = 0; i < frames.json.size(); ++i) {
         const Value frame{path, fmt::format("cam.frames[{}]", i), frames.json[i]};
         if (!frame.json.is_object()) frame.fail("an object");
-        track.frames.push_back(parseFrame(frame, lens));
+        track.frames.push_back(parseFrame(frame, track.fovY));
     }
     return track;
 }

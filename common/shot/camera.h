@@ -14,9 +14,6 @@ struct Camera {
     Vec3d up{0, 1, 0};        ///< unit, at right angles to forward
     double fovY = 1.0;        ///< full vertical angle of view in radians, in (0, pi)
     double height = 0;        ///< above 0: orthographic, with a view of that height; no fovY
-    double shiftX = 0;        ///< of the picture to the right, in widths of the picture
-    double shiftY = 0;        ///< and upwards, in heights of it
-    double pixelAspect = 1;   ///< width / height of a pixel
 };
 
 /// Moving camera of a file.
@@ -41,7 +38,7 @@ struct FilmPosition {
 /// The rays of a camera through its film: what they share is computed once.
 class CameraRays {
 public:
-    /// @param aspect  width / height of the film in pixels
+    /// @param aspect  width / height of the film
     CameraRays(const Camera& camera, double aspect) noexcept;
 
     /// Where the ray through a film position starts.
@@ -51,10 +48,6 @@ public:
     Vec3d direction(const FilmPosition& at) const noexcept;
 
 private:
-    /// From the middle of the picture without a shift: -1 .. 1 over its width and its height.
-    double across(const FilmPosition& at) const noexcept;
-    double upwards(const FilmPosition& at) const noexcept;
-
     Camera camera_;
     double aspect_, tangent_;
     Vec3d right_;
@@ -62,8 +55,7 @@ private:
 
 /// Reads {"cam": {"yfov": radians, "fps": number, "frames": [{"origin": [x, y, z],
 /// "forward": [x, y, z], "up": [x, y, z]}, ...]}}; other keys are ignored, save a "version" at the
-/// top, which must be 1. Directions need not be unit vectors. "cam" may also have "height" in
-/// place of "yfov", "shift": [x, y] and "pixel_aspect", as Camera; each frame may have its own.
+/// top, which must be 1. Directions need not be unit vectors.
 ///
 /// @throws Error naming the file, the key, the value found and the one wanted
 CameraTrack readCameraFile(const std::filesystem::path& path);

@@ -3,12 +3,12 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "common/shot/camera.h"
-
 namespace shadowcache {
 
-/// A camera that a program states: {"origin", "forward", "up", "yfov" or "height"} and, where
-/// wanted, "shift" and "pixel_aspect", as a frame of a camera file has them. Other keys are refused.
+struct Camera;
+
+/// A camera that a program states: "origin", "forward" and "up" as in a frame of a camera file, and
+/// "yfov" or, of an orthographic one, "height" of the view in metres. Other keys are refused.
 ///
 /// @param name  what it is called in messages
 /// @throws Error naming the key, the value found and the one wanted

@@ -68,8 +68,7 @@ LoadRequest parseLoad(Fields& fields) {
     mesh.gloss = fields.choice("surfaces", kSurfaces).value_or(true);
     mesh.smoothDegrees = fields.number("smooth").value_or(0);
     requireRange("smooth", mesh.smoothDegrees, 0.0, 180.0);
-    for (const std::string& text :
-         fields.texts("dynamic").value_or(std::vector<std::string>{}))
+    for (const std::string& text : fields.texts("dynamic").value_or(std::vector<std::string>{}))
         load.dynamic.push_back(parseDynamic(text));
     return load;
 }
@@ -82,8 +81,8 @@ EnvironmentRequest parseEnvironment(Fields& fields) {
     const std::vector<double> gain = fields.numbers("gain", {1, 3}).value_or(std::vector{1.0});
     const std::vector<double> turn = fields.numbers("rotate", {1, 3, 9}).value_or(std::vector{0.0});
     const Vec3d constant = radiance ? vectorOf(*radiance) : Vec3d(0.0);
-    const LightOptions options{
-        map ? *map : textOf({constant.x, constant.y, constant.z}), textOf(turn), textOf(gain)};
+    const LightOptions options{map ? *map : textOf({constant.x, constant.y, constant.z}),
+                               textOf(turn), textOf(gain)};
     if (map && parseRadiance(*map)) fields.refuse("map", "a file");
     const LightRotation rotation =
         turn.size() == 1 ? LightRotation{turn} : parseRotation(options.rotation).first;
@@ -194,8 +193,8 @@ Command parseCommand(const std::string& name, Fields& fields, const Json& json) 
     if (name == "render") return parseRender(fields);
     if (name == "stop") return StopRequest{};
     if (name == "quit") return QuitRequest{};
-    static const std::vector<std::string> kNames{"load",    "environment", "camera", "size", "region",
-                                                 "options", "render",      "stop",   "quit"};
+    static const std::vector<std::string> kNames{
+        "load", "environment", "camera", "size", "region", "options", "render", "stop", "quit"};
     throw Error(fmt::format("unknown request {}{}", name, suggestion(name, kNames)));
 }
 

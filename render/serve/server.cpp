@@ -174,8 +174,8 @@ bool readRequests(Worker& worker, Replies& replies) {
     Lines lines;
     while (const auto line = lines.next()) {
         if (line->size() > kMostLine) {
-            replies.error(std::nullopt,
-                          "line longer than " + std::to_string(kMostLine) + " bytes, expected less");
+            replies.error(std::nullopt, "line longer than " + std::to_string(kMostLine) +
+                                            " bytes, expected less");
             continue;
         }
         Request request = parseRequest(*line);

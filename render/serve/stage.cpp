@@ -26,8 +26,7 @@ Stage::Stage(const LoadRequest& request, const std::function<void(const std::str
     if (!moving_->empty())
         log(fmt::format("moving: {} triangles, not in the cache", moving_->triangles()));
     step();
-    if (!request.cache.empty())
-        cache_ = openCacheOfSet(request.cache, 0, request.staleOk, mesh_);
+    if (!request.cache.empty()) cache_ = openCacheOfSet(request.cache, 0, request.staleOk, mesh_);
     if (cache_.stale)
         log(fmt::format("{}: baked for another set; unbiased, but noisier",
                         request.cache.string()));

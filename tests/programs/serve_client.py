@@ -92,7 +92,7 @@ def memory_of(process):
 
 
 def flat_memory(server):
-    server.ask("options", spp=1)
+    server.ask("options", spp=1, bounces=0)
     for i in range(30):
         if i == 10:
             before = memory_of(server.process)
@@ -103,7 +103,7 @@ def flat_memory(server):
 
 
 def progress(server):
-    server.ask("options", spp=256)
+    server.ask("options", spp=256, bounces=0)
     reply = server.wait(server.send("render", pixels="pixels"), ("progress", "done"))
     assert reply["reply"] == "progress" and 0 < reply["done"] <= reply["total"], reply
 

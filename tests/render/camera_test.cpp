@@ -63,57 +63,6 @@ TEST(CameraFile, ReadsFrames) {
     expectError([&] { cameraAtFrame(track, 0); }, "c.json", "frame 0 of 2");
 }
 
-TEST(Camera, ShiftMovesThePictureAndPixelsStretch) {
-    for (const double height : {0.0, 3.0}) {
-        Camera camera = lookAt({1, 2, 3}, {1, 2, -5}, {0, 1, 0}, 1.0);
-        camera.height = height;
-        const CameraRays plain(camera, 1.5);
-        Camera moved = camera;
-        moved.shiftX = 0.25;
-        moved.shiftY = -0.5;
-        const CameraRays shifted(moved, 1.5);
-        expectNear(shifted.direction({0.4, 0.1}), plain.direction({0.65, 0.6}));
-        expectNear(shifted.start({0.4, 0.1}), plain.start({0.65, 0.6}));
-        camera.pixelAspect = 2;
-        expectNear(CameraRays(camera, 0.75).direction({1, 0}), plain.direction({1, 0}));
-        expectNear(CameraRays(camera, 0.75).start({1, 0}), plain.start({1, 0}));
-    }
-}
-
-TEST(CameraFile, ReadsTheLensOfTheFileAndOfEachFrame) {
-    const TemporaryFolder folder;
-    const std::string place = R"("origin": [0,0,0], "forward": [0,0,-1], "up": [0,1,0])";
-    const CameraTrack track = readCameraFile(folder.write(
-        "c.json", R"({"cam": {"height": 3, "shift": [0.1, -2], "pixel_aspect": 1.5, "fps": 24,
-                      "frames": [{)" + place + "}, {" + place +
-                      R"(, "yfov": 0.5, "shift": [0, 1]}]}})"));
-    EXPECT_EQ(track.frames[0].height, 3);
-    EXPECT_EQ(track.frames[0].shiftX, 0.1);
-    EXPECT_EQ(track.frames[0].shiftY, -2);
-    EXPECT_EQ(track.frames[0].pixelAspect, 1.5);
-    EXPECT_EQ(track.frames[1].height, 0);
-    EXPECT_EQ(track.frames[1].fovY, 0.5);
-    EXPECT_EQ(track.frames[1].shiftX, 0);
-    EXPECT_EQ(track.frames[1].shiftY, 1);
-    EXPECT_EQ(track.frames[1].pixelAspect, 1.5);
-}
-
-TEST(CameraFile, NamesTheLensThatIsWrong) {
-    const TemporaryFolder folder;
-    const auto refuses = [&](const std::string& lens, const std::string& cause) {
-        const auto path = folder.write(
-            "c.json", R"({"cam": {"fps": 24, )" + lens +
-                          R"(, "frames": [{"origin": [0,0,0], "forward": [0,0,1], "up": [0,1,0]}]}})");
-        expectError([&] { readCameraFile(path); }, path.string(), cause);
-    };
-    refuses(R"("height": 0)", "cam.height is 0, expected a height above 0, up to 1e+07");
-    refuses(R"("height": 2e7)", "cam.height is 20000000.0");
-    refuses(R"("yfov": 1, "height": 2)", "cam.height is 2, expected yfov or height, not both");
-    refuses(R"("yfov": 1, "shift": 2)", "cam.shift is 2, expected two numbers up to 100");
-    refuses(R"("yfov": 1, "shift": [0, 101])", "cam.shift is [0,101]");
-    refuses(R"("yfov": 1, "pixel_aspect": 0)", "cam.pixel_aspect is 0, expected a number between");
-}
-
 TEST(CameraFile, NamesTheKeyTheValueAndTheWantedOne) {
     const TemporaryFolder folder;
     const auto refuses = [&](const std::string& text, const std::string& cause) {
