@@ -4,12 +4,17 @@
 #include "common/base/report_failure.h"
 #include "render/app/command_line.h"
 #include "render/app/run_job.h"
+#include "render/serve/server.h"
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
     installFailureHandler();
     Arguments arguments;
     if (const auto status = parseArguments(argc, argv, arguments)) return *status;
+    if (arguments.serve) {
+        serve(arguments.job.threads);
+        return kDone;
+    }
     const RenderJob job = jobOf(arguments);
     if (arguments.list)
         listSet(job);

@@ -6,11 +6,13 @@
 #include <OpenEXR/ImfPartType.h>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/base/interrupt.h"
 #include "common/image/exr_header.h"
 
 namespace shadowcache {
@@ -85,7 +87,13 @@ void readChannels(Imf::MultiPartInputFile& file, int part, const std::vector<std
     }
     Imf::InputPart input(file, part);
     input.setFrameBuffer(frame);
-    input.readPixels(window.min.y, window.max.y);
+    // The lines of the largest blocks that are compressed as one.
+    constexpr int kLines = 256;
+    for (int left = window.size().y + 1; left > 0; left -= kLines) {
+        throwIfInterrupted();
+        const int first = window.max.y - (left - 1);
+        input.readPixels(first, window.max.y - std::max(0, left - kLines));
+    }
 }
 
 }  // namespace shadowcache

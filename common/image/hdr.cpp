@@ -11,6 +11,7 @@
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/base/interrupt.h"
 #include "common/image/hdr_header.h"
 #include "common/image/size_limits.h"
 
@@ -124,6 +125,7 @@ Image readHdr(const std::filesystem::path& path) {
     ScanLines scanLines(std::string_view(content).substr(header.bytes));
     const Decoder decode(header);
     for (std::size_t i = 0; i < lines; ++i) {
+        throwIfInterrupted();
         if (!scanLines.read(line))
             throwFileError(
                 path,

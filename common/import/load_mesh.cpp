@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/base/interrupt.h"
 #include "common/base/parallel.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/mesh_soup.h"
@@ -177,8 +178,10 @@ std::optional<TriangleMesh> finishIfAny(const std::filesystem::path& path,
                                                   : centreOf(soup);
     dropDegenerate(origin, soup);
     if (soup.triangles.empty()) return std::nullopt;
+    throwIfInterrupted();
     TriangleMesh mesh = compact(origin, soup);
     soup = {};
+    throwIfInterrupted();
     requireTraceable(mesh, path.string());
     countDefects(mesh);
     if (options.smoothDegrees > 0) smoothNormals(mesh, options.smoothDegrees);
@@ -208,8 +211,10 @@ TriangleMesh loadMesh(std::span<const std::filesystem::path> files, const MeshOp
     if (files.empty()) throw Error("no geometry file given, expected at least one");
     requireScale(options.scale);
     MeshSoup soup;
-    for (const auto& path : files)
+    for (const auto& path : files) {
+        throwIfInterrupted();
         append(path, readMeshFile(path, options.references, options.stillAt), options, soup);
+    }
     return finish(files.front(), options, std::move(soup));
 }
 

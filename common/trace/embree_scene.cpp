@@ -2,12 +2,14 @@
 
 #include <fmt/core.h>
 
+#include <atomic>
 #include <memory>
 #include <string>
 
 #include "common/base/error.h"
 #include "common/base/hash.h"
 #include "common/base/parallel.h"
+#include "common/base/watch.h"
 #include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -16,7 +18,20 @@ namespace shadowcache {
 EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : mesh_(mesh), parts_(mesh.parts) {
     if (parts_.empty())
         parts_.push_back({0, static_cast<std::uint32_t>(mesh.triangles.size()), -1});
-    const std::size_t direct = mesh.instances.empty() ? parts_.size() : mesh.firstSharedPart;
+    try {
+        build();
+    } catch (...) {
+        release();
+        throw;
+    }
+}
+
+EmbreeScene::~EmbreeScene() {
+    release();
+}
+
+void EmbreeScene::build() {
+    const std::size_t direct = mesh_.instances.empty() ? parts_.size() : mesh_.firstSharedPart;
     const std::string config = fmt::format("threads={}", threadCount());
     device_ = rtcNewDevice(config.c_str());
     if (!device_) throw Error("ray tracing: no device (Embree found no usable processor)");
@@ -25,23 +40,35 @@ EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : mesh_(mesh), parts_(mesh.pa
     rtcSetSceneFlags(root_, RTC_SCENE_FLAG_ROBUST);
     makeBuffers();
     for (const MeshPart& part : parts_)
-        filtered_.push_back(
-            {&mesh,
-             part.material < 0 ? nullptr : &mesh.materials[static_cast<std::size_t>(part.material)],
-             part.firstTriangle});
+        filtered_.push_back({&mesh_,
+                             part.material < 0
+                                 ? nullptr
+                                 : &mesh_.materials[static_cast<std::size_t>(part.material)],
+                             part.firstTriangle});
     for (std::size_t i = 0; i < direct; ++i) attachPart(root_, static_cast<unsigned>(i), parts_[i]);
     attachInstances(static_cast<unsigned>(direct));
-    rtcCommitScene(root_);
+    commit(root_);
     throwOnError();
 }
 
-EmbreeScene::~EmbreeScene() {
+void EmbreeScene::release() noexcept {
     if (root_) rtcReleaseScene(root_);
     for (RTCScene scene : shared_)
         if (scene) rtcReleaseScene(scene);
     if (corners_) rtcReleaseBuffer(corners_);
     if (indices_) rtcReleaseBuffer(indices_);
     if (device_) rtcReleaseDevice(device_);
+}
+
+void EmbreeScene::commit(RTCScene scene) {
+    Watch* watch = currentWatch();
+    const auto goOn = [](void* watcher, double) {
+        return !static_cast<const Watch*>(watcher)->stop.load(std::memory_order_relaxed);
+    };
+    if (watch) rtcSetSceneProgressMonitorFunction(scene, goOn, watch);
+    rtcCommitScene(scene);
+    if (watch) rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+    throwIfStopped();
 }
 
 void EmbreeScene::throwOnError() const {
@@ -93,7 +120,7 @@ void EmbreeScene::attachInstances(unsigned firstId) {
             rtcSetSceneFlags(shared, RTC_SCENE_FLAG_ROBUST);
             for (std::uint32_t k = 0; k < instance.partCount; ++k)
                 attachPart(shared, k, parts_[instance.firstPart + k]);
-            rtcCommitScene(shared);
+            commit(shared);
         }
         RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, shared);

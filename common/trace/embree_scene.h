@@ -23,7 +23,7 @@ struct QueryContext {
 /// Only geometries whose material needs them have filters, so others lose nothing.
 class EmbreeScene {
 public:
-    /// @throws Error when memory runs out
+    /// @throws Error when memory runs out, Interrupted once who watches has asked for the end
     explicit EmbreeScene(const TriangleMesh& mesh);
     ~EmbreeScene();
     EmbreeScene(const EmbreeScene&) = delete;
@@ -46,9 +46,13 @@ private:
     static void filterUnseen(const RTCFilterFunctionNArguments* hits);
     static bool inHole(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray);
 
+    void build();
+    void release() noexcept;
     void makeBuffers();
     void attachPart(RTCScene scene, unsigned id, const MeshPart& part);
     void attachInstances(unsigned firstId);
+    /// Ends soon once who watches the thread asks for it. @throws Interrupted
+    void commit(RTCScene scene);
     void throwOnError() const;
 
     const TriangleMesh& mesh_;

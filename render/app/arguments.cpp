@@ -14,6 +14,7 @@
 #include "common/cli/command_line.h"
 #include "common/shot/frames.h"
 #include "render/library/pixel_rays.h"
+#include "render/library/wanted.h"
 
 namespace shadowcache {
 
@@ -56,17 +57,6 @@ FilmRectangle parseCrop(const std::string& text) {
         takeNumber(rest, crop.height) && rest.empty())
         return crop;
     throw Error("--crop " + text + ": expected X,Y,WxH, as in 100,50,320x180");
-}
-
-/// A number of bounces, or "unlimited".
-int parseBounces(const std::string& text) {
-    if (text == "unlimited") return kUnlimitedBounces;
-    int bounces = 0;
-    std::string_view rest = text;
-    if (!takeNumber(rest, bounces) || !rest.empty() || bounces < 0 || bounces > kMostBounces)
-        throw Error(fmt::format("--bounces {}: expected a number from 0 to {}, or unlimited", text,
-                                kMostBounces));
-    return bounces;
 }
 
 /// "KEY=VALUE,...".

@@ -20,6 +20,7 @@ struct Arguments {
     std::optional<int> cameraRays, samples;  ///< in place of `spp`
     std::optional<double> targetError;       ///< relMSE of a frame
     bool list = false;                       ///< print what the set has, do not render
+    bool serve = false;                      ///< answer requests, of which all else is told
 };
 
 /// The job, its texts read. @throws Error naming the option, the text and the form wanted

@@ -1,7 +1,9 @@
 #include "render/app/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/cli/command_line.h"
@@ -12,6 +14,8 @@
 namespace shadowcache {
 
 namespace {
+
+using std::string_view_literals::operator""sv;
 
 constexpr Named<bool> kNormals[] = {{"shading", true}, {"geometric", false}};
 constexpr Named<bool> kSurfaces[] = {{"glossy", true}, {"diffuse", false}};
@@ -274,6 +278,11 @@ void defineRun(CLI::App& app, Arguments& arguments) {
     app.add_flag("--list", arguments.list,
                  "Print cameras, animations and sizes of a glTF set, and exit")
         ->group(kRun);
+    app.add_flag("--serve", arguments.serve,
+                 "Stay, and render what requests on standard input ask for, as docs/serve.md has "
+                 "them; beside it only --threads counts")
+        ->configurable(false)
+        ->group(kRun);
     app.add_flag(
            "--explain", job.explain,
            "Print the estimator, its inputs, and the expected noise and time; write no picture")
@@ -307,13 +316,20 @@ void defineRun(CLI::App& app, Arguments& arguments) {
     addProgressOption(app, kRun);
 }
 
-/// CLI11 would require these with --list, too.
+/// CLI11 would require these with --list and --serve, too.
 void requireWhatRendersNeed(const Arguments& arguments) {
     const RenderJob& job = arguments.job;
     if (job.light.environment.empty()) throw CLI::RequiredError("--env");
     if (job.output.empty()) throw CLI::RequiredError("--output");
     if (arguments.shot.camera.empty() && arguments.eye.empty())
         throw CLI::RequiredError("--camera, or --eye with --look-at,");
+}
+
+/// Requests say all that a run takes.
+void requireNothingElse(const CLI::App& app) {
+    for (const CLI::Option* option : app.get_options())
+        if (option->count() > 0 && !option->check_lname("serve") && !option->check_lname("threads"))
+            throw CLI::ExcludesError("--serve", option->get_name());
 }
 
 constexpr const char* kExamples =
@@ -348,7 +364,11 @@ std::optional<int> parseArguments(int argc, char** argv, Arguments& arguments) {
     defineRun(app, arguments);
     defineStudy(app, arguments);
     app.footer(kExamples);
+    // Its requests name the set.
+    if (std::any_of(argv, argv + argc, [](const char* word) { return "--serve"sv == word; }))
+        app.get_option("SET")->required(false);
     const auto check = [&] {
+        if (arguments.serve) return requireNothingElse(app);
         if (!arguments.list) requireWhatRendersNeed(arguments);
     };
     if (const auto status = parseCommandLine(app, argc, argv, check)) return status;

@@ -67,6 +67,14 @@ const EstimatorEntry& validate(const RenderJob& job) {
     return entry;
 }
 
+/// What reading a map has to say.
+void printNote(const std::string& text, NoteKind kind) {
+    if (kind == NoteKind::warning)
+        std::fprintf(stderr, "shadowcache-render: warning: %s\n", text.c_str());
+    else
+        std::printf("map: %s\n", text.c_str());
+}
+
 /// A job in progress: the inputs, loaded once, and the frames.
 class Run {
 public:
@@ -74,7 +82,7 @@ public:
         : job_(job),
           entry_(validate(job)),
           plan_(job.light, job.frames, job.shotFrames),
-          light_(plan_),
+          light_(printNote),
           inputs_(job.mesh.references) {
         setThreadCount(job.threads);
         installInterruptHandler();
@@ -131,14 +139,11 @@ private:
             plan_.at(i), frame, inputs_);
         if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
-        if (light_.load(i)) shot_->setEnvironment(light_.environment());
+        if (light_.load(plan_.at(i))) shot_->setEnvironment(light_.environment());
         const Estimator& estimator = shot_->estimator();
         if (job_.debugPixel && estimator.inOrder())
             throw Error(std::string("--debug: a pixel of --estimator ") + entry_.name +
                         " depends on the pixels before it and cannot be replayed alone");
-        if (job_.render.crop && estimator.inOrder())
-            throw Error(std::string("--crop: a pixel of --estimator ") + entry_.name +
-                        " depends on the pixels before it");
         timing_.build += secondsNow() - start;
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;
@@ -188,10 +193,7 @@ private:
                       ShotOptions{job_.estimatorOptions, job_.sequence, job_.render.bounces,
                                   job_.render.plain});
         if (!shot_->missesTransport()) return;
-        if (job_.render.samples == 0 || job_.render.preview)
-            throwFileError(job_.cache,
-                           "holds no transport, of which a preview of bounces is made: bake "
-                           "without --no-transport, or render with --bounces 0");
+        requireTransport(*shot_, job_.render, job_.cache);
         std::printf(
             "bounces: not predicted, the cache holds no transport; unbiased, but noisier\n");
     }

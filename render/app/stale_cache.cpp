@@ -1,25 +1,21 @@
 #include "render/app/stale_cache.h"
 
 #include <cstdio>
+#include <utility>
 
-#include "common/base/error.h"
 #include "common/cache/cache_items.h"
-#include "common/mesh/mesh_fingerprint.h"
+#include "render/library/cache_of_set.h"
 
 namespace shadowcache {
 
 std::unique_ptr<ShadowCache> openCacheOfSet(const RenderJob& job, const TriangleMesh& mesh) {
     if (job.cache.empty()) return nullptr;
-    auto cache = std::make_unique<ShadowCache>(job.cache, job.memory);
-    if (cache->header().fingerprint == fingerprint(mesh)) return cache;
-    if (!job.staleOk)
-        throwFileError(job.cache,
-                       "baked for another set (its fingerprint differs): bake this set, or use the "
-                       "cache with --stale-ok, which is unbiased but noisier");
+    CacheOfSet opened = openCacheOfSet(job.cache, job.memory, job.staleOk, mesh);
+    if (!opened.stale) return std::move(opened.cache);
     std::fprintf(stderr,
                  "shadowcache-render: warning: %s: baked for another set; unbiased, but noisier\n",
                  job.cache.c_str());
-    return cache;
+    return std::move(opened.cache);
 }
 
 std::optional<std::uint64_t> cacheFingerprint(const RenderJob& job) {

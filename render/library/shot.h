@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -53,7 +54,7 @@ public:
     /// @param frameNumber  chooses the random numbers
     /// @param options      with the bounces and the plain look of the shot
     /// @throws Error as render()
-    Film renderFrame(const Camera& camera, int frameNumber, const RenderOptions& options,
+    Film renderFrame(const CameraMove& camera, int frameNumber, const RenderOptions& options,
                      RenderStats& stats) const;
 
 private:
@@ -68,5 +69,12 @@ private:
     std::unique_ptr<BounceSolve> solve_;
     std::unique_ptr<Estimator> estimator_;
 };
+
+/// Refuses pictures that show how light bounces as predicted, of a cache that cannot predict it.
+///
+/// @param cache  its file
+/// @throws Error naming the file
+void requireTransport(const Shot& shot, const RenderOptions& options,
+                      const std::filesystem::path& cache);
 
 }  // namespace shadowcache

@@ -18,8 +18,8 @@
 #include "common/random/sequence.h"
 #include "common/shot/camera_source.h"
 #include "render/frame/aov_channels.h"
-#include "render/library/pixel_rays.h"
 #include "render/library/shot.h"
+#include "render/library/wanted.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
@@ -231,25 +231,12 @@ py::dict readPicture(const fs::path& path) {
     return picturesOf(file.channels, file.width, file.height);
 }
 
-/// What render() is asked for beside the set, its light and the camera.
-struct Wanted {
-    std::optional<std::string> estimator;
-    PixelRays rays;
-    std::optional<std::variant<int, std::string>> bounces;
-    RenderOptions options;
-};
+using Bounces = std::variant<int, std::string>;
 
-int bouncesOf(const Wanted& wanted, const EstimatorEntry& estimator) {
-    if (!wanted.bounces) return estimator.standardBounces();
-    if (const int* number = std::get_if<int>(&*wanted.bounces)) {
-        requireRange("bounces", *number, 0, kMostBounces);
-        return *number;
-    }
-    const auto& text = std::get<std::string>(*wanted.bounces);
-    if (text != "unlimited")
-        throw Error("--bounces " + text + ": expected a number from 0 to " +
-                    std::to_string(kMostBounces) + ", or unlimited");
-    return kUnlimitedBounces;
+std::optional<int> bouncesOf(const std::optional<Bounces>& wanted) {
+    if (!wanted) return std::nullopt;
+    if (const auto* text = std::get_if<std::string>(&*wanted)) return parseBounces(*text);
+    return parseBounces(std::to_string(std::get<int>(*wanted)));
 }
 
 void requireCacheOf(const LoadedSet& set, const ShadowCache& cache, bool staleOk) {
@@ -262,19 +249,8 @@ void requireCacheOf(const LoadedSet& set, const ShadowCache& cache, bool staleOk
 /// The picture's channels. To be called without the interpreter's lock.
 std::vector<Channel> renderChannels(const LoadedSet& set, const ShadowCache* cache,
                                     const Environment& environment, const Camera& camera, int frame,
-                                    const std::vector<std::string>& aovs, Wanted wanted) {
-    const EstimatorEntry& estimator =
-        findEstimator(wanted.estimator.value_or(cache ? "cache" : "mis"));
-    RenderOptions& options = wanted.options;
-    chooseRays(wanted.rays, estimator, options);
-    options.bounces = bouncesOf(wanted, estimator);
-    for (const std::string& aov : aovs) {
-        if (needsInsight(aov) && !estimator.needsCache)
-            throw Error("--aov " + aov + ": requires --estimator cache");
-        options.insight = options.insight || needsInsight(aov);
-    }
-    validate(options);
-    requireFit(estimator, cache != nullptr, options);
+                                    const Wanted& wanted) {
+    const auto [estimator, options] = choose(wanted, cache != nullptr);
     Shot shot(set.scene, cache, estimator, {.bounces = options.bounces, .plain = options.plain});
     if (shot.missesTransport() && (options.samples == 0 || options.preview))
         throw Error(
@@ -282,19 +258,19 @@ std::vector<Channel> renderChannels(const LoadedSet& set, const ShadowCache* cac
             "transport=True, or render with bounces=0");
     shot.setEnvironment(environment);
     RenderStats stats;
-    return channels(shot.renderFrame(camera, frame, options, stats), aovs);
+    return channels(shot.renderFrame(camera, frame, options, stats), wanted.aovs);
 }
 
 py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject>& cache,
                      const EnvironmentObject& environment, const Camera& camera,
                      const std::array<int, 2>& size, std::optional<int> spp,
-                     std::optional<std::variant<int, std::string>> bounces,
-                     const std::vector<std::string>& aovs, std::optional<std::string> estimator,
-                     bool preview, std::optional<int> cameraRays, std::optional<int> samples,
+                     const std::optional<Bounces>& bounces, const std::vector<std::string>& aovs,
+                     std::optional<std::string> estimator, bool preview,
+                     std::optional<int> cameraRays, std::optional<int> samples,
                      double clampIndirect, const py::object& albedo, std::uint64_t seed, int frame,
                      bool staleOk, const py::object& progress) {
     Wanted wanted{
-        std::move(estimator), {spp, cameraRays, samples, preview}, std::move(bounces), {}};
+        std::move(estimator), {spp, cameraRays, samples, preview}, bouncesOf(bounces), aovs, {}};
     RenderOptions& options = wanted.options;
     options.width = size[0];
     options.height = size[1];
@@ -306,9 +282,8 @@ py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject
     const auto light = environment.light;
     const auto kept = cache ? cache->cache : nullptr;
     if (kept) requireCacheOf(*set, *kept, staleOk);
-    const std::vector<Channel> all = longCall(progress, [&] {
-        return renderChannels(*set, kept.get(), *light, camera, frame, aovs, wanted);
-    });
+    const std::vector<Channel> all = longCall(
+        progress, [&] { return renderChannels(*set, kept.get(), *light, camera, frame, wanted); });
     return picturesOf(all, options.width, options.height);
 }
 

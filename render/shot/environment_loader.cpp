@@ -1,6 +1,9 @@
 #include "render/shot/environment_loader.h"
 
-#include <cstdio>
+#include <fmt/core.h>
+
+#include <system_error>
+#include <utility>
 
 #include "common/image/radiance.h"
 
@@ -8,7 +11,7 @@ namespace shadowcache {
 
 namespace {
 
-RadianceImage readMap(const std::string& environment) {
+RadianceImage readMap(const std::string& environment, const EnvironmentLoader::NoteSink& note) {
     if (const auto color = parseRadiance(environment)) {
         RadianceImage map;
         map.image = {1, 1, {*color}};
@@ -16,31 +19,49 @@ RadianceImage readMap(const std::string& environment) {
     }
     RadianceImage map = readRadiance(environment);
     if (map.image.width != 2 * map.image.height)
-        std::fprintf(stderr,
-                     "shadowcache-render: warning: %s: %dx%d texels, a lat-long map is 2:1\n",
-                     environment.c_str(), map.image.width, map.image.height);
-    for (const std::string& note : map.notes) std::printf("map: %s\n", note.c_str());
+        note(fmt::format("{}: {}x{} texels, a lat-long map is 2:1", environment, map.image.width,
+                         map.image.height),
+             NoteKind::warning);
+    for (const std::string& text : map.notes) note(text, NoteKind::note);
     return map;
+}
+
+std::optional<std::filesystem::file_time_type> timeOfFile(const std::string& path) {
+    std::error_code none;
+    const auto time = std::filesystem::last_write_time(path, none);
+    return none ? std::nullopt : std::optional(time);
 }
 
 }  // namespace
 
-EnvironmentLoader::EnvironmentLoader(const LightPlan& plan) : plan_(plan) {}
+EnvironmentLoader::EnvironmentLoader(NoteSink note) : note_(std::move(note)) {}
 
-bool EnvironmentLoader::load(std::size_t i) {
-    const LightPlan::Light& light = plan_.at(i);
-    if (environment_ && light == current_) return false;
-    if (!environment_ || light.environment != current_.environment) {
+bool EnvironmentLoader::load(const LightPlan::Light& light) {
+    const auto written = timeOfFile(light.environment);
+    const bool sameMap =
+        environment_ && light.environment == current_.environment && written == written_;
+    if (sameMap && light == current_) return false;
+    if (sameMap) {
+        turn(light);
+    } else {
         environment_.reset();
-        const RadianceImage map = readMap(light.environment);
+        const RadianceImage map = readMap(light.environment, note_);
         environment_ = std::make_unique<Environment>(
             std::make_shared<const EnvironmentMap>(map.image, map.luminanceWeights),
             light.rotation.turn(), Rgb(light.gain));
-    } else {
-        environment_->turn(light.rotation.turn(), Rgb(light.gain));
     }
     current_ = light;
+    written_ = written;
     return true;
+}
+
+void EnvironmentLoader::turn(const LightPlan::Light& light) {
+    try {
+        environment_->turn(light.rotation.turn(), Rgb(light.gain));
+    } catch (...) {
+        environment_.reset();  // it is half turned
+        throw;
+    }
 }
 
 }  // namespace shadowcache

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/light/environment.h"
@@ -8,22 +11,39 @@
 
 namespace shadowcache {
 
-/// Loads the environment of each frame of a plan; a map that consecutive frames share is read and
-/// tabulated once.
+/// What is said of a map that is read.
+enum class NoteKind {
+    note,    ///< what reading it chose or mended
+    warning  ///< what is likely to be a mistake
+};
+
+/// Loads one environment after another; a map is read and tabulated anew only where it is another
+/// file, or has been written since.
 class EnvironmentLoader {
 public:
-    explicit EnvironmentLoader(const LightPlan& plan);
+    using NoteSink = std::function<void(const std::string& text, NoteKind kind)>;
 
-    /// Loads the environment of the plan's light i, unless it is loaded already.
+    /// @param note  has lines for people
+    explicit EnvironmentLoader(NoteSink note);
+
+    /// Loads an environment, unless it is loaded already.
     ///
     /// @return whether environment() changed
-    /// @throws Error if the map cannot be read
-    bool load(std::size_t i);
+    /// @throws Error if the map cannot be read; then, and once interrupted, there is no environment
+    bool load(const LightPlan::Light& light);
+
+    /// Whether load() has succeeded.
+    bool isLoaded() const { return environment_ != nullptr; }
     const Environment& environment() const { return *environment_; }
 
 private:
-    const LightPlan& plan_;
+    using Time = std::filesystem::file_time_type;
+
+    void turn(const LightPlan::Light& light);
+
+    NoteSink note_;
     LightPlan::Light current_;
+    std::optional<Time> written_;  ///< the map's file
     std::unique_ptr<Environment> environment_;
 };
 

@@ -35,16 +35,6 @@ std::vector<std::string> environmentsOf(const std::string& text, std::span<const
     return all;
 }
 
-/// One number or three.
-Vec3d gainOf(const std::string& text) {
-    const std::vector<double> numbers = parseNumbers(text);
-    const bool known = numbers.size() == 1 || numbers.size() == 3;
-    if (!known || std::ranges::any_of(numbers, [](double n) { return !(n >= 0 && n <= 1e6); }))
-        throw Error("--env-gain " + text + ": expected a factor, or three R,G,B, from 0 to 1e+06");
-    if (numbers.size() == 1) return Vec3d(numbers[0]);
-    return {numbers[0], numbers[1], numbers[2]};
-}
-
 }  // namespace
 
 LightPlan::LightPlan(const LightOptions& options, std::span<const int> frames,
@@ -72,6 +62,15 @@ LightPlan::LightPlan(const LightOptions& options, std::span<const int> frames,
 void LightPlan::requireFiles() const {
     for (const Light& light : lights_)
         if (!parseRadiance(light.environment)) requireReadableFile(light.environment);
+}
+
+Vec3d gainOf(const std::string& text) {
+    const std::vector<double> numbers = parseNumbers(text);
+    const bool known = numbers.size() == 1 || numbers.size() == 3;
+    if (!known || std::ranges::any_of(numbers, [](double n) { return !(n >= 0 && n <= 1e6); }))
+        throw Error("--env-gain " + text + ": expected a factor, or three R,G,B, from 0 to 1e+06");
+    if (numbers.size() == 1) return Vec3d(numbers[0]);
+    return {numbers[0], numbers[1], numbers[2]};
 }
 
 std::optional<Rgb> parseRadiance(const std::string& text) {

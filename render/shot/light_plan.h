@@ -48,6 +48,11 @@ private:
     std::vector<Light> lights_;
 };
 
+/// A factor, or three R,G,B joined by commas.
+///
+/// @throws Error on other texts, and on numbers out of range
+Vec3d gainOf(const std::string& text);
+
 /// "R,G,B" -> one colour. @throws Error on radiances below 0
 std::optional<Rgb> parseRadiance(const std::string& text);
 

@@ -50,6 +50,10 @@ std::string drain(int pipe) {
 [[noreturn]] void becomeProgram(const std::string& path, std::vector<std::string> arguments,
                                 const std::filesystem::path& folder, const RunLimits& limits) {
     if (chdir(folder.c_str()) != 0) _exit(126);
+    if (!limits.input.empty()) {
+        const int input = open(limits.input.c_str(), O_RDONLY | O_CLOEXEC);
+        if (input < 0 || dup2(input, STDIN_FILENO) < 0) _exit(126);
+    }
     if (limits.fileBytes) {
         // Without this the signal would end the program before it sees the error.
         signal(SIGXFSZ, SIG_IGN);

@@ -21,6 +21,7 @@ struct RunLimits {
     std::optional<std::size_t> fileBytes;    ///< longest file it may write, as a full disk does
     std::optional<double> interruptSeconds;  ///< from being ready for Ctrl-C to it
     int signal = SIGINT;                     ///< in place of Ctrl-C
+    std::filesystem::path input{};           ///< a file that is its standard input
     bool standardBounces = false;            ///< without it, light bounces only if asked to
 };
 

@@ -1,0 +1,19 @@
+#include "render/library/cache_of_set.h"
+
+#include "common/base/error.h"
+#include "common/mesh/mesh_fingerprint.h"
+
+namespace shadowcache {
+
+CacheOfSet openCacheOfSet(const std::filesystem::path& path, std::uint64_t memory, bool staleOk,
+                          const TriangleMesh& mesh) {
+    CacheOfSet opened{std::make_unique<ShadowCache>(path, memory)};
+    opened.stale = opened.cache->header().fingerprint != fingerprint(mesh);
+    if (opened.stale && !staleOk)
+        throwFileError(path,
+                       "baked for another set (its fingerprint differs): bake this set, or use the "
+                       "cache with --stale-ok, which is unbiased but noisier");
+    return opened;
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "common/cache/shadow_cache.h"
+#include "common/mesh/mesh.h"
+
+namespace shadowcache {
+
+/// A cache that is used with a set. It is stale where its fingerprint is not that of the set: the
+/// set has changed since.
+struct CacheOfSet {
+    std::unique_ptr<ShadowCache> cache;
+    bool stale = false;
+};
+
+/// Opens a set's cache.
+///
+/// @param memory   bytes for it; 0: all of it is read
+/// @param staleOk  whether it may be stale
+/// @throws Error if it is stale all the same, or cannot be read
+CacheOfSet openCacheOfSet(const std::filesystem::path& path, std::uint64_t memory, bool staleOk,
+                          const TriangleMesh& mesh);
+
+}  // namespace shadowcache

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/import/mesh_options.h"
+#include "common/random/sequence.h"
+#include "common/shot/camera_source.h"
+#include "common/shot/moving_set.h"
+#include "render/library/wanted.h"
+#include "render/shot/light_plan.h"
+
+namespace shadowcache {
+
+// What a line of docs/serve.md asks for. The standard values are those of the command line.
+
+/// Loads a set and its cache in place of what was loaded before.
+struct LoadRequest {
+    std::vector<std::filesystem::path> files{};
+    MeshOptions mesh{.shadingNormals = true, .gloss = true};
+    std::filesystem::path cache{};  ///< empty: none
+    bool staleOk = false;
+    std::vector<DynamicFile> dynamic{};
+    double fps = 24;
+};
+
+struct EnvironmentRequest {
+    LightPlan::Light light;
+};
+
+/// A camera that is stated, or one that a file or the set has, by frame.
+struct CameraRequest {
+    std::variant<Camera, CameraOptions> camera;
+};
+
+struct SizeRequest {
+    int width = 0, height = 0;
+};
+
+struct RegionRequest {
+    std::optional<FilmRectangle> region{};  ///< none: the whole frame
+};
+
+/// All options of pictures: those that are not named are the standard ones.
+struct OptionsRequest {
+    Wanted wanted{};
+    EstimatorOptions estimator{};
+    Sequence sequence = Sequence::sobol;
+};
+
+struct RenderRequest {
+    int frame = 1;
+    std::filesystem::path pixels{};  ///< where they are written
+};
+
+/// Ends what runs, and what waits before it.
+struct StopRequest {};
+
+/// Ends the process once all before it is done.
+struct QuitRequest {};
+
+using Command =
+    std::variant<LoadRequest, EnvironmentRequest, CameraRequest, SizeRequest, RegionRequest,
+                 OptionsRequest, RenderRequest, StopRequest, QuitRequest>;
+
+/// A line, read.
+struct Request {
+    std::optional<std::uint64_t> number{};  ///< if the line has one
+    std::optional<Command> command{};       ///< nothing: `error` says why
+    std::string error{};
+};
+
+/// Numbers that a request may have: those that every JSON library reads exactly.
+inline constexpr std::int64_t kMostRequestNumber = (std::int64_t{1} << 53) - 1;
+
+/// Reads a line of any bytes. @throws std::bad_alloc only
+Request parseRequest(const std::string& line);
+
+}  // namespace shadowcache

@@ -1,0 +1,172 @@
+#include "render/serve/session.h"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "common/base/error.h"
+#include "common/base/process.h"
+#include "render/frame/aov_channels.h"
+#include "render/serve/pixel_file.h"
+
+namespace shadowcache {
+
+namespace {
+
+template <class... Cases>
+struct Overloaded : Cases... {
+    using Cases::operator()...;
+};
+
+bool sameGloss(const std::optional<Gloss>& a, const std::optional<Gloss>& b) {
+    if (!a || !b) return !a && !b;
+    return a->metallic == b->metallic && a->roughness == b->roughness && a->ior == b->ior &&
+           a->specular == b->specular && a->specularColor == b->specularColor;
+}
+
+/// Whether a shot of the one is one of the other. Estimators have no other options here.
+bool sameShot(const ShotOptions& a, const ShotOptions& b) {
+    return a.estimator.cache.adaptive == b.estimator.cache.adaptive && a.sequence == b.sequence &&
+           a.bounces == b.bounces && a.plain.albedo == b.plain.albedo &&
+           sameGloss(a.plain.gloss, b.plain.gloss);
+}
+
+PixelHeader headerOf(std::uint64_t number, const Film& film) {
+    const auto whole = [](int value) { return static_cast<std::uint32_t>(value); };
+    PixelHeader header;
+    header.width = whole(film.width);
+    header.height = whole(film.height);
+    header.x = whole(film.x);
+    header.y = whole(film.y);
+    header.frameWidth = whole(film.frameWidth);
+    header.frameHeight = whole(film.frameHeight);
+    header.request = number;
+    return header;
+}
+
+}  // namespace
+
+Session::Session(Log log)
+    : log_(std::move(log)),
+      light_([this](const std::string& text, NoteKind) { log_("map: " + text); }) {}
+
+Session::~Session() = default;
+
+Session::Reply Session::run(std::uint64_t number, const Command& command) {
+    const auto keep = [](auto& mine, const auto& given) {
+        mine = given;
+        return Reply::object();
+    };
+    return std::visit(
+        Overloaded{[&](const LoadRequest& request) { return load(request); },
+                   [&](const EnvironmentRequest& request) { return light(request); },
+                   [&](const CameraRequest& request) { return see(request); },
+                   [&](const SizeRequest& request) { return keep(size_, request); },
+                   [&](const RegionRequest& request) { return keep(region_, request); },
+                   [&](const OptionsRequest& request) { return keep(options_, request); },
+                   [&](const RenderRequest& request) { return render(number, request); },
+                   [](const StopRequest&) { return Reply::object(); },
+                   [](const QuitRequest&) { return Reply::object(); }},
+        command);
+}
+
+Session::Reply Session::load(const LoadRequest& request) {
+    shot_.reset();
+    if (camerasOfSet_) cameras_.reset();
+    stage_.reset();  // first: both may not fit into memory
+    stage_.emplace(request, log_);
+    return {{"triangles", stage_->mesh().report.placed},
+            {"cached", stage_->cache() != nullptr},
+            {"stale", stage_->isStale()}};
+}
+
+Session::Reply Session::light(const EnvironmentRequest& request) {
+    const bool wasLit = std::exchange(lit_, false);
+    const bool changed = light_.load(request.light);
+    lit_ = wasLit && !changed;
+    return Reply::object();
+}
+
+Session::Reply Session::see(const CameraRequest& request) {
+    if (const auto* stated = std::get_if<Camera>(&request.camera)) {
+        camera_ = *stated;
+        cameras_.reset();
+        return Reply::object();
+    }
+    const auto& named = std::get<CameraOptions>(request.camera);
+    if (!stage_ && !named.isFile())
+        throw Error(fmt::format("camera: {} is a set's camera, expected load before", named.name));
+    CameraSource found = stage_ ? stage_->cameras(named) : CameraSource(named, {});
+    cameras_.emplace(std::move(found));
+    camerasOfSet_ = !named.isFile();
+    return Reply::object();
+}
+
+CameraMove Session::cameraAt(int frame) const {
+    if (cameras_) return cameras_->moveAt(frame);
+    if (!camera_) throw Error("render: no camera, expected the request camera before");
+    return *camera_;
+}
+
+void Session::makeShot(const Chosen& chosen) {
+    const RenderOptions& options = chosen.options;
+    const ShotOptions wanted{options_.estimator, options_.sequence, options.bounces, options.plain};
+    if (!shot_ || estimator_ != &chosen.estimator || !sameShot(shotOptions_, wanted)) {
+        lit_ = false;
+        shot_.reset();
+        shot_.emplace(stage_->scene(), stage_->cache(), chosen.estimator, wanted);
+        estimator_ = &chosen.estimator;
+        shotOptions_ = wanted;
+        if (shot_->missesTransport())
+            log_("bounces: not predicted, the cache holds no transport; unbiased, but noisier");
+    }
+    requireTransport(*shot_, options, stage_->cacheFile());
+    if (!lit_) shot_->setEnvironment(light_.environment());
+    lit_ = true;
+}
+
+Session::Reply Session::render(std::uint64_t number, const RenderRequest& request) {
+    if (!stage_) throw Error("render: no set, expected the request load before");
+    if (!light_.isLoaded())
+        throw Error("render: no environment, expected the request environment before");
+    Wanted wanted = options_.wanted;
+    wanted.options.width = size_.width;
+    wanted.options.height = size_.height;
+    wanted.options.crop = region_.region;
+    const Chosen chosen = choose(wanted, stage_->cache() != nullptr);
+    const CameraMove camera = cameraAt(request.frame);
+    PixelFile pixels(request.pixels);
+    pixelFiles_.insert(request.pixels);
+    const double start = secondsNow();
+    makeShot(chosen);
+    stage_->pose(request.frame);
+    const double lit = secondsNow();
+    RenderStats stats;
+    const Film film = shot_->renderFrame(camera, request.frame, chosen.options, stats);
+    const std::vector<Channel> planes = channels(film, wanted.aovs);
+    const std::uint64_t sequence = pixels.write(headerOf(number, film), planes);
+    Reply names = Reply::array();
+    for (const Channel& plane : planes) names.push_back(plane.name);
+    return {{"pixels", request.pixels.string()},
+            {"sequence", sequence},
+            {"width", film.width},
+            {"height", film.height},
+            {"x", film.x},
+            {"y", film.y},
+            {"planes", names},
+            {"estimator", chosen.estimator.name},
+            {"bias", chosen.options.preview ? "filtered"
+                                            : biasOf(chosen.estimator, chosen.options.samples)},
+            {"seconds", {{"light", lit - start}, {"render", secondsNow() - lit}}},
+            {"camera-rays", stats.cameraRays + stats.spreadRays},
+            {"shadow-rays", stats.shadowRays}};
+}
+
+void Session::removePixels() noexcept {
+    std::error_code ignored;
+    for (const auto& path : pixelFiles_) std::filesystem::remove(path, ignored);
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "render/library/shot.h"
+#include "render/serve/requests.h"
+#include "render/serve/stage.h"
+#include "render/shot/environment_loader.h"
+
+namespace shadowcache {
+
+/// What a client of the server has set up, and renders. A request keeps all that it does not
+/// replace: another camera, size or region makes nothing anew, another environment or turn only
+/// what light is made of.
+class Session {
+public:
+    using Reply = nlohmann::ordered_json;
+    using Log = std::function<void(const std::string&)>;
+
+    explicit Session(Log log);
+    ~Session();
+
+    /// Does what a request asks for, and tells what came of it; nothing for stop and quit.
+    ///
+    /// @param number  of the request
+    /// @throws Error, Interrupted, std::bad_alloc; what was loaded for this request is then gone,
+    /// all else as it was
+    Reply run(std::uint64_t number, const Command& command);
+
+    /// Removes the files of pixels.
+    void removePixels() noexcept;
+
+private:
+    Reply load(const LoadRequest& request);
+    Reply light(const EnvironmentRequest& request);
+    Reply see(const CameraRequest& request);
+    Reply render(std::uint64_t number, const RenderRequest& request);
+    CameraMove cameraAt(int frame) const;
+    void makeShot(const Chosen& chosen);
+    Log log_;
+    std::optional<Stage> stage_;
+    EnvironmentLoader light_;
+    std::optional<Camera> camera_;
+    std::optional<CameraSource> cameras_;  ///< in place of camera_
+    bool camerasOfSet_ = false;            ///< they go with stage_
+    SizeRequest size_{960, 540};
+    RegionRequest region_;
+    OptionsRequest options_;
+    std::optional<Shot> shot_;
+    const EstimatorEntry* estimator_ = nullptr;  ///< of the shot, with the options below
+    ShotOptions shotOptions_;
+    bool lit_ = false;  ///< the shot, by light_
+    std::set<std::filesystem::path> pixelFiles_;
+};
+
+}  // namespace shadowcache
