@@ -6,7 +6,7 @@
 
 #include "common/base/error.h"
 #include "common/base/take_text.h"
-#include "render/frame/film.h"
+#include "render/frame/aov_channels.h"
 
 namespace shadowcache {
 

@@ -94,7 +94,8 @@ EnvironmentRequest parseEnvironment(Fields& fields) {
 
 CameraRequest parseCamera(Fields& fields, const Json& json) {
     if (const auto name = fields.text("name")) {
-        CameraOptions options{.name = *name};
+        CameraOptions options;
+        options.name = *name;
         options.shutter = fields.number("shutter").value_or(0);
         requireRange("shutter", options.shutter, 0.0, 1.0);
         return {options};
