@@ -30,6 +30,7 @@
 #include "render/frame/pilot.h"
 #include "render/frame/progressive.h"
 #include "render/frame/target_error.h"
+#include "render/library/cache_of_set.h"
 #include "render/library/pixel_rays.h"
 #include "render/library/shot.h"
 #include "render/shot/environment_loader.h"

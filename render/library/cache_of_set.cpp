@@ -16,4 +16,12 @@ CacheOfSet openCacheOfSet(const std::filesystem::path& path, std::uint64_t memor
     return opened;
 }
 
+void requireTransport(const Shot& shot, const RenderOptions& options,
+                      const std::filesystem::path& cache) {
+    if (shot.missesTransport() && (options.samples == 0 || options.preview))
+        throwFileError(cache,
+                       "holds no transport, of which a preview of bounces is made: bake "
+                       "without --no-transport, or render with --bounces 0");
+}
+
 }  // namespace shadowcache

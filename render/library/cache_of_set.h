@@ -6,6 +6,7 @@
 
 #include "common/cache/shadow_cache.h"
 #include "common/mesh/mesh.h"
+#include "render/library/shot.h"
 
 namespace shadowcache {
 
@@ -23,5 +24,12 @@ struct CacheOfSet {
 /// @throws Error if it is stale all the same, or cannot be read
 CacheOfSet openCacheOfSet(const std::filesystem::path& path, std::uint64_t memory, bool staleOk,
                           const TriangleMesh& mesh);
+
+/// Refuses pictures that show how light bounces as predicted, of a cache that cannot predict it.
+///
+/// @param cache  its file
+/// @throws Error naming the file
+void requireTransport(const Shot& shot, const RenderOptions& options,
+                      const std::filesystem::path& cache);
 
 }  // namespace shadowcache

@@ -1,6 +1,5 @@
 #include "render/library/shot.h"
 
-#include "common/base/error.h"
 #include "render/bounces/item_looks.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
@@ -35,14 +34,6 @@ Film Shot::renderFrame(const CameraMove& camera, int frameNumber, const RenderOp
     FrameRequest frame{*estimator_, camera, frameNumber, options};
     frame.plan = planFrame(frame, stats);
     return render(frame, stats);
-}
-
-void requireTransport(const Shot& shot, const RenderOptions& options,
-                      const std::filesystem::path& cache) {
-    if (shot.missesTransport() && (options.samples == 0 || options.preview))
-        throwFileError(cache,
-                       "holds no transport, of which a preview of bounces is made: bake "
-                       "without --no-transport, or render with --bounces 0");
 }
 
 }  // namespace shadowcache

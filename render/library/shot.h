@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -69,12 +68,5 @@ private:
     std::unique_ptr<BounceSolve> solve_;
     std::unique_ptr<Estimator> estimator_;
 };
-
-/// Refuses pictures that show how light bounces as predicted, of a cache that cannot predict it.
-///
-/// @param cache  its file
-/// @throws Error naming the file
-void requireTransport(const Shot& shot, const RenderOptions& options,
-                      const std::filesystem::path& cache);
 
 }  // namespace shadowcache

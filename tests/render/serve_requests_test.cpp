@@ -65,10 +65,13 @@ TEST(ServeRequests, EnvironmentsTurnAndGain) {
 TEST(ServeRequests, CamerasAreStatedOrNamed) {
     const auto stated = commandOf<CameraRequest>(
         R"("request": "camera", "view": {"origin": [1, 2, 3], "forward": [0, 0, -9],
-           "up": [0, 1, 1], "height": 4})");
+           "up": [0, 1, 1], "height": 4, "shift": [0.25, -0.5], "near": 0.1})");
     const auto& camera = std::get<Camera>(stated.camera);
     EXPECT_EQ(camera.origin, Vec3d(1, 2, 3));
     EXPECT_EQ(camera.height, 4);
+    EXPECT_EQ(camera.shiftX, 0.25);
+    EXPECT_EQ(camera.shiftY, -0.5);
+    EXPECT_EQ(camera.near, 0.1);
     const auto named = commandOf<CameraRequest>(R"("request": "camera", "name": "shot")");
     EXPECT_EQ(std::get<CameraOptions>(named.camera).name, "shot");
 }
