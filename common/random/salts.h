@@ -60,11 +60,8 @@ enum class RenderSalt : std::uint64_t {
     bounceChild = 103,    ///< seed of what a diffuse ray met
     bounceLobeChild = 104,  ///< and of what a lobe's ray met
     bounceDirect = 105,     ///< seed of a vertex's direct light
-<<<<<<< HEAD
     shutterTime = 106,      ///< a pixel's seed for when its camera rays are sent
-=======
-    placeSamples = 106,     ///< the sequence of a place's samples; third word: its number
->>>>>>> lib
+    placeSamples = 107,     ///< the sequence of a place's samples; third word: its number
     domePilotTile = 90,     ///< tiles of the map that `dome`'s pilot rays go to
     domePilotTexel = 91,    ///< places of these rays in their texels
     domeTurn = 92,          ///< which of `dome`'s samples is the first drawn by the cosine
