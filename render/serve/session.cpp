@@ -19,6 +19,8 @@ template <class... Cases>
 struct Overloaded : Cases... {
     using Cases::operator()...;
 };
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;  // clang 14 does not find it by itself
 
 bool sameGloss(const std::optional<Gloss>& a, const std::optional<Gloss>& b) {
     if (!a || !b) return !a && !b;
