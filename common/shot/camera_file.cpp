@@ -80,7 +80,10 @@ struct Value {
 /// Most of a shift, a ratio and a number that are no mistake.
 constexpr double kMostShift = 100, kMostPixelAspect = 100;
 constexpr int kMostBlades = 64;
-const std::string kBladesWanted = fmt::format("0, or a whole number from 3 to {}", kMostBlades);
+
+std::string bladesWanted() {
+    return fmt::format("0, or a whole number from 3 to {}", kMostBlades);
+}
 
 /// What "cam" says for all frames and a frame for itself.
 void readLook(const Value& from, Camera& camera) {
@@ -116,11 +119,11 @@ void readLook(const Value& from, Camera& camera) {
         const Value lens = from.object("lens");
         camera.lens.radius = lens.number("radius", -std::numeric_limits<double>::denorm_min(),
                                          kMostCoordinate, "metres, 0 or more");
-        camera.lens.focus = lens.number("focus", 0.0, infinity, "metres above 0");
+        camera.lens.focus = lens.number("focus", 0.0, 1e9, "metres above 0, below 1e9");
         if (lens.json.contains("blades")) {
-            const double blades = lens.number("blades", -1, kMostBlades + 1, kBladesWanted);
+            const double blades = lens.number("blades", -1, kMostBlades + 1, bladesWanted());
             if (blades != std::floor(blades) || blades == 1 || blades == 2)
-                lens.at("blades").fail(kBladesWanted);
+                lens.at("blades").fail(bladesWanted());
             camera.lens.blades = static_cast<int>(blades);
         }
         if (lens.json.contains("rotation"))

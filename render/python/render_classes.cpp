@@ -267,8 +267,8 @@ py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject
                      const std::optional<Bounces>& bounces, const std::vector<std::string>& aovs,
                      std::optional<std::string> estimator, bool preview,
                      std::optional<int> cameraRays, std::optional<int> samples,
-                     double clampIndirect, const py::object& albedo, std::uint64_t seed, int frame,
-                     bool staleOk, const py::object& progress) {
+                     double clampIndirect, bool transparent, const py::object& albedo,
+                     std::uint64_t seed, int frame, bool staleOk, const py::object& progress) {
     Wanted wanted{
         std::move(estimator), {spp, cameraRays, samples, preview}, bouncesOf(bounces), aovs, {}};
     RenderOptions& options = wanted.options;
@@ -276,6 +276,7 @@ py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject
     options.height = size[1];
     options.seed = seed;
     options.clampIndirect = static_cast<float>(clampIndirect);
+    options.transparent = transparent;
     options.plain.albedo =
         Rgb(vectorOf(py::module_::import("numpy").attr("broadcast_to")(albedo, 3), "albedo"));
     const auto set = scene.set;
@@ -342,8 +343,9 @@ void defineRender(py::module_& module) {
         py::arg("bounces") = py::none(), py::arg("aovs") = std::vector<std::string>{},
         py::arg("estimator") = py::none(), py::arg("preview") = false,
         py::arg("camera_rays") = py::none(), py::arg("samples") = py::none(),
-        py::arg("clamp_indirect") = 0.0, py::arg("albedo") = 0.5, py::arg("seed") = 1,
-        py::arg("frame") = 1, py::arg("stale_ok") = false, py::arg("progress") = py::none(),
+        py::arg("clamp_indirect") = 0.0, py::arg("transparent") = false, py::arg("albedo") = 0.5,
+        py::arg("seed") = 1, py::arg("frame") = 1, py::arg("stale_ok") = false,
+        py::arg("progress") = py::none(),
         "Renders a Scene as a Camera sees it: the pixels of shadowcache-render.\n\n"
         "cache: of the scene; None: rendered without one.\n"
         "size: (width, height) [pixels]. spp: shadow rays of a pixel, 64 by default; in place of\n"
@@ -353,6 +355,8 @@ void defineRender(py::module_& module) {
         "aovs: names of further pictures ('irradiance', 'normal', 'depth', ...).\n"
         "preview: filter the noise of few rays; spp=0: the cache's prediction alone. Both are\n"
         "    biased.\n"
+        "transparent: leave the sky out; 'color' then has what the set covers as fourth channel,\n"
+        "    by which the others are multiplied.\n"
         "albedo: of what has no material, one value or linear RGB. frame: number of the frame,\n"
         "    which chooses its random numbers with the seed.\n"
         "stale_ok: whether the cache may be of another set.\n"

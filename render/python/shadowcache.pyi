@@ -128,6 +128,7 @@ def render(
     camera_rays: int | None = ...,
     samples: int | None = ...,
     clamp_indirect: float = ...,
+    transparent: bool = ...,
     albedo: ArrayLike = ...,
     seed: int = ...,
     frame: int = ...,

@@ -91,6 +91,7 @@ def test_bake_has_the_bytes_of_the_program(courtyard, tmp_path):
     ({"spp": 2, "bounces": 0}, ["--spp", 2, "--bounces", 0], False),
     ({"preview": True, "spp": 0}, ["--preview", "--spp", 0], True),
     ({"preview": True}, ["--preview"], True),
+    ({"spp": 2, "transparent": True}, ["--spp", 2, "--transparent"], True),
     ({"camera_rays": 2, "samples": 3, "bounces": 1, "albedo": (.2, .3, .4)},
      ["--camera-rays", 2, "--samples", 3, "--bounces", 1, "--albedo", ".2,.3,.4"], True),
     ({"spp": 2, "estimator": "paper", "bounces": 0}, ["--spp", 2, "--estimator", "paper", "--bounces", 0], False),
@@ -108,7 +109,8 @@ def test_render_has_the_bits_of_the_program(courtyard, tmp_path, options, argume
     assert set(mine) == {"color", *aovs} == set(theirs)
     for name, picture in mine.items():
         assert picture.dtype == np.float32
-        assert picture.shape == (27, 48) if name in ("depth", "openness") else (27, 48, 3)
+        channels = 4 if name == "color" and "transparent" in options else 3
+        assert picture.shape == ((27, 48) if name in ("depth", "openness") else (27, 48, channels))
         assert np.array_equal(picture, theirs[name]), name
     assert mine["color"].max() > 0
 
