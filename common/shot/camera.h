@@ -28,7 +28,7 @@ struct Camera {
     double pixelAspect = 1;   ///< width of a pixel over its height, above 0
     double near = 0;          ///< distance along the view from which on things are seen, >= 0
     double far = std::numeric_limits<double>::infinity();  ///< and up to which, above `near`
-    Lens lens{};
+    Lens lens{};                                           ///< a pinhole, unless it has a radius
 };
 
 /// Camera of a share t in [0, 1] of the way from one to another of the same kind, linear in all
@@ -40,11 +40,13 @@ Camera between(const Camera& a, const Camera& b, double t);
 
 /// A camera while the shutter is open.
 struct CameraMove {
+    /// One that stands still.
     CameraMove(const Camera& still) : open(still), close(still) {}
+    /// One that goes from one place to another.
     CameraMove(const Camera& atOpening, const Camera& atClosing)
         : open(atOpening), close(atClosing), moves(true) {}
 
-    Camera open, close;
+    Camera open, close;  ///< when the shutter opens and when it closes
     bool moves = false;  ///< false: it stands still, as `open`
 
     /// In the middle of the exposure.

@@ -15,7 +15,7 @@ const std::vector<std::string>& aovNames();
 /// How an AOV is drawn in false colour.
 struct AovScale {
     float most;  ///< value of the brightest colour; 0: the highest in the picture, about
-    float (*value)(const Pixel&);
+    float (*value)(const Pixel&);  ///< what is drawn
 };
 
 /// Nothing for an AOV that is no false-colour picture.
