@@ -41,6 +41,7 @@ Camera between(const Camera& a, const Camera& b, double t);
 /// A camera while the shutter is open.
 struct CameraMove {
     /// One that stands still.
+    // NOLINTNEXTLINE(google-explicit-constructor): wherever a move is wanted, a camera will do
     CameraMove(const Camera& still) : open(still), close(still) {}
     /// One that goes from one place to another.
     CameraMove(const Camera& atOpening, const Camera& atClosing)
