@@ -1,7 +1,10 @@
 #include "common/shot/camera_source.h"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 
+#include "common/base/error.h"
 #include "common/base/option_checks.h"
 #include "common/shot/camera_file.h"
 
@@ -30,7 +33,13 @@ CameraMove CameraSource::moveAt(int frame) const {
     const Camera middle = at(frame);
     const double half = options_.shutter / 2;
     if (half == 0) return middle;
-    return {atTime(frame - half), atTime(frame + half)};
+    try {
+        const CameraMove move(atTime(frame - half), atTime(frame + half));
+        move.middle();
+        return move;
+    } catch (const Error& e) {
+        throw Error(fmt::format("--shutter {:g}, frame {}: {}", options_.shutter, frame, e.what()));
+    }
 }
 
 Camera CameraSource::atTime(double time) const {
