@@ -61,9 +61,7 @@ const EstimatorEntry& validate(const RenderJob& job) {
     }
     const EstimatorEntry& entry = estimatorOf(job);
     requireFit(entry, !job.cache.empty(), job.render);
-    if (job.progressive && job.sequence != Sequence::sobol && job.sequence != Sequence::random)
-        throw Error(
-            "--progressive: expected --sequence sobol or random, which have no fixed length");
+    if (job.progressive) requirePasses(job.sequence);
     validateOutputs(job, entry);
     return entry;
 }
@@ -204,9 +202,7 @@ private:
                                  double before) {
         if (!job_.progressive)
             return {render(request, stats_), request.options.cameraRays, FrameEnd::complete};
-        if (request.estimator.inOrder())
-            throw Error(std::string("--progressive: a pixel of --estimator ") + entry_.name +
-                        " depends on the pixels before it");
+        requirePasses(request.estimator, entry_.name);
         const double end =
             job_.timeLimit > 0 ? secondsNow() + job_.timeLimit : std::numeric_limits<double>::max();
         ProgressiveObserver observer;

@@ -31,9 +31,20 @@ void Shot::setEnvironment(const Environment& environment) {
 
 Film Shot::renderFrame(const CameraMove& camera, int frameNumber, const RenderOptions& options,
                        RenderStats& stats) const {
+    return render(planned(camera, frameNumber, options, stats), stats);
+}
+
+ProgressiveFrame Shot::renderPasses(const CameraMove& camera, int frameNumber,
+                                    const RenderOptions& options, RenderStats& stats,
+                                    const ProgressiveObserver& observer) const {
+    return renderProgressive(planned(camera, frameNumber, options, stats), stats, observer);
+}
+
+FrameRequest Shot::planned(const CameraMove& camera, int frameNumber, const RenderOptions& options,
+                           RenderStats& stats) const {
     FrameRequest frame{*estimator_, camera, frameNumber, options};
     frame.plan = planFrame(frame, stats);
-    return render(frame, stats);
+    return frame;
 }
 
 }  // namespace shadowcache

@@ -11,6 +11,7 @@
 #include "common/trace/scene.h"
 #include "render/frame/film.h"
 #include "render/frame/frame_request.h"
+#include "render/frame/progressive.h"
 #include "render/table/estimator_table.h"
 
 namespace shadowcache {
@@ -56,7 +57,15 @@ public:
     Film renderFrame(const CameraMove& camera, int frameNumber, const RenderOptions& options,
                      RenderStats& stats) const;
 
+    /// The same in passes. @pre requirePasses() @throws Error as renderProgressive()
+    ProgressiveFrame renderPasses(const CameraMove& camera, int frameNumber,
+                                  const RenderOptions& options, RenderStats& stats,
+                                  const ProgressiveObserver& observer) const;
+
 private:
+    FrameRequest planned(const CameraMove& camera, int frameNumber, const RenderOptions& options,
+                         RenderStats& stats) const;
+
     const Scene& scene_;
     const ShadowCache* cache_;
     const EstimatorEntry& entry_;

@@ -15,6 +15,10 @@ void Replies::error(std::optional<std::uint64_t> number, const std::string& text
     send(number, "error", {{"error", text}});
 }
 
+void Replies::picture(std::optional<std::uint64_t> number, const Json& fields) {
+    send(number, "picture", fields);
+}
+
 void Replies::stopped(std::optional<std::uint64_t> number) {
     send(number, "stopped", Json::object());
 }

@@ -21,6 +21,7 @@ public:
     // Of the request `number`, or of a line without one.
     void done(std::optional<std::uint64_t> number, const Json& fields);
     void error(std::optional<std::uint64_t> number, const std::string& text);
+    void picture(std::optional<std::uint64_t> number, const Json& fields);
     void stopped(std::optional<std::uint64_t> number);
     void log(std::optional<std::uint64_t> number, const std::string& text);
     void progress(std::optional<std::uint64_t> number, const std::string& task, std::uint64_t done,

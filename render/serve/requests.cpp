@@ -187,6 +187,7 @@ RenderRequest parseRender(Fields& fields) {
     RenderRequest request;
     request.frame = wholeNumber(fields, "frame", kLeastInt, kMostInt).value_or(1);
     request.pixels = fields.need(fields.text("pixels"), "pixels");
+    request.progressive = fields.flag("progressive").value_or(false);
     return request;
 }
 

@@ -55,6 +55,7 @@ struct OptionsRequest {
 struct RenderRequest {
     int frame = 1;
     std::filesystem::path pixels{};  ///< where they are written
+    bool progressive = false;        ///< the picture is shown after each pass
 };
 
 /// Ends what runs, and what waits before it.

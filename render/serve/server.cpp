@@ -78,7 +78,10 @@ class Worker {
 public:
     explicit Worker(Replies& replies)
         : replies_(replies),
-          session_([this](const std::string& text) { replies_.log(number_, oneLine(text)); }),
+          session_([this](const std::string& text) { replies_.log(number_, oneLine(text)); },
+                   [this](std::uint64_t number, const Session::Reply& fields) {
+                       replies_.picture(number, fields);
+                   }),
           thread_([this] { work(); }) {}
 
     void add(std::uint64_t number, Command command) {

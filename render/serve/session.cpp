@@ -8,6 +8,7 @@
 
 #include "common/base/error.h"
 #include "common/base/process.h"
+#include "common/base/watch.h"
 #include "render/frame/aov_channels.h"
 #include "render/serve/pixel_file.h"
 
@@ -48,10 +49,21 @@ PixelHeader headerOf(std::uint64_t number, const Film& film) {
     return header;
 }
 
+/// Of a picture that is in a file of pixels.
+Session::Reply shown(const Film& film, const std::vector<Channel>& planes,
+                     const std::filesystem::path& file, std::uint64_t sequence) {
+    Session::Reply names = Session::Reply::array();
+    for (const Channel& plane : planes) names.push_back(plane.name);
+    return {{"pixels", file.string()}, {"sequence", sequence}, {"width", film.width},
+            {"height", film.height},   {"x", film.x},          {"y", film.y},
+            {"planes", names}};
+}
+
 }  // namespace
 
-Session::Session(Log log)
+Session::Session(Log log, Picture picture)
     : log_(std::move(log)),
+      picture_(std::move(picture)),
       light_([this](const std::string& text, NoteKind) { log_("map: " + text); }) {}
 
 Session::~Session() = default;
@@ -145,25 +157,36 @@ Session::Reply Session::render(std::uint64_t number, const RenderRequest& reques
     makeShot(chosen);
     stage_->pose(request.frame);
     const double lit = secondsNow();
+    const auto show = [&](const Film& film) {
+        const std::vector<Channel> planes = channels(film, wanted.aovs);
+        return shown(film, planes, request.pixels, pixels.write(headerOf(number, film), planes));
+    };
     RenderStats stats;
-    const Film film = shot_->renderFrame(camera, request.frame, chosen.options, stats);
-    const std::vector<Channel> planes = channels(film, wanted.aovs);
-    const std::uint64_t sequence = pixels.write(headerOf(number, film), planes);
-    Reply names = Reply::array();
-    for (const Channel& plane : planes) names.push_back(plane.name);
-    return {{"pixels", request.pixels.string()},
-            {"sequence", sequence},
-            {"width", film.width},
-            {"height", film.height},
-            {"x", film.x},
-            {"y", film.y},
-            {"planes", names},
-            {"estimator", chosen.estimator.name},
-            {"bias", chosen.options.preview ? "filtered"
-                                            : biasOf(chosen.estimator, chosen.options.samples)},
-            {"seconds", {{"light", lit - start}, {"render", secondsNow() - lit}}},
-            {"camera-rays", stats.cameraRays + stats.spreadRays},
-            {"shadow-rays", stats.shadowRays}};
+    Film film;
+    if (request.progressive) {
+        requirePasses(options_.sequence);
+        requirePasses(shot_->estimator(), chosen.estimator.name);
+        ProgressiveObserver observer;
+        observer.onPass = [&](const Film& pass, int rays) {
+            Reply reply = show(pass);
+            reply["rays"] = rays;
+            picture_(number, reply);
+        };
+        ProgressiveFrame frame =
+            shot_->renderPasses(camera, request.frame, chosen.options, stats, observer);
+        throwIfStopped();
+        film = std::move(frame.film);
+    } else {
+        film = shot_->renderFrame(camera, request.frame, chosen.options, stats);
+    }
+    Reply reply = show(film);
+    reply["estimator"] = chosen.estimator.name;
+    reply["bias"] =
+        chosen.options.preview ? "filtered" : biasOf(chosen.estimator, chosen.options.samples);
+    reply["seconds"] = {{"light", lit - start}, {"render", secondsNow() - lit}};
+    reply["camera-rays"] = stats.cameraRays + stats.spreadRays;
+    reply["shadow-rays"] = stats.shadowRays;
+    return reply;
 }
 
 void Session::removePixels() noexcept {

@@ -21,8 +21,11 @@ class Session {
 public:
     using Reply = nlohmann::ordered_json;
     using Log = std::function<void(const std::string&)>;
+    using Picture = std::function<void(std::uint64_t number, const Reply&)>;
 
-    explicit Session(Log log);
+    /// @param log      has lines for people
+    /// @param picture  is told of each pass of a progressive picture but the last
+    Session(Log log, Picture picture);
     ~Session();
 
     /// Does what a request asks for, and tells what came of it; nothing for stop and quit.
@@ -43,6 +46,7 @@ private:
     CameraMove cameraAt(int frame) const;
     void makeShot(const Chosen& chosen);
     Log log_;
+    Picture picture_;
     std::optional<Stage> stage_;
     EnvironmentLoader light_;
     std::optional<Camera> camera_;

@@ -259,6 +259,30 @@ TEST_F(ObjMaterial, NormalMapsBendTheNormal) {
     EXPECT_LT((found("norm -s -1 1 n.png\n") - turned).length(), 0.01);
 }
 
+/// Triangles that share corners and their normals share the basis there, whatever their own is.
+TEST_F(ObjMaterial, NormalMapsAreSmoothWhereNormalsAre) {
+    const Vec3d bent = Vec3d(0.6, 0, 0.8);
+    Rgb texel;
+    for (int k = 0; k < 3; ++k) texel[k] = srgbToLinear(static_cast<float>((bent[k] + 1) / 2));
+    picture("n.png", {texel, texel, texel, texel});
+    folder_.write("a.mtl", "newmtl one\nnorm n.png\n");
+    const auto step = [&](const std::string& faces) {
+        const TriangleMesh mesh = load(
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 0.5\n"
+            "vn 0 0 1\nvn 0 0 2\nmtllib a.mtl\nusemtl one\n" +
+            faces);
+        EXPECT_EQ(mesh.triangles.size(), 2u);
+        const Vec3f up(0, 0, 1);
+        return Vec3d(mappedNormal(mesh, 0, 0, 0.4f, up, up) -
+                     mappedNormal(mesh, 1, 0.4f, 0, up, up))
+            .length();
+    };
+    EXPECT_LT(step("f 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n"), 1e-5);
+    EXPECT_LT(step("f 1/1/1 2/2/1 3/3/1 4/4/1\n"), 1e-5);
+    EXPECT_GT(step("f 1/1/1 2/2/1 3/3/1\nf 1/1/2 3/3/2 4/4/2\n"), 0.1) << "an edge";
+    EXPECT_GT(step("f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"), 0.1) << "no normals";
+}
+
 TEST_F(ObjMaterial, NumbersOutOfRangeAreCounted) {
     const auto clamped = [&](const std::string& lines) {
         return square(lines).report.remarks[kClampedMaterials];

@@ -54,6 +54,21 @@ void writeTexts(const fs::path& folder) {
         folder / "words/bake",
         "set.obj\n-o\nset.vdb\n--spacing=0.5\n--level\n3\n--shard\n2/8\n--camera\na.json\n"
         "--size\n64x48\n--dynamic\na.ply@b.json\n--seed\n7\n--up\nz\n--threads=2\n--estimate\n");
+    const auto request = [&](const std::string& name, const std::string& fields) {
+        writeSeed(folder / "request" / name,
+                  R"({"id":1,"request":")" + name + "\"," + fields + "}");
+    };
+    request("load", R"("set":["a.glb"],"cache":"a.vdb","up":"z","scale":0.1,"set-frame":3,)"
+                    R"("surfaces":"diffuse","smooth":30,"dynamic":["d.glb@t.json"])");
+    request("environment", R"("map":"m.exr","rotate":[1,0,0,0,1,0,0,0,1],"gain":[1,2,3])");
+    request("camera", R"("view":{"origin":[0,1,2],"forward":[0,0,-1],"up":[0,1,0],"yfov":0.9,)"
+                      R"("lens":{"radius":0.1,"focus":3}})");
+    request("size", R"("width":64,"height":36)");
+    request("region", R"("x":1,"y":2,"width":8,"height":4)");
+    request("options", R"("spp":4,"bounces":"all","aov":["depth"],"material":{"roughness":0.3},)"
+                       R"("sequence":"random","albedo":[0.1,0.2,0.3],"filter":"box")");
+    request("render", R"("pixels":"p","frame":-3,"progressive":true)");
+    request("stop", R"("x":1)");
     writeSeed(folder / "words/other", "--help");
     writeSeed(folder / "words/man", "--man-page");
     writeSeed(folder / "words/completion", "--bash-completion");

@@ -108,6 +108,23 @@ def progress(server):
     assert reply["reply"] == "progress" and 0 < reply["done"] <= reply["total"], reply
 
 
+def passes(server):
+    """The last pass that was shown is what a stop leaves."""
+    server.ask("options", spp=65536, bounces=0, **{"pass-rays": 1})
+    number = server.send("render", pixels="pixels", progressive=True)
+    shown = [server.wait(number, ("picture", "done"))["sequence"] for _ in range(3)]
+    assert shown[0] < shown[1] < shown[2], shown
+    server.send("stop")
+    reply = server.wait(number, ("picture", "done", "stopped"))
+    while reply["reply"] == "picture":
+        shown.append(reply["sequence"])
+        reply = server.wait(number, ("picture", "done", "stopped"))
+    assert reply["reply"] == "stopped", reply
+    header = (WORK / "pixels").read_bytes()[:64]
+    assert int.from_bytes(header[8:16], "little") == shown[-1], shown
+    server.ask("options", spp=1, bounces=0)
+
+
 def ends_with_its_input(server):
     server.ask("render", pixels="pixels")
     assert (WORK / "pixels").exists()
@@ -167,6 +184,7 @@ def main():
     stops(server)
     flat_memory(server)
     progress(server)
+    passes(server)
     ends_with_its_input(server)
     ends_with_its_client()
 

@@ -121,6 +121,27 @@ TEST_F(ServeTest, PicturesHaveTheBitsOfTheProgram) {
     EXPECT_NE(reply(replies, 15)["bias"], "none");
 }
 
+TEST_F(ServeTest, PassesAreShownAndEndWithTheBitsOfTheProgram) {
+    bake();
+    runWell("render",
+            "set.obj --cache set.vdb --size 24x16 --env map.exr --bounces 0 --camera-rays 7 "
+            "--pass-rays 3 --eye 1,1.5,2 --look-at 0,0.3,0 -o still.exr");
+    const std::vector<Json> replies = ask(
+        R"({"id":1,"request":"load","set":["set.obj"],"cache":"set.vdb"}
+{"id":2,"request":"environment","map":"map.exr"}
+{"id":3,"request":"camera","eye":[1,1.5,2],"look-at":[0,0.3,0]}
+{"id":4,"request":"size","width":24,"height":16}
+{"id":5,"request":"options","camera-rays":7,"pass-rays":3,"bounces":0}
+{"id":6,"request":"render","pixels":"still","progressive":true}
+{"id":7,"request":"quit"}
+)");
+    expectSame("still", reply(replies, 6), "still.exr");
+    std::vector<int> rays;
+    for (const Json& line : replies)
+        if (line["id"] == 6 && line["reply"] == "picture") rays.push_back(line["rays"]);
+    EXPECT_EQ(rays, (std::vector<int>{3, 6}));
+}
+
 TEST_F(ServeTest, RefusalsNameTheCauseAndTheProcessGoesOn) {
     const std::vector<std::pair<std::string, std::string>> cases{
         {R"("request":"load","set":["missing.obj"])", "missing.obj: no such file"},
@@ -147,6 +168,9 @@ TEST_F(ServeTest, RefusalsNameTheCauseAndTheProcessGoesOn) {
         {R"("request":"options","spp":1)", ""},
         {R"("request":"render","pixels":"missing/p")", "missing/p: cannot be written"},
         {R"("request":"render","pixels":"set.obj")", "set.obj: is there and no file of pixels"},
+        {R"("request":"options","spp":1,"sequence":"larcher-xor")", ""},
+        {R"("request":"render","pixels":"p","progressive":true)", "expected --sequence sobol"},
+        {R"("request":"options","spp":1)", ""},
         {R"("request":"render","pixels":"p")", ""}};
     std::string requests;
     for (std::size_t i = 0; i < cases.size(); ++i)
