@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "common/base/interrupt.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
 #include "render/estimators/set_place.h"
@@ -138,8 +139,10 @@ void TileRenderer::forEachBatch(std::size_t pixels, int first, int count,
     for (std::size_t p = 0; p < pixels; p += run) {
         const std::size_t some = std::min(run, pixels - p);
         const int rays = std::clamp(static_cast<int>(run / some), 1, options_.passRays);
-        for (int k = first; k < first + count; k += rays)
+        for (int k = first; k < first + count; k += rays) {
+            throwIfInterrupted();  // a tile may have millions of rays
             visit(p, some, k, std::min(rays, first + count - k));
+        }
     }
 }
 

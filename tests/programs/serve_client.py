@@ -86,6 +86,19 @@ def stops(server):
         server.ask(request, **fields)
 
 
+def stops_within_a_tile(server):
+    server.ask("size", width=16, height=16)
+    server.ask("options", spp=65536, bounces=0)
+    number = server.send("render", pixels="pixels")
+    time.sleep(0.5)
+    asked = time.monotonic()
+    server.send("stop")
+    assert server.wait(number)["reply"] == "stopped", "the tile ended by itself"
+    seconds = time.monotonic() - asked
+    assert seconds < MOST_SECONDS, "a tile stopped after %.2f s" % seconds
+    server.ask("size", width=192, height=108)
+
+
 def memory_of(process):
     lines = Path("/proc/%d/status" % process.pid).read_text().splitlines()
     return int(next(line for line in lines if line.startswith("VmRSS:")).split()[1])
@@ -182,6 +195,7 @@ def main():
     server.ask("size", width=192, height=108)
     server.ask("camera", name="camera.json")
     stops(server)
+    stops_within_a_tile(server)
     flat_memory(server)
     progress(server)
     passes(server)
