@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Passes by Blender's names, made of planes by ours."""
+
+from dataclasses import dataclass
+
+import numpy
+
+SKY_DEPTH = 1e10  # as of Cycles
+PARTS = ("diffuse_direct", "diffuse_indirect", "glossy_direct", "glossy_indirect", "emission")
+
+
+@dataclass(frozen=True)
+class Pass:
+    name: str       # Blender's
+    flag: str       # of the view layer
+    channels: str
+    kind: str       # of its socket: COLOR, VECTOR or VALUE
+    aovs: tuple     # that it is made of
+    make: object    # of a function from an AOV's name to its planes (channels, height, width)
+
+
+def light(part, colour):
+    """Light without the colour of the surface, as Cycles has it."""
+    def make(planes):
+        below = planes(colour)
+        return numpy.divide(planes(part), below, out=numpy.zeros_like(below), where=below > 0)
+    return make
+
+
+def z_up(name):
+    def make(planes):
+        x, y, z = planes(name)
+        return numpy.stack((x, -z, y))
+    return make
+
+
+def depth(planes):
+    found = planes("axial_depth")
+    return numpy.where(found > 0, found, numpy.float32(SKY_DEPTH))
+
+
+def sky(planes):
+    """What the parts of the surfaces do not add up to."""
+    return planes("picture") - sum(planes(name) for name in PARTS)
+
+
+def plain(name):
+    return lambda planes: planes(name)
+
+
+PASSES = (
+    Pass("Depth", "use_pass_z", "Z", "VALUE", ("axial_depth",), depth),
+    Pass("Normal", "use_pass_normal", "XYZ", "VECTOR", ("normal",), z_up("normal")),
+    Pass("Position", "use_pass_position", "XYZ", "VECTOR", ("position",), z_up("position")),
+    Pass("DiffDir", "use_pass_diffuse_direct", "RGB", "COLOR", ("diffuse_direct", "diffuse_color"),
+         light("diffuse_direct", "diffuse_color")),
+    Pass("DiffInd", "use_pass_diffuse_indirect", "RGB", "COLOR", ("diffuse_indirect", "diffuse_color"),
+         light("diffuse_indirect", "diffuse_color")),
+    Pass("DiffCol", "use_pass_diffuse_color", "RGB", "COLOR", ("diffuse_color",), plain("diffuse_color")),
+    Pass("GlossDir", "use_pass_glossy_direct", "RGB", "COLOR", ("glossy_direct", "glossy_color"),
+         light("glossy_direct", "glossy_color")),
+    Pass("GlossInd", "use_pass_glossy_indirect", "RGB", "COLOR", ("glossy_indirect", "glossy_color"),
+         light("glossy_indirect", "glossy_color")),
+    Pass("GlossCol", "use_pass_glossy_color", "RGB", "COLOR", ("glossy_color",), plain("glossy_color")),
+    Pass("Emit", "use_pass_emit", "RGB", "COLOR", ("emission",), plain("emission")),
+    Pass("Env", "use_pass_environment", "RGB", "COLOR", PARTS, sky),
+)
+# Ours alone; its flag is in the view layer's own settings.
+VARIANCE = Pass("Noise Variance", "use_pass_variance", "Y", "VALUE", ("variance",), plain("variance"))
+# Flags of the view layer for passes that only Cycles has.
+WITHOUT = {"use_pass_mist": "Mist", "use_pass_vector": "Vector", "use_pass_uv": "UV",
+           "use_pass_object_index": "Object Index", "use_pass_material_index": "Material Index",
+           "use_pass_transmission_direct": "Transmission Direct",
+           "use_pass_transmission_indirect": "Transmission Indirect",
+           "use_pass_transmission_color": "Transmission Color", "use_pass_subsurface_direct": "Subsurface Direct",
+           "use_pass_subsurface_indirect": "Subsurface Indirect", "use_pass_subsurface_color": "Subsurface Color",
+           "use_pass_shadow": "Shadow", "use_pass_ambient_occlusion": "Ambient Occlusion",
+           "use_pass_cryptomatte_object": "Cryptomatte Object",
+           "use_pass_cryptomatte_material": "Cryptomatte Material",
+           "use_pass_cryptomatte_asset": "Cryptomatte Asset"}
+
+
+def wanted(layer):
+    """Passes beside Combined of a view layer."""
+    found = [p for p in PASSES if getattr(layer, p.flag, False)]
+    return found + [VARIANCE] * layer.shadowcache.use_pass_variance
+
+
+def left_out(layer):
+    return ["pass %s" % name for flag, name in WITHOUT.items() if getattr(layer, flag, False)]
+
+
+def aovs_of(passes):
+    return sorted({name for p in passes for name in p.aovs})
+
+
+class Picture:
+    """Planes that were rendered, by AOV."""
+
+    def __init__(self, names, planes):
+        self.rows = {}
+        for name, plane in zip(names, planes):
+            of = name.rsplit(".", 1)[0] if "." in name else "picture"
+            if name != "A":
+                self.rows.setdefault(of, []).append(plane)
+        self.alpha = planes[names.index("A")] if "A" in names else None
+
+    def planes(self, name):
+        return numpy.stack(self.rows[name])
+
+    def combined(self):
+        colour = self.planes("picture")
+        alpha = numpy.ones(colour.shape[1:], numpy.float32) if self.alpha is None else self.alpha
+        return numpy.concatenate((colour, alpha[None]))
+
+    def fill(self, layer, passes):
+        """Puts the pixels into the passes of a render's result."""
+        for name, make in (("Combined", lambda _: self.combined()), *((p.name, p.make) for p in passes)):
+            found = next((p for p in layer.passes if p.name == name), None)
+            if found:
+                # Rows from the bottom, channels of a pixel side by side.
+                values = make(self.planes)[:, ::-1].transpose(1, 2, 0)
+                found.rect.foreach_set(numpy.ascontiguousarray(values, numpy.float32).reshape(-1, found.channels))
