@@ -48,8 +48,8 @@ class Frame:
         def on_reply(reply):
             if reply["reply"] == "progress":
                 self._say("%s: %s" % (words, reply["task"]), reply["done"] / max(reply["total"], 1))
-            elif reply["reply"] == "log" and reply["text"] not in self.left_out:
-                self.left_out.append(reply["text"])
+            elif reply["reply"] == "log":
+                print("Shadowcache: " + reply["text"])
         return {"should_stop": self._stopped, "on_reply": on_reply}
 
     def render(self, on_picture=lambda picture: None):
