@@ -33,6 +33,7 @@ class Frame:
         self.set_file = set_file_of(self.scene, depsgraph.view_layer.name)
         self.programs = preferences.program_folder()
         self.left_out = []
+        self.emits = False
         self.wanted = passes.wanted(depsgraph.view_layer)
 
     def _stopped(self):
@@ -74,7 +75,8 @@ class Frame:
         self.job.exported.add(name)
         _, left_out = self.set_file.update(self.depsgraph, self._set_frame if first else None,
                                            self.settings.use_motion)
-        self.left_out += left_out + passes.left_out(self.depsgraph.view_layer)
+        self.emits = self.set_file.emits()
+        self.left_out += left_out + passes.left_out(self.depsgraph.view_layer, self.emits)
         if self.scene.render.use_motion_blur:
             self.left_out.append("motion blur")
 
@@ -138,10 +140,10 @@ class Frame:
         self.session.tell("region", view.region_of(self.scene, engine.resolution_x, engine.resolution_y))
         self.session.tell("camera", {"view": self._camera()})
 
-    def _options(self):
+    def _options(self, camera_rays, samples, aovs):
         s = self.settings
-        options = {"camera-rays": s.camera_rays, "samples": s.samples, "bounces": s.bounces, "seed": s.seed,
-                   "filter": s.filter, "filter-width": s.filter_width, "aov": passes.aovs_of(self.wanted),
+        options = {"camera-rays": camera_rays, "samples": samples, "bounces": s.bounces, "seed": s.seed,
+                   "filter": s.filter, "filter-width": s.filter_width, "aov": aovs,
                    "transparent": self.scene.render.film_transparent}
         if s.clamp_indirect:
             options["clamp-indirect"] = s.clamp_indirect
@@ -150,8 +152,12 @@ class Frame:
         return options
 
     def _pixels(self, on_picture):
-        self.session.tell("options", self._options())
+        aovs, of_centre = passes.aovs_of(self.wanted)
         calls = self._calls("Render")
+        if of_centre:
+            self.session.tell("options", self._options(1, 1, of_centre))
+            centre = self._picture(self.session.render(self.scene.frame_current, **calls))
+        self.session.tell("options", self._options(self.settings.camera_rays, self.settings.samples, aovs))
         plain = calls["on_reply"]
 
         def on_reply(reply):
@@ -164,11 +170,13 @@ class Frame:
         if PROGRESSIVE:
             calls["progressive"] = True
         self._say("Render", 0)
-        return self._picture(self.session.render(self.scene.frame_current, **calls))
+        picture = self._picture(self.session.render(self.scene.frame_current, **calls))
+        if of_centre:
+            picture.add(centre)
+        return picture
 
-    @staticmethod
-    def _picture(reply):
-        return passes.Picture(reply["planes"], pixels.read(reply["pixels"]))
+    def _picture(self, reply):
+        return passes.Picture(reply["planes"], pixels.read(reply["pixels"]), self.emits)
 
 
 def time_text(seconds):
