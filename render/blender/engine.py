@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import passes
+from . import passes, view
 from .child import Cancelled, Failed
 from .frame import Frame, Job
 from .programs import Missing
@@ -32,7 +32,8 @@ class ShadowcacheEngine(bpy.types.RenderEngine):
 
     def render(self, depsgraph):
         # Whatever happens, Blender gets a result: without one it may crash where it saves the picture.
-        result = self.begin_result(0, 0, self.resolution_x, self.resolution_y, layer=depsgraph.view_layer.name)
+        region = view.region_of(depsgraph.scene)
+        result = self.begin_result(0, 0, region["width"], region["height"], layer=depsgraph.view_layer.name)
         try:
             self._render(depsgraph, result)
         except Cancelled:

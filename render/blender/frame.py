@@ -135,9 +135,8 @@ class Frame:
 
     def _tell_camera(self):
         width, height = view.size_of(self.scene)
-        engine = self.engine
         self.session.tell("size", {"width": width, "height": height})
-        self.session.tell("region", view.region_of(self.scene, engine.resolution_x, engine.resolution_y))
+        self.session.tell("region", view.region_of(self.scene))
         self.session.tell("camera", {"view": self._camera()})
 
     def _options(self, camera_rays, samples, aovs):

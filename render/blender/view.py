@@ -13,16 +13,16 @@ def size_of(scene):
             max(1, render.resolution_y * render.resolution_percentage // 100))
 
 
-def region_of(scene, width, height):
-    """Of a render's border, x and y from the upper left pixel; empty for the whole frame. The sides are the engine's."""
+def region_of(scene):
+    """Of a render's border, x and y from the upper left pixel; the whole frame without one."""
     render = scene.render
+    width, height = size_of(scene)
     if not render.use_border:
-        return {}
-    whole_width, whole_height = size_of(scene)
+        return {"x": 0, "y": 0, "width": width, "height": height}
     # Blender cuts off what is behind the point, in single precision; rows count from the bottom there.
-    left = int(numpy.float32(render.border_min_x) * numpy.float32(whole_width))
-    bottom = int(numpy.float32(render.border_min_y) * numpy.float32(whole_height))
-    return {"x": left, "y": whole_height - bottom - height, "width": width, "height": height}
+    left, right = (int(numpy.float32(x) * numpy.float32(width)) for x in (render.border_min_x, render.border_max_x))
+    low, high = (int(numpy.float32(y) * numpy.float32(height)) for y in (render.border_min_y, render.border_max_y))
+    return {"x": left, "y": height - high, "width": right - left, "height": high - low}
 
 
 def camera_at(scene, frame):
