@@ -23,6 +23,10 @@ def die_with_parent(command):
     return [tool, "--pdeathsig", "TERM", *command] if tool else command
 
 
+class Gone(Failed):
+    """A program that was to stay has ended."""
+
+
 class Child:
     """A process whose messages are kept."""
 

@@ -7,7 +7,7 @@ import subprocess
 import threading
 import time
 
-from .child import PATIENCE, Cancelled, Child, Failed
+from .child import PATIENCE, Cancelled, Child, Failed, Gone
 
 LAST = ("done", "error", "stopped")
 
@@ -47,8 +47,8 @@ class Server:
     def _gone(self):
         self.child.wait(PATIENCE)
         said = self.child.last_message()
-        return Failed("shadowcache-render has ended with status %s%s"
-                      % (self.child.process.poll(), ": " + said if said else ""))
+        return Gone("shadowcache-render has ended with status %s%s"
+                    % (self.child.process.poll(), ": " + said if said else ""))
 
     def ask(self, request, should_stop=lambda: False, on_reply=lambda reply: None, **fields):
         """The last reply to a request; on_reply gets those before it: progress, log, picture.

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a depsgraph to a picture: set, cache, light, camera, pixels."""
 
+import bpy
+
 from . import bake, passes, pixels, preferences, view, world, world_map
-from .child import Cancelled
+from .child import Cancelled, Gone
 from .folders import folder_of, set_file_of
 from .set_file import fps
 
-# Pictures while it renders; each pass of so many camera rays.
-PROGRESSIVE = False
-PASS_RAYS = 4
+PASS_RAYS = 4  # camera rays of a pixel after which a picture is shown
 
 
 class Job:
@@ -34,6 +34,7 @@ class Frame:
         self.programs = preferences.program_folder()
         self.left_out = []
         self.emits = False
+        self.is_in_background = bpy.app.background  # nobody looks
         self.wanted = passes.wanted(depsgraph.view_layer)
 
     def _stopped(self):
@@ -56,8 +57,18 @@ class Frame:
     def render(self, on_picture=lambda picture: None):
         """The Picture; on_picture(picture) for those on the way to it. Raises Failed, Cancelled and what the export
         raises."""
-        self.session.start(self.programs)
+        is_new = self.session.start(self.programs)
         self._export()
+        try:
+            return self._render(on_picture)
+        except Gone:
+            # One that was there before may have ended for reasons of its own.
+            if is_new:
+                raise
+            self.session.start(self.programs)
+            return self._render(on_picture)
+
+    def _render(self, on_picture):
         self._load()
         self._tell_light()
         self._tell_camera()
@@ -146,7 +157,7 @@ class Frame:
                    "transparent": self.scene.render.film_transparent}
         if s.clamp_indirect:
             options["clamp-indirect"] = s.clamp_indirect
-        if PROGRESSIVE:
+        if not self.is_in_background:
             options["pass-rays"] = PASS_RAYS
         return options
 
@@ -166,8 +177,7 @@ class Frame:
                 plain(reply)
 
         calls["on_reply"] = on_reply
-        if PROGRESSIVE:
-            calls["progressive"] = True
+        calls["progressive"] = not self.is_in_background
         self._say("Render", 0)
         picture = self._picture(self.session.render(self.scene.frame_current, **calls))
         if of_centre:

@@ -24,13 +24,15 @@ class Session:
         self.pixels = None
 
     def start(self, folder):
-        """Makes sure that the process of a folder's program runs."""
+        """Makes sure that the process of a folder's program runs; whether it was started now."""
         program = programs.find("shadowcache-render", folder)
         if self.server and (self.server.program != program or not self.server.is_alive()):
             self.close()
-        if not self.server:
-            self.server = Server(program)
-            self.pixels = pixels.new_path()
+        if self.server:
+            return False
+        self.server = Server(program)
+        self.pixels = pixels.new_path()
+        return True
 
     def tell(self, request, fields, watch=(), **calls):
         """Sends a request unless it was the last of its kind; `watch` are files whose content counts.
