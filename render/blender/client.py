@@ -77,17 +77,17 @@ class Server:
                 stop_at = time.monotonic()
                 self._send("stop")
             if stop_at and time.monotonic() > stop_at + PATIENCE:
-                self.close()
+                self.close(0)
                 raise Cancelled
 
-    def close(self):
-        """Ends the process; what it renders is lost."""
+    def close(self, patience=PATIENCE):
+        """Ends the process, by force after so many seconds; what it renders is lost."""
         process = self.child.process
         try:
             process.stdin.close()  # it ends with its input, and removes its files of pixels
         except OSError:
             pass
-        self.child.wait(PATIENCE)
+        self.child.wait(patience)
         if process.poll() is None:
             process.kill()
             process.wait()

@@ -62,7 +62,7 @@ def killed(archive):
         assert runs(child)
         process.kill()
         process.wait()
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + 20  # it looks up after each of its tiles
     while runs(child):
         assert time.monotonic() < deadline, "the process goes on without Blender"
         time.sleep(0.05)

@@ -161,7 +161,7 @@ def worlds():
     inverse = mathutils.Euler([math.radians(a) for a in (20, -35, 50)]).to_matrix().transposed().to_euler()
     back = [math.degrees(a) for a in inverse]
     cases = (("no mapping", {}), ("point", {"turn": (20, -35, 50)}), ("texture", {"turn": back, "kind": "TEXTURE"}),
-             ("mirrored", {"turn": (0, 10, 70), "scale": (-1, 1, 1)}),
+             ("mirrored", {"turn": (0, 0, 30), "scale": (1, -1, 1)}),
              ("tint", {"turn": (0, 0, 90), "strength": 1.5, "tint": (1, 0.5, 0.25)}),
              ("colour", {"image": None, "tint": (0.5, 0.7, 1)}))
     for name, keys in cases:
