@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a depsgraph to a picture: set, cache, light, camera, pixels."""
 
-import bpy
-
 from . import bake, passes, pixels, preferences, view, world, world_map
 from .child import Cancelled, Gone
 from .folders import folder_of, set_file_of
 from .set_file import fps
 
-PASS_RAYS = 4  # camera rays of a pixel after which a picture is shown
+PASS_RAYS = 16  # camera rays of a pixel after which a picture is shown, and a render can be stopped
 
 
 class Job:
@@ -34,7 +32,6 @@ class Frame:
         self.programs = preferences.program_folder()
         self.left_out = []
         self.emits = False
-        self.is_in_background = bpy.app.background  # nobody looks
         self.wanted = passes.wanted(depsgraph.view_layer)
 
     def _stopped(self):
@@ -154,11 +151,9 @@ class Frame:
         s = self.settings
         options = {"camera-rays": camera_rays, "samples": samples, "bounces": s.bounces, "seed": s.seed,
                    "filter": s.filter, "filter-width": s.filter_width, "aov": aovs,
-                   "transparent": self.scene.render.film_transparent}
+                   "transparent": self.scene.render.film_transparent, "pass-rays": PASS_RAYS}
         if s.clamp_indirect:
             options["clamp-indirect"] = s.clamp_indirect
-        if not self.is_in_background:
-            options["pass-rays"] = PASS_RAYS
         return options
 
     def _pixels(self, on_picture):
@@ -177,7 +172,6 @@ class Frame:
                 plain(reply)
 
         calls["on_reply"] = on_reply
-        calls["progressive"] = not self.is_in_background
         self._say("Render", 0)
         picture = self._picture(self.session.render(self.scene.frame_current, **calls))
         if of_centre:

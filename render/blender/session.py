@@ -47,7 +47,7 @@ class Session:
 
     def render(self, frame, **calls):
         """Renders into the file of pixels."""
-        return self._ask("render", {"pixels": self.pixels, "frame": frame}, calls)
+        return self._ask("render", {"pixels": self.pixels, "frame": frame, "progressive": True}, calls)
 
     def _ask(self, request, fields, calls):
         try:
