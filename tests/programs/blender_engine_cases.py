@@ -115,6 +115,35 @@ def make_world(turn=None, kind="POINT", scale=(1, 1, 1), strength=1, tint=None, 
         tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
 
 
+class Layout:
+    """Takes what a panel draws, and looks whether it exists."""
+
+    def prop(self, data, name, **_):
+        assert name in data.bl_rna.properties, "%s has no %s" % (data, name)
+
+    def operator(self, name, **_):
+        assert name.split(".")[1] in dir(getattr(bpy.ops, name.split(".")[0])), name
+
+    def label(self, text="", icon="NONE"):
+        assert text
+
+    def row(self, **_):
+        return self
+
+    column = row
+
+
+def panels():
+    """Of this engine, and those of Blender that serve it."""
+    module = sys.modules["shadowcache.panels"]
+    bpy.context.scene.render.engine = "SHADOWCACHE"
+    for kind in module.CLASSES:
+        if kind.poll(bpy.context):
+            kind.show(None, Layout(), bpy.context, bpy.context.scene.shadowcache)
+    served = {kind.__name__ for kind in module.shared_panels()}
+    assert {"RENDER_PT_color_management", "EEVEE_WORLD_PT_surface", "RENDER_PT_format"} <= served, served
+
+
 def make_sky():
     make_world(image=None, tint=(1, 1, 1), strength=0.1)
     tree = bpy.context.scene.world.node_tree
@@ -390,7 +419,7 @@ def flat_memory():
 def main():
     install()
     make_scene()
-    for case in (worlds, all_passes, film, animation, stale, errors, cancel, flat_memory):
+    for case in (panels, worlds, all_passes, film, animation, stale, errors, cancel, flat_memory):
         start = time.monotonic()
         case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))
