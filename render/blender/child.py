@@ -4,7 +4,6 @@
 import shutil
 import subprocess
 import tempfile
-import time
 
 PATIENCE = 0.7  # seconds until a process that was told to end is killed
 
@@ -88,11 +87,3 @@ def run(command, should_stop, on_wait=lambda child: None):
     finally:
         child.end()
 
-
-def wait_until(condition, seconds):
-    deadline = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.01)
-    return True

@@ -12,6 +12,7 @@ import numpy
 from .blender_export.report import Report
 from .blender_export.shown import materials_of, walk, world_matrices
 from .blender_export.triangles import read
+from .session import stamp
 
 # Of nodes and their sockets: where they are drawn.
 DRAWN = {"rna_type", "location", "width", "height", "width_hidden", "select", "hide", "dimensions", "color",
@@ -61,7 +62,6 @@ def image_of(image):
         return *settings, digest_of(texels)
     if image.packed_file:
         return *settings, digest_of(image.packed_file.data)
-    from .session import stamp
     return *settings, stamp(bpy.path.abspath(image.filepath, library=image.library))
 
 

@@ -11,6 +11,7 @@ import bpy
 import numpy
 
 from . import exr, fingerprint
+from .blender_export.node_values import source
 from .blender_export.pictures import linear_texels
 
 AXES = numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)    # of Blender to those of glTF
@@ -23,16 +24,6 @@ BY_VIEW_SOCKETS = {"Window", "Camera", "Reflection"}
 
 class NotPlain(Exception):
     """The nodes are not those of a map that is turned and multiplied."""
-
-
-def source(socket):
-    """The socket that feeds this one, through reroutes; None if it is not linked."""
-    while socket.is_linked and not socket.links[0].is_muted:
-        socket = socket.links[0].from_socket
-        if socket.node.type != "REROUTE":
-            return socket
-        socket = socket.node.inputs[0]
-    return None
 
 
 def constant(socket):
