@@ -14,17 +14,19 @@ from .shown import materials_of, walk
 class GltfExport:
     """Meshes, cameras and their places; animations of those that move, sampled in each frame of the scene."""
 
-    def __init__(self, depsgraph, report):
+    def __init__(self, depsgraph, report, with_cameras=True):
         self.depsgraph = depsgraph
         self.report = report
+        self.with_cameras = with_cameras
         self.file = GltfFile()
         self.meshes = MeshWriter(self.file, Materials(self.file, Pictures(self.file, report), report), report)
         self.by_data = {}
         self.channels, self.samplers = [], []
 
     def write(self, path, set_frame):
+        """Writes the file; returns the motion in it."""
         entries = self._entries()
-        motion = Motion(self.depsgraph, set_frame, self.report)
+        motion = Motion(self.depsgraph, set_frame, self.report, self.with_cameras)
         tracks = motion.tracks()
         times = None
         if tracks:
@@ -40,12 +42,15 @@ class GltfExport:
         if self.channels:
             self.file.add("animations", {"name": "scene", "channels": self.channels, "samplers": self.samplers})
         self.file.write(path)
+        return motion
 
     def _entries(self):
         """Row and node of all that is shown."""
         known, entries, scene, seen = {}, [], self.depsgraph.scene, set()
         for shown in walk(self.depsgraph, self.report):
             if shown.kind == "CAMERA":
+                if not self.with_cameras:
+                    continue
                 seen.add(shown.name)
                 camera = cameras.entry(shown.thing.data, scene, self.report)
                 if camera:
@@ -55,7 +60,7 @@ class GltfExport:
                 known[shown.key] = self._mesh_of(shown.thing)
             if known[shown.key] is not None:
                 entries.append((shown.row, {"name": shown.name, "mesh": known[shown.key]}))
-        if scene.camera and scene.camera.name not in seen | {cameras.STAND_IN}:
+        if self.with_cameras and scene.camera and scene.camera.name not in seen | {cameras.STAND_IN}:
             self.report.add("camera %s: renders hide it" % scene.camera.name)
         return entries
 

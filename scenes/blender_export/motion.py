@@ -19,11 +19,13 @@ def has_keys(item):
     return bool(data and (data.action or data.drivers or data.nla_tracks))
 
 
-def may_move(depsgraph, report):
+def may_move(depsgraph, report, with_cameras=True):
     """Whether anything in the depsgraph depends on the frame; adds to the report what looks, but does not move."""
     found = bool(depsgraph.scene.rigidbody_world or bpy.app.handlers.frame_change_pre or
                  bpy.app.handlers.frame_change_post)
     for item in depsgraph.ids:
+        if not with_cameras and (isinstance(item, bpy.types.Camera) or getattr(item, "type", "") == "CAMERA"):
+            continue
         if isinstance(item, bpy.types.Material):
             if has_keys(item) or has_keys(item.node_tree):
                 report.add("material %s: its animation" % item.name)
@@ -70,13 +72,13 @@ def shape_of(thing, depsgraph):
 class Motion:
     """World matrices of the instances that are not at one place in all frames of the scene."""
 
-    def __init__(self, depsgraph, set_frame, report):
+    def __init__(self, depsgraph, set_frame, report, with_cameras=True):
         self.depsgraph = depsgraph
         self.report = report
         self.base = world_matrices(depsgraph)
         self.frames = []
         self._changes = []  # of each frame: rows, and their matrices
-        if set_frame and may_move(depsgraph, report):
+        if set_frame and may_move(depsgraph, report, with_cameras):
             self._record(set_frame)
 
     def _record(self, set_frame):
@@ -123,6 +125,13 @@ class Motion:
         for thing, shape in shapes.items():
             if shape_of(thing, self.depsgraph) != shape:
                 self.report.add("object %s: its vertices move; it is as in frame %d" % (thing.name, frame))
+
+    def places(self, index):
+        """World matrices of all instances in one of the frames."""
+        result = self.base.copy()
+        rows, places = self._changes[index]
+        result[rows] = places
+        return result
 
     def tracks(self):
         """Matrices (frames, 4, 4) by row, of those that move."""

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The cache of a set: whether it is there and of what, and how it is baked."""
+
+import glob
+import json
+import os
+import shutil
+
+from . import child, programs
+from .fingerprint import digest_of
+from .set_file import fps
+
+# Finest level of directions, and rays for each region of mixed visibility.
+QUALITIES = {"DRAFT": (3, 4), "GOOD": (4, 8), "FINE": (5, 16)}
+MARGIN = 1  # voxels around those that a shot looks up
+
+
+class Recipe:
+    """What a bake is asked for, by the settings of a scene."""
+
+    def __init__(self, settings):
+        self.level, self.rays = QUALITIES[settings.bake_quality]
+        self.spacing = settings.bake_spacing
+        self.whole = settings.bake_scope == "SET"
+
+    def options(self):
+        words = ["--level", str(self.level), "--rays", str(self.rays)]
+        return words + ["--spacing", "%.9g" % self.spacing] if self.spacing else words
+
+
+class Views:
+    """The camera of each frame that a shot bake serves: {frame: keys of the request camera}."""
+
+    def __init__(self, frames, size):
+        self.frames = frames
+        self.size = size
+
+    def digests(self):
+        return {digest_of(json.dumps(view, sort_keys=True)) for view in self.frames.values()}
+
+    def write(self, path, rate):
+        """A camera file; frames that are not asked for have the view of one that is."""
+        entries, last = [], next(iter(self.frames.values()))
+        for frame in range(1, max(self.frames) + 1):
+            last = self.frames.get(frame, last)
+            entries.append(last)
+        with open(path, "w", encoding="ascii") as out:
+            json.dump({"cam": {"fps": rate, "frames": entries}}, out)
+
+    def serves(self):
+        return min(self.frames) >= 1  # a camera file begins with frame 1
+
+
+def why_bake(set_file, recipe, views):
+    """Why a bake is needed, as a text; empty if the cache has all that is asked for, if it is of this set."""
+    notes = set_file.read_notes().get("bake")
+    if not notes or not os.path.exists(set_file.cache):
+        return "there is no cache"
+    if notes["options"] != recipe.options():
+        return "the settings of the bake have changed"
+    if not notes["whole"] and (recipe.whole or not views.digests() <= set(notes["views"])):
+        return "the cache was baked for other frames"
+    return ""
+
+
+def bake(set_file, recipe, views, scene, folder, should_stop, on_progress):
+    """Bakes what is missing. on_progress(task, share, seconds left)."""
+    notes = set_file.read_notes()
+    before = notes.get("bake") or {}
+    extend = (os.path.exists(set_file.cache) and before.get("options") == recipe.options()
+              and before.get("set") == notes["id"] and not before.get("whole"))
+    whole = recipe.whole or not views.serves()
+    command = [programs.find("shadowcache-bake", folder), set_file.path, "-o", set_file.cache, *recipe.options(),
+               "--progress", "json"]
+    if extend:
+        command += ["--extend", set_file.cache]
+        if recipe.spacing:  # it is the file's
+            at = command.index("--spacing")
+            del command[at:at + 2]
+    camera = set_file.cache + ".camera.json"
+    if not whole:
+        views.write(camera, fps(scene))
+        frames = ",".join(str(frame) for frame in sorted(views.frames))
+        command += ["--camera", camera, "--frames", frames, "--size", "%dx%d" % views.size,
+                    "--fps", "%.9g" % fps(scene), "--margin", str(MARGIN)]
+    try:
+        child.run(command, should_stop, lambda process: on_progress(*progress_of(process)))
+    finally:
+        clean(set_file.cache)
+    views_held = set(before["views"]) if extend else set()
+    notes["bake"] = {"options": recipe.options(), "whole": whole, "set": notes["id"],
+                     "views": sorted(views_held | views.digests())}
+    set_file.write_notes(notes)
+
+
+def progress_of(process):
+    """Task, share that is done and seconds left, by the last line of a program's progress."""
+    process.messages.seek(0)
+    for line in reversed(process.messages.read().splitlines()):
+        if line.startswith(b"{"):
+            try:
+                found = json.loads(line)
+                return found["task"], found["done"] / found["total"], found["left"]
+            except (ValueError, KeyError):
+                continue
+    return "", 0, 0
+
+
+def clean(cache):
+    """Removes what an unfinished bake leaves."""
+    for path in glob.glob(glob.escape(cache) + ".part-*") + [cache + ".camera.json"]:
+        if os.path.exists(path):
+            os.remove(path)
+    shutil.rmtree(cache + ".checkpoint", ignore_errors=True)
+
+
+def forget(set_file):
+    """Removes the cache."""
+    notes = set_file.read_notes()
+    if notes.pop("bake", None):
+        set_file.write_notes(notes)
+    if os.path.exists(set_file.cache):
+        os.remove(set_file.cache)
+    clean(set_file.cache)

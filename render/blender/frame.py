@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a depsgraph to a picture: set, cache, light, camera, pixels."""
+
+from . import bake, passes, pixels, preferences, view, world, world_map
+from .child import Cancelled, Gone
+from .folders import folder_of, set_file_of
+from .set_file import fps
+
+PASS_RAYS = 16  # camera rays of a pixel after which a picture is shown, and a render can be stopped
+
+
+class Job:
+    """What frames of one render have in common; a new one begins with each render."""
+
+    def __init__(self):
+        self.exported = set()    # names of sets whose motion was recorded
+        self.baked_for = set()   # names of sets whose cache serves all frames
+        self.left_out = None     # the last list that was reported
+
+
+class Frame:
+    """One picture. `engine` gives size, status and the wish to stop; what is left out is in left_out."""
+
+    def __init__(self, engine, depsgraph, session, job):
+        self.engine = engine
+        self.depsgraph = depsgraph
+        self.scene = depsgraph.scene
+        self.settings = depsgraph.scene.shadowcache
+        self.session = session
+        self.job = job
+        self.set_file = set_file_of(self.scene, depsgraph.view_layer.name)
+        self.programs = preferences.program_folder()
+        self.left_out = []
+        self.emits = False
+        self.wanted = passes.wanted(depsgraph.view_layer)
+
+    def _stopped(self):
+        return self.engine.test_break()
+
+    def _say(self, text, share=None):
+        self.engine.update_stats("", text)
+        if share is not None:
+            self.engine.update_progress(min(max(share, 0), 1))
+
+    def _calls(self, words):
+        """How requests report and stop."""
+        def on_reply(reply):
+            if reply["reply"] == "progress":
+                self._say("%s: %s" % (words, reply["task"]), reply["done"] / max(reply["total"], 1))
+            elif reply["reply"] == "log":
+                print("Shadowcache: " + reply["text"])
+        return {"should_stop": self._stopped, "on_reply": on_reply}
+
+    def render(self, on_picture=lambda picture: None):
+        """The Picture; on_picture(picture) for those on the way to it. Raises Failed, Cancelled and what the export
+        raises."""
+        is_new = self.session.start(self.programs)
+        self._export()
+        try:
+            return self._render(on_picture)
+        except Gone:
+            # One that was there before may have ended for reasons of its own.
+            if is_new:
+                raise
+            self.session.start(self.programs)
+            return self._render(on_picture)
+
+    def _render(self, on_picture):
+        self._load()
+        self._tell_light()
+        self._tell_camera()
+        return self._pixels(on_picture)
+
+    def _set_frame(self, frame):
+        if self._stopped():
+            raise Cancelled
+        self.engine.frame_set(frame, 0.0)
+
+    def _export(self):
+        self._say("Export")
+        name = self.set_file.path
+        first = name not in self.job.exported
+        self.job.exported.add(name)
+        _, left_out = self.set_file.update(self.depsgraph, self._set_frame if first else None,
+                                           self.settings.use_motion)
+        self.emits = self.set_file.emits()
+        self.left_out += left_out + passes.left_out(self.depsgraph.view_layer, self.emits)
+        if self.scene.render.use_motion_blur:
+            self.left_out.append("motion blur")
+
+    def _camera(self):
+        thing = self.engine.camera_override or self.scene.camera
+        return view.view_of(thing and thing.evaluated_get(self.depsgraph), self.scene)
+
+    def _views(self):
+        """Of the frames that the cache is to serve: once for an animation, else of this one."""
+        current = self.scene.frame_current
+        frames = {current: self._camera()}
+        if self.engine.is_animation and self.set_file.path not in self.job.baked_for:
+            scene = self.scene
+            for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step):
+                self._set_frame(frame)
+                camera = view.camera_at(scene, frame)
+                frames[frame] = view.view_of(camera and camera.evaluated_get(self.depsgraph), scene)
+            self._set_frame(current)
+        self.job.baked_for.add(self.set_file.path)
+        return bake.Views(frames, view.size_of(self.scene))
+
+    def _load(self):
+        recipe = bake.Recipe(self.settings)
+        views = self._views()
+        why = bake.why_bake(self.set_file, recipe, views)
+        if why:
+            self._bake(recipe, views, why)
+        if self._tell_load()["stale"] and self.settings.stale == "BAKE":
+            self._bake(recipe, views, "the set has changed")
+            self._tell_load()
+
+    def _tell_load(self):
+        self._say("Load")
+        fields = {"set": [self.set_file.path], "cache": self.set_file.cache, "stale-ok": True, "fps": fps(self.scene)}
+        return self.session.tell("load", fields, (self.set_file.path, self.set_file.cache), **self._calls("Load"))
+
+    def _bake(self, recipe, views, why):
+        def on_progress(task, share, left):
+            self._say("Bake (%s): %s %d %%, %s left" % (why, task, 100 * share, time_text(left)), share)
+        self.session.close()  # two of them may not fit into memory
+        self._say("Bake (%s)" % why, 0)
+        bake.bake(self.set_file, recipe, views, self.scene, self.programs, self._stopped, on_progress)
+        self.session.start(self.programs)
+
+    def _tell_light(self):
+        self._say("World")
+        folder = folder_of(self.scene)
+        try:
+            fields = world.plain(self.scene.world, folder)
+        except world.NotPlain:
+            self.left_out += ["world %s: node %s: all see it as the camera does" % (self.scene.world.name, name)
+                              for name in world.by_view(self.scene.world.node_tree)]
+            self._say("World: Cycles makes a map of its nodes")
+            fields = world_map.of_world(self.scene.world, self.scene.frame_current, folder, self._stopped)
+        self.session.tell("environment", fields, [fields["map"]] if "map" in fields else (), **self._calls("World"))
+
+    def _tell_camera(self):
+        width, height = view.size_of(self.scene)
+        self.session.tell("size", {"width": width, "height": height})
+        self.session.tell("region", view.region_of(self.scene))
+        self.session.tell("camera", {"view": self._camera()})
+
+    def _options(self, camera_rays, samples, aovs):
+        s = self.settings
+        options = {"camera-rays": camera_rays, "samples": samples, "bounces": s.bounces, "seed": s.seed,
+                   "filter": s.filter, "filter-width": s.filter_width, "aov": aovs,
+                   "transparent": self.scene.render.film_transparent, "pass-rays": PASS_RAYS}
+        if s.clamp_indirect:
+            options["clamp-indirect"] = s.clamp_indirect
+        return options
+
+    def _pixels(self, on_picture):
+        aovs, of_centre = passes.aovs_of(self.wanted)
+        calls = self._calls("Render")
+        if of_centre:
+            self.session.tell("options", self._options(1, 1, of_centre))
+            centre = self._picture(self.session.render(self.scene.frame_current, **calls))
+        self.session.tell("options", self._options(self.settings.camera_rays, self.settings.samples, aovs))
+        plain = calls["on_reply"]
+
+        def on_reply(reply):
+            if reply["reply"] == "picture":
+                on_picture(self._picture(reply))
+            else:
+                plain(reply)
+
+        calls["on_reply"] = on_reply
+        self._say("Render", 0)
+        picture = self._picture(self.session.render(self.scene.frame_current, **calls))
+        if of_centre:
+            picture.add(centre)
+        return picture
+
+    def _picture(self, reply):
+        return passes.Picture(reply["planes"], pixels.read(reply["pixels"]), self.emits)
+
+
+def time_text(seconds):
+    return "%d:%02d" % (seconds // 60, seconds % 60)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of a scene and of a view layer."""
+
+import bpy
+
+
+class ShadowcacheSettings(bpy.types.PropertyGroup):
+    cache_folder: bpy.props.StringProperty(
+        name="Folder", subtype="DIR_PATH", default="//shadowcache",
+        description="Where sets, caches and maps are kept; beside an unsaved file: Blender's temporary folder")
+    bake_scope: bpy.props.EnumProperty(
+        name="Bake", default="SHOT", items=(
+            ("SHOT", "This Shot", "What the pictures look up, of the frame or the animation that is rendered"),
+            ("SET", "Whole Set", "Every surface: takes longer, once for all cameras")))
+    bake_quality: bpy.props.EnumProperty(
+        name="Quality", default="DRAFT", items=(
+            ("DRAFT", "Draft", "Fast to bake; pictures are free of bias as well, with a little more noise"),
+            ("GOOD", "Good", "About four times the time of a draft"),
+            ("FINE", "Fine", "For long shots: about ten times the time of a draft")))
+    bake_spacing: bpy.props.FloatProperty(
+        name="Spacing", subtype="DISTANCE", min=0, soft_max=10, default=0,
+        description="Side of a voxel; half of it costs four times the bake. 0: chosen from the size of the set")
+    stale: bpy.props.EnumProperty(
+        name="Stale Cache", default="BAKE", items=(
+            ("BAKE", "Bake Again", "Where the set is not what was baked"),
+            ("USE", "Use", "Free of bias all the same, but noisier where the set has changed")))
+    use_motion: bpy.props.BoolProperty(
+        name="Moving Objects", default=True,
+        description="Objects that move in the scene's frames are rendered in each frame and not baked. Off: each frame is a set of its own, baked as a whole")
+    camera_rays: bpy.props.IntProperty(
+        name="Camera Rays", min=1, max=65536, default=16, description="Camera rays of a pixel: edges, depth of field")
+    samples: bpy.props.IntProperty(
+        name="Shadow Rays", min=1, max=65536, default=4, description="Shadow rays of each camera ray")
+    bounces: bpy.props.IntProperty(
+        name="Bounces", min=0, max=64, default=4, description="Surfaces that light may meet before the one that is seen")
+    clamp_indirect: bpy.props.FloatProperty(
+        name="Clamp Indirect", min=0, default=0,
+        description="Most radiance that bounces add to a camera ray: no fireflies, but darker. 0: off, free of bias")
+    seed: bpy.props.IntProperty(name="Seed", min=0, default=1, description="Of all random numbers; each frame has its own in any case")
+    filter: bpy.props.EnumProperty(
+        name="Pixel Filter", default="blackman-harris", items=(
+            ("blackman-harris", "Blackman-Harris", "As in Cycles"), ("gaussian", "Gaussian", ""), ("box", "Box", "")))
+    filter_width: bpy.props.FloatProperty(
+        name="Width", subtype="PIXEL", min=0.01, max=10, default=1.5, description="Of the pixel filter")
+    viewport_rays: bpy.props.IntProperty(
+        name="Viewport Rays", min=1, max=4096, default=64, description="Rays of a pixel until the viewport rests")
+
+
+class ShadowcacheLayerSettings(bpy.types.PropertyGroup):
+    use_pass_variance: bpy.props.BoolProperty(
+        name="Noise Variance", description="Variance of the luminance that is left in each pixel")
+
+
+CLASSES = (ShadowcacheSettings, ShadowcacheLayerSettings)
+
+
+def register():
+    for kind in CLASSES:
+        bpy.utils.register_class(kind)
+    bpy.types.Scene.shadowcache = bpy.props.PointerProperty(type=ShadowcacheSettings)
+    bpy.types.ViewLayer.shadowcache = bpy.props.PointerProperty(type=ShadowcacheLayerSettings)
+
+
+def unregister():
+    del bpy.types.ViewLayer.shadowcache
+    del bpy.types.Scene.shadowcache
+    for kind in reversed(CLASSES):
+        bpy.utils.unregister_class(kind)

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A resident process and what it was told: only what differs is sent again."""
+
+import os
+
+from . import pixels, programs
+from .child import Cancelled, Failed
+from .client import Server
+
+
+def stamp(path):
+    """Changes whenever a file is written."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+class Session:
+    def __init__(self):
+        self.server = None
+        self.told = {}
+        self.pixels = None
+
+    def start(self, folder):
+        """Makes sure that the process of a folder's program runs; whether it was started now."""
+        program = programs.find("shadowcache-render", folder)
+        if self.server and (self.server.program != program or not self.server.is_alive()):
+            self.close()
+        if self.server:
+            return False
+        self.server = Server(program)
+        self.pixels = pixels.new_path()
+        return True
+
+    def tell(self, request, fields, watch=(), **calls):
+        """Sends a request unless it was the last of its kind; `watch` are files whose content counts.
+        Returns the reply, also the one of then."""
+        key = (fields, [stamp(path) for path in watch])
+        if request in self.told and self.told[request][0] == key:
+            return self.told[request][1]
+        self.told.pop(request, None)
+        reply = self._ask(request, fields, calls)
+        self.told[request] = key, reply
+        return reply
+
+    def render(self, frame, **calls):
+        """Renders into the file of pixels."""
+        return self._ask("render", {"pixels": self.pixels, "frame": frame, "progressive": True}, calls)
+
+    def _ask(self, request, fields, calls):
+        try:
+            return self.server.ask(request, **calls, **fields)
+        except (Failed, Cancelled):
+            if not self.server.is_alive():
+                self.close()
+            if request in ("load", "environment"):
+                self.told.pop(request, None)
+            raise
+
+    def close(self):
+        if self.server:
+            self.server.close()
+        pixels.remove(self.pixels)
+        self.server, self.told, self.pixels = None, {}, None

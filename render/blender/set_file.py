@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The set of a view layer as a file: exported where it is not what the file holds."""
+
+import json
+import os
+
+from . import fingerprint
+from .blender_export.gltf_export import GltfExport
+from .blender_export.report import Report
+
+FORMAT = 1
+
+
+class SetFile:
+    """SET.glb in a folder, and what it holds in SET.json beside it."""
+
+    def __init__(self, folder, name):
+        self.path = os.path.join(folder, name + ".glb")
+        self.cache = os.path.join(folder, name + ".vdb")
+        self.notes = os.path.join(folder, name + ".json")
+
+    def read_notes(self):
+        try:
+            with open(self.notes, encoding="utf-8") as file:
+                found = json.load(file)
+        except (OSError, ValueError):
+            return {}
+        return found if isinstance(found, dict) and found.get("format") == FORMAT else {}
+
+    def emits(self):
+        return self.read_notes().get("emits", False)
+
+    def write_notes(self, notes):
+        part = self.notes + ".part"
+        with open(part, "w", encoding="utf-8") as out:
+            json.dump({**notes, "format": FORMAT}, out)
+        os.replace(part, self.notes)
+
+    def update(self, depsgraph, set_frame, motion=True):
+        """Exports the set unless the file holds it as it is in the current frame. Returns whether it was exported, and
+        what the file cannot express. set_frame(frame) as of blender_export.export; None: the export is of this frame
+        alone. motion: whether a file in which things move will do."""
+        notes = self.read_notes()
+        content = fingerprint.content_digest(depsgraph)
+        places = fingerprint.current_places(depsgraph)
+        if os.path.exists(self.path) and notes.get("content") == content:
+            held = notes["places"]
+            moves = "" not in held
+            if not moves and places == held[""]:
+                return False, notes["left_out"]
+            frame = str(depsgraph.scene.frame_current)
+            if moves and motion and notes["fps"] == fps(depsgraph.scene) and places == held.get(frame):
+                return False, notes["left_out"]
+        os.makedirs(os.path.dirname(self.path), exist_ok=True)
+        report = Report()
+        rows = fingerprint.mesh_rows(depsgraph)
+        export = GltfExport(depsgraph, report, with_cameras=False)
+        found = export.write(self.path + ".part.glb", set_frame if motion else None)
+        os.replace(self.path + ".part.glb", self.path)
+        held = {"": places}
+        if found.tracks():
+            held = {str(f): fingerprint.places_digest(found.places(i), rows) for i, f in enumerate(found.frames)}
+        emits = any("emissiveFactor" in material for material in export.file.document.get("materials", []))
+        notes.update(emits=emits, content=content, places=held, id=fingerprint.digest_of(content, sorted(held.items())),
+                     fps=fps(depsgraph.scene), left_out=report.entries())
+        self.write_notes(notes)
+        return True, report.entries()
+
+
+def fps(scene):
+    return scene.render.fps / scene.render.fps_base

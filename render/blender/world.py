@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The world of a scene as the request environment has it: a map, how it is turned, and its gain.
+
+An Environment Texture with a Mapping that turns or mirrors, times constants, is passed on as it is. Everything else is
+baked to a map by Cycles (world_map).
+"""
+
+import os
+
+import bpy
+import numpy
+
+from . import exr, fingerprint
+from .blender_export.node_values import source
+from .blender_export.pictures import linear_texels
+
+AXES = numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)    # of Blender to those of glTF
+MIDDLE = numpy.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], float)  # the image's, to +X
+LINEAR = ("Linear", "Non-Color", "Raw")
+# What a map cannot know: a world that differs by who looks.
+BY_VIEW = {"LIGHT_PATH", "CAMERA"}
+BY_VIEW_SOCKETS = {"Window", "Camera", "Reflection"}
+
+
+class NotPlain(Exception):
+    """The nodes are not those of a map that is turned and multiplied."""
+
+
+def constant(socket):
+    if source(socket):
+        raise NotPlain
+    return socket.default_value
+
+
+def background_of(world):
+    """The Background node that is the whole world; None for nothing at all."""
+    output = world.node_tree.get_output_node("CYCLES")
+    if not output:
+        return None
+    if source(output.inputs["Volume"]):
+        raise NotPlain
+    found = source(output.inputs["Surface"])
+    if found is None:
+        return None
+    if found.node.type != "BACKGROUND" or found.node.mute:
+        raise NotPlain
+    return found.node
+
+
+def product_of(socket):
+    """Colour of constants, and the node of the one Environment Texture, or None, that feed a socket."""
+    feeding = source(socket)
+    if feeding is None:
+        return numpy.array(socket.default_value[:3]), None
+    node = feeding.node
+    if node.mute:
+        raise NotPlain
+    if node.type == "TEX_ENVIRONMENT" and feeding.name == "Color":
+        return numpy.ones(3), node
+    if node.type == "RGB":
+        return numpy.array(feeding.default_value[:3]), None
+    sockets = factors_of(node)
+    (a, first), (b, second) = (product_of(s) for s in sockets)
+    if first and second:
+        raise NotPlain
+    return a * b, first or second
+
+
+def factors_of(node):
+    """The two colours that a node multiplies."""
+    if node.type == "MIX_RGB" and node.blend_type == "MULTIPLY" and not node.use_clamp:
+        if constant(node.inputs[0]) == 1:
+            return node.inputs[1], node.inputs[2]
+    if node.type == "MIX" and node.data_type == "RGBA" and node.blend_type == "MULTIPLY" and not node.clamp_result:
+        fac = next(s for s in node.inputs if s.enabled and s.name == "Factor")
+        if constant(fac) == 1:
+            return [s for s in node.inputs if s.enabled and s.name in ("A", "B")]
+    raise NotPlain
+
+
+def turn_of(node):
+    """3x3: directions of the map to those of Blender's world, for an Environment Texture."""
+    feeding = source(node.inputs["Vector"])
+    if feeding is None:
+        return numpy.eye(3)
+    if feeding.node.type == "TEX_COORD" and feeding.name == "Generated":
+        return numpy.eye(3)
+    mapping = feeding.node
+    if mapping.type != "MAPPING" or mapping.mute:
+        raise NotPlain
+    before = source(mapping.inputs["Vector"])
+    if before is None or before.node.type != "TEX_COORD" or before.name != "Generated":
+        raise NotPlain
+    kind = mapping.vector_type
+    if kind in ("POINT", "TEXTURE") and any(constant(mapping.inputs["Location"])):
+        raise NotPlain
+    scale = numpy.array(constant(mapping.inputs["Scale"]), float)
+    if not scale.all() or not numpy.allclose(abs(scale), abs(scale[0]), rtol=1e-5):
+        raise NotPlain
+    mirror = numpy.diag(numpy.sign(scale))
+    rotation = numpy.array(constant(mapping.inputs["Rotation"]).to_matrix(), float)
+    # The node makes the map's direction of the world's: rotation times mirror, or for a texture the inverse of that.
+    return rotation @ mirror if kind == "TEXTURE" else mirror @ rotation.T
+
+
+def by_view(tree):
+    """Names of nodes whose value depends on who looks."""
+    found = []
+    for node in tree.nodes:
+        if node.type in BY_VIEW and any(s.is_linked for s in node.outputs):
+            found.append(node.bl_label)
+        if node.type == "TEX_COORD":
+            found += ["%s %s" % (node.bl_label, s.name) for s in node.outputs
+                      if s.is_linked and s.name in BY_VIEW_SOCKETS]
+    return found
+
+
+def file_of(image, folder):
+    """An EXR or HDR file of an image's linear texels: its own, or one that is written."""
+    if image is None:
+        raise NotPlain
+    if image.source not in ("FILE", "GENERATED"):
+        raise NotPlain
+    path = bpy.path.abspath(image.filepath, library=image.library)
+    own = (image.source == "FILE" and not image.is_dirty and not image.packed_file and os.path.isfile(path)
+           and path.lower().endswith((".exr", ".hdr")) and image.colorspace_settings.name in LINEAR)
+    if own:
+        return path
+    if image.source == "FILE" and not image.packed_file and not os.path.isfile(path):
+        raise FileNotFoundError("image %s: no file %s" % (image.name, path))
+    written = os.path.join(folder, "map-%s.exr" % fingerprint.digest_of(fingerprint.image_of(image)))
+    if not os.path.exists(written):
+        if not image.has_data and not len(image.pixels) or 0 in tuple(image.size):
+            raise ValueError("image %s: it has no texels" % image.name)
+        os.makedirs(folder, exist_ok=True)
+        exr.write(written, linear_texels(image))
+    return written
+
+
+def plain(world, folder):
+    """Keys of the request environment; raises NotPlain where Cycles must bake it."""
+    if world is None:
+        return {"radiance": [0, 0, 0]}
+    if not world.use_nodes:
+        return {"radiance": list(world.color)}
+    background = background_of(world)
+    if background is None:
+        return {"radiance": [0, 0, 0]}
+    colour, node = product_of(background.inputs["Color"])
+    gain = colour * constant(background.inputs["Strength"])
+    if node is None:
+        return {"radiance": numpy.maximum(gain, 0).tolist()}
+    if node.projection != "EQUIRECTANGULAR" or gain.min() < 0:
+        raise NotPlain
+    rotate = AXES @ turn_of(node) @ AXES.T @ MIDDLE
+    return {"map": file_of(node.image, folder), "rotate": rotate.reshape(-1).tolist(), "gain": gain.tolist()}

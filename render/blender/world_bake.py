@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders a world alone to a map, in a Blender that was started for it.
+
+Usage: blender -b --factory-startup --python-exit-code 1 -P world_bake.py -- WORLD.blend NAME FRAME MAP.exr
+The map is made again at twice the size until its integral is that of a map of half the size and four times the samples.
+"""
+
+import math
+import sys
+
+import bpy
+import numpy
+
+FIRST_WIDTH, LAST_WIDTH, SAMPLES = 1024, 4096, 32
+TOLERANCE = 0.01  # of the integral
+
+
+def set_up(blend, name, frame):
+    with bpy.data.libraries.load(blend) as (_, wanted):
+        wanted.worlds = [name]
+    scene = bpy.context.scene
+    for thing in list(bpy.data.objects):
+        bpy.data.objects.remove(thing)
+    scene.world = wanted.worlds[0]
+    camera = bpy.data.cameras.new("panorama")
+    thing = bpy.data.objects.new("panorama", camera)
+    # Its middle is at +x.
+    thing.rotation_euler = (math.pi / 2, 0, -math.pi / 2)
+    scene.collection.objects.link(thing)
+    scene.camera = thing
+    scene.frame_set(frame)
+    render, cycles = scene.render, scene.cycles
+    render.engine = "CYCLES"
+    camera.type = "PANO"
+    camera.cycles.panorama_type = "EQUIRECTANGULAR"
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+    cycles.pixel_filter_type = "BOX"
+    cycles.filter_width = 1
+    render.resolution_percentage = 100
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    render.image_settings.exr_codec = "ZIP"
+    render.use_compositing = render.use_sequencer = False
+
+
+def render(path, width, samples):
+    """Renders the map; its integral over the sphere."""
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = width, width // 2
+    scene.cycles.samples = samples
+    scene.render.filepath = path
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(path)
+    image.colorspace_settings.name = "Non-Color"
+    texels = numpy.empty(len(image.pixels), numpy.float32)
+    image.pixels.foreach_get(texels)
+    bpy.data.images.remove(image)
+    rows = texels.reshape(width // 2, width, 4)[..., :3].sum(axis=1, dtype=float)
+    edges = numpy.cos(numpy.linspace(0, math.pi, width // 2 + 1))
+    return (rows * (edges[:-1] - edges[1:])[:, None]).sum(axis=0) * 2 * math.pi / width
+
+
+def main():
+    blend, name, frame, path = sys.argv[sys.argv.index("--") + 1:]
+    set_up(blend, name, int(frame))
+    width = FIRST_WIDTH
+    while True:
+        wanted = render(path, width // 2, 4 * SAMPLES)
+        found = render(path, width, SAMPLES)
+        if numpy.allclose(found, wanted, rtol=TOLERANCE, atol=1e-9):
+            return
+        if width == LAST_WIDTH:
+            sys.exit("its integral is %s, and %s by other samples" % (found, wanted))
+        width *= 2
+
+
+main()

@@ -1,0 +1,429 @@
+"""The render engine in a real Blender, as blender_engine.py starts it: ZIP PROGRAMS MAP WORK.
+
+Pictures are compared with those of Cycles, in the means and in tiles; turned worlds must be told apart.
+"""
+
+import math
+import os
+import sys
+import time
+
+import bpy
+import mathutils
+import numpy
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import blender_exr  # noqa: E402
+
+ZIP, PROGRAMS, MAP, WORK = sys.argv[sys.argv.index("--") + 1:]
+SIZE = 64, 36
+TILE = 4
+MOST_TILES = 0.011
+DIM = 1e-3  # emission that lights nothing: Cycles samples emitters also without bounces
+MOST_SECONDS = 1.0  # of a cancelled render
+
+
+def install():
+    """Through Blender's own operator; registered twice."""
+    bpy.ops.preferences.addon_install(filepath=ZIP)
+    for _ in range(2):
+        bpy.ops.preferences.addon_enable(module="shadowcache")
+        assert "SHADOWCACHE" in {kind.bl_idname for kind in bpy.types.RenderEngine.__subclasses__()}
+        bpy.ops.preferences.addon_disable(module="shadowcache")
+        assert not hasattr(bpy.types.Scene, "shadowcache")
+    bpy.ops.preferences.addon_enable(module="shadowcache")
+    preferences().folder = PROGRAMS
+
+
+def preferences():
+    return bpy.context.preferences.addons["shadowcache"].preferences
+
+
+def add_material(thing, colour, emission=0):
+    material = bpy.data.materials.new(thing.name)
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    shader = tree.nodes.new("ShaderNodeEmission" if emission else "ShaderNodeBsdfDiffuse")
+    shader.inputs["Color"].default_value = (*colour, 1)
+    if emission:
+        shader.inputs["Strength"].default_value = emission
+    tree.links.new(shader.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    thing.data.materials.append(material)
+
+
+def make_scene():
+    """Boxes on a plane; the sky is behind them, and above."""
+    for thing in list(bpy.data.objects):
+        bpy.data.objects.remove(thing)
+    bpy.ops.mesh.primitive_plane_add(size=8)
+    add_material(bpy.context.object, (0.7, 0.6, 0.5))
+    for i in range(4):
+        bpy.ops.mesh.primitive_cube_add(size=1, location=(1.5 * i - 2.2, 0.6 * (i % 2), 0.5 + 0.3 * i))
+        thing = bpy.context.object
+        thing.scale.z = 1 + 0.6 * i
+        add_material(thing, (0.3 + 0.2 * i, 0.5, 0.9 - 0.2 * i), DIM if i == 0 else 0)
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0.5, -7, 3), (math.radians(72), 0, math.radians(4))
+    scene = bpy.context.scene
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.frame_end = 3
+    render = scene.render
+    render.resolution_x, render.resolution_y = SIZE
+    render.resolution_percentage = 100
+    render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    render.image_settings.color_depth, render.image_settings.exr_codec = "32", "NONE"
+    cycles = scene.cycles
+    cycles.samples, cycles.max_bounces, cycles.use_adaptive_sampling, cycles.use_denoising = 512, 0, False, False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = 0
+    settings = scene.shadowcache
+    settings.cache_folder = os.path.join(WORK, "cache")
+    settings.camera_rays, settings.samples, settings.bounces, settings.bake_spacing = 64, 4, 0, 0.5
+
+
+def make_world(turn=None, kind="POINT", scale=(1, 1, 1), strength=1, tint=None, image=MAP):
+    """The nodes of the scene's world, made anew: an Environment Texture, with a Mapping if `turn` is given."""
+    world = bpy.context.scene.world
+    world.use_nodes = True
+    world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", 2048  # fast to build
+    tree = world.node_tree
+    tree.nodes.clear()
+    background = tree.nodes.new("ShaderNodeBackground")
+    background.inputs["Strength"].default_value = strength
+    tree.links.new(background.outputs[0], tree.nodes.new("ShaderNodeOutputWorld").inputs["Surface"])
+    if image is None:
+        background.inputs["Color"].default_value = (*tint, 1)
+        return
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = bpy.data.images.load(image, check_existing=True)
+    colour = texture.outputs["Color"]
+    if tint:
+        mix = tree.nodes.new("ShaderNodeMixRGB")
+        mix.blend_type = "MULTIPLY"
+        mix.inputs[0].default_value, mix.inputs[2].default_value = 1, (*tint, 1)
+        tree.links.new(colour, mix.inputs[1])
+        colour = mix.outputs[0]
+    tree.links.new(colour, background.inputs["Color"])
+    if turn:
+        mapping = tree.nodes.new("ShaderNodeMapping")
+        mapping.vector_type = kind
+        mapping.inputs["Rotation"].default_value = [math.radians(a) for a in turn]
+        mapping.inputs["Scale"].default_value = scale
+        tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], mapping.inputs["Vector"])
+        tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+
+
+class Layout:
+    """Takes what a panel draws, and looks whether it exists."""
+
+    def prop(self, data, name, **_):
+        assert name in data.bl_rna.properties, "%s has no %s" % (data, name)
+
+    def operator(self, name, **_):
+        assert name.split(".")[1] in dir(getattr(bpy.ops, name.split(".")[0])), name
+
+    def label(self, text="", icon="NONE"):
+        assert text
+
+    def row(self, **_):
+        return self
+
+    column = row
+
+
+def panels():
+    """Of this engine, and those of Blender that serve it."""
+    module = sys.modules["shadowcache.panels"]
+    bpy.context.scene.render.engine = "SHADOWCACHE"
+    for kind in module.CLASSES:
+        if kind.poll(bpy.context):
+            kind.show(None, Layout(), bpy.context, bpy.context.scene.shadowcache)
+    served = {kind.__name__ for kind in module.shared_panels()}
+    assert {"RENDER_PT_color_management", "EEVEE_WORLD_PT_surface", "RENDER_PT_format"} <= served, served
+
+
+def make_sky():
+    make_world(image=None, tint=(1, 1, 1), strength=0.1)
+    tree = bpy.context.scene.world.node_tree
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    sky.sky_type, sky.sun_elevation, sky.sun_rotation = "NISHITA", 0.6, 2.0
+    sky.sun_size = math.radians(4)
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    tree.links.new(sky.outputs[0], background.inputs["Color"])
+
+
+def render(engine):
+    """Planes of a picture by channel; of layers alone."""
+    render_settings = bpy.context.scene.render
+    render_settings.engine = engine
+    render_settings.filepath = os.path.join(WORK, "picture.exr")
+    bpy.ops.render.render(write_still=True)
+    return {name.split(".", 1)[1]: plane for name, plane in blender_exr.read(render_settings.filepath).items()}
+
+
+def planes(picture, name, channels="RGB"):
+    return numpy.stack([picture["%s.%s" % (name, c)] for c in channels]).astype(float)
+
+
+def tiles(stack):
+    height, width = stack.shape[1] // TILE, stack.shape[2] // TILE
+    return stack.reshape(len(stack), height, TILE, width, TILE).mean(axis=(2, 4))
+
+
+def apart(found, wanted):
+    """Of two pictures: how far their means are apart, and their tiles, as shares of the mean."""
+    a, b = tiles(found), tiles(wanted)
+    means = abs(a.mean(axis=(1, 2)) / b.mean(axis=(1, 2)) - 1).max()
+    return means, math.sqrt(((a - b) ** 2).mean()) / b.mean()
+
+
+def expect_same(what, found, wanted, most_mean=0.01, most_tiles=MOST_TILES):
+    means, rms = apart(found, wanted)
+    print("case %s: means %.4f, tiles %.4f" % (what, means, rms))
+    assert means < most_mean and rms < most_tiles, "%s: means %.4f, tiles %.4f" % (what, means, rms)
+
+
+def worlds():
+    """Direct light under each kind of world; the map turned by 1 and 5 degrees more must be told apart."""
+    inverse = mathutils.Euler([math.radians(a) for a in (20, -35, 50)]).to_matrix().transposed().to_euler()
+    back = [math.degrees(a) for a in inverse]
+    cases = (("no mapping", {}), ("point", {"turn": (20, -35, 50)}), ("texture", {"turn": back, "kind": "TEXTURE"}),
+             ("mirrored", {"turn": (0, 0, 30), "scale": (1, -1, 1)}),
+             ("tint", {"turn": (0, 0, 90), "strength": 1.5, "tint": (1, 0.5, 0.25)}),
+             ("colour", {"image": None, "tint": (0.5, 0.7, 1)}))
+    for name, keys in cases:
+        make_world(**keys)
+        wanted = planes(render("CYCLES"), "Combined")
+        expect_same(name, planes(render("SHADOWCACHE"), "Combined"), wanted)
+        if name == "point":
+            for more in (1, 5):
+                make_world(turn=(20, -35, 50 + more))
+                _, rms = apart(planes(render("SHADOWCACHE"), "Combined"), wanted)
+                print("case control, %d degrees more: tiles %.4f" % (more, rms))
+                assert rms > MOST_TILES, "the map turned by %d degrees more is not told apart" % more
+    make_sky()
+    wanted = planes(render("CYCLES"), "Combined")
+    expect_same("sky texture", planes(render("SHADOWCACHE"), "Combined"), wanted)
+
+
+def all_passes():
+    layer = bpy.context.view_layer
+    flags = ["use_pass_" + name for name in ("z", "normal", "position", "diffuse_direct", "diffuse_color", "emit",
+                                             "environment")]
+    for flag in flags:
+        setattr(layer, flag, True)
+    layer.shadowcache.use_pass_variance = True
+    make_world(turn=(20, -35, 50))
+    wanted, found = render("CYCLES"), render("SHADOWCACHE")
+    expect_same("DiffCol", planes(found, "DiffCol"), planes(wanted, "DiffCol"))
+    # Where the sky has most of a pixel, what is left for the surface is noise.
+    lit, light = (planes(p, "DiffDir") * planes(p, "DiffCol") for p in (found, wanted))
+    expect_same("DiffDir", lit, light)
+    far, sky = found["Depth.Z"] > 1e9, wanted["Depth.Z"] > 1e9
+    print("case sky: %.4f of Cycles' pixels" % (far == sky).mean())
+    assert far.any() and (far == sky).mean() > 0.97
+    for name, channels in (("Depth", "Z"), ("Position", "XYZ"), ("Normal", "XYZ")):
+        difference = abs(planes(found, name, channels) - planes(wanted, name, channels))[:, ~(far | sky)]
+        print("case %s: median difference %.5f" % (name, numpy.median(difference)))
+        # Cycles takes a random place of the pixel, which may be on another surface.
+        assert numpy.median(difference) < 0.02 and (difference < 0.3).mean() > 0.9, name
+    assert found["Noise Variance.Y"].max() > 0
+    strength = bpy.data.materials["Cube"].node_tree.nodes["Emission"].inputs["Strength"]
+    strength.default_value = 0
+    expect_same("Env", planes(render("SHADOWCACHE"), "Env"), planes(wanted, "Env"))
+    strength.default_value = 20
+    # Where a set emits, pixels at edges are of one of the passes Emission and Environment alone.
+    expect_same("Emit", planes(render("SHADOWCACHE"), "Emit"), planes(render("CYCLES"), "Emit"), 0.05, 0.5)
+    strength.default_value = DIM
+    for flag in flags:
+        setattr(layer, flag, False)
+    layer.shadowcache.use_pass_variance = False
+
+
+def film():
+    """Alpha is that of Cycles; a border has the pixels of the whole picture."""
+    settings = bpy.context.scene.render
+    make_world()
+    settings.film_transparent = True
+    wanted, found = render("CYCLES"), render("SHADOWCACHE")
+    expect_same("transparent", planes(found, "Combined", "RGBA"), planes(wanted, "Combined", "RGBA"))
+    settings.film_transparent = False
+    whole = planes(render("SHADOWCACHE"), "Combined")
+    settings.use_border = settings.use_crop_to_border = True
+    settings.border_min_x, settings.border_max_x, settings.border_min_y, settings.border_max_y = 0.3, 0.71, 0.2, 0.6
+    part = planes(render("SHADOWCACHE"), "Combined")
+    settings.use_border = settings.use_crop_to_border = False
+    left, bottom = int(0.3 * SIZE[0]), int(0.2 * SIZE[1])
+    top = SIZE[1] - bottom - part.shape[1]
+    assert (part == whole[:, top:top + part.shape[1], left:left + part.shape[2]]).all(), "a border has other pixels"
+
+
+def stamps():
+    folder = bpy.context.scene.shadowcache.cache_folder
+    return {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)
+            if name.endswith((".glb", ".vdb"))}
+
+
+def animation():
+    """Where the camera alone moves the set is exported and baked once; what moves besides is rendered where it is."""
+    scene = bpy.context.scene
+    camera = scene.camera
+    for frame, x in ((1, 0.5), (3, 1.5)):
+        camera.location.x = x
+        camera.keyframe_insert("location", frame=frame)
+    scene.render.engine = "SHADOWCACHE"
+    scene.render.filepath = os.path.join(WORK, "frame.####")
+    before = stamps()
+    bpy.ops.render.render(animation=True)
+    after = stamps()
+    assert [n for n in after if n.endswith(".glb") and after[n] != before[n]] == [], "a camera exports the set"
+    bpy.ops.render.render(animation=True)
+    assert stamps() == after, "frames that were baked for are baked for again"
+    camera.animation_data_clear()
+    thing = bpy.data.objects["Cube.001"]
+    for frame, z in ((1, 0.8), (3, 1.8)):
+        thing.location.z = z
+        thing.keyframe_insert("location", frame=frame)
+    bpy.ops.render.render(animation=True)
+    moved = stamps()
+    scene.frame_set(3)
+    wanted = planes(render("CYCLES"), "Combined")
+    found = {n.split(".", 1)[1]: p for n, p in blender_exr.read(os.path.join(WORK, "frame.0003.exr")).items()}
+    expect_same("frame 3 of a moving object", planes(found, "Combined"), wanted)
+    render("SHADOWCACHE")
+    assert {n: t for n, t in stamps().items() if n.endswith(".glb")} == \
+        {n: t for n, t in moved.items() if n.endswith(".glb")}, "a frame of a known motion exports the set"
+    scene.frame_set(1)
+    thing.animation_data_clear()
+
+
+def stale():
+    """A set that has changed is baked again, or rendered with its stale cache: both are right."""
+    thing = bpy.data.objects["Cube.002"]
+    render("SHADOWCACHE")
+    before = stamps()
+    thing.location.x += 0.7
+    bpy.context.scene.shadowcache.stale = "USE"
+    found = render("SHADOWCACHE")
+    wanted = render("CYCLES")
+    expect_same("stale cache", planes(found, "Combined"), planes(wanted, "Combined"))
+    used = stamps()
+    assert [n for n in used if used[n] != before[n]] == [n for n in used if n.endswith(".glb")]
+    bpy.context.scene.shadowcache.stale = "BAKE"
+    expect_same("baked again", planes(render("SHADOWCACHE"), "Combined"), planes(wanted, "Combined"))
+    assert all(stamps()[n] != used[n] for n in used if n.endswith(".vdb")), "a stale cache was not baked again"
+
+
+def error_of(action):
+    try:
+        action()
+    except RuntimeError as error:
+        return str(error)
+    raise AssertionError("no error")
+
+
+def errors():
+    """Our sentence is the operator's."""
+    preferences().folder = "/nowhere"
+    assert "no program shadowcache-render there" in error_of(lambda: render("SHADOWCACHE"))
+    preferences().folder = PROGRAMS
+    broken = os.path.join(WORK, "broken.exr")
+    with open(broken, "wb") as file:
+        file.write(b"\x76\x2f\x31\x01 no map")
+    make_world(image=broken)
+    assert "broken.exr" in error_of(lambda: render("SHADOWCACHE"))
+    make_world()
+    camera, bpy.context.scene.camera.data.type = bpy.context.scene.camera, "PANO"
+    assert "expected perspective or orthographic" in error_of(lambda: render("SHADOWCACHE"))
+    camera.data.type = "PERSP"
+    for process in children():
+        os.kill(process, 9)
+    render("SHADOWCACHE")  # by a new one
+
+
+def children():
+    found = []
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open("/proc/%s/stat" % name, encoding="ascii", errors="replace") as file:
+                rest = file.read().rsplit(") ", 1)[1].split()
+        except OSError:
+            continue
+        if int(rest[1]) == os.getpid() and rest[0] != "Z":
+            found.append(int(name))
+    return found
+
+
+def cancel():
+    """In each of its steps a render ends within a second, without a child."""
+    kind = sys.modules["shadowcache.frame"].Frame  # Blender itself hears of no Esc here
+    before = kind._say, kind._stopped
+    settings = bpy.context.scene.shadowcache
+    state = {}
+
+    def say(self, text, share=None):
+        if text.startswith(state["step"]):
+            state.setdefault("from", time.monotonic() + state["after"])
+
+    def stopped(self):
+        if time.monotonic() < state.get("from", state["start"] + 20):
+            return False
+        state.setdefault("asked", time.monotonic())
+        return True
+
+    kind._say, kind._stopped = say, stopped
+    settings.camera_rays = 65536
+    try:
+        for step, after in (("Export", 0), ("Bake", 0.5), ("Load", 0), ("World", 0), ("Render", 0.5)):
+            settings.bake_spacing, settings.bake_scope = (0.02, "SET") if step == "Bake" else (0.5, "SHOT")
+            if step == "World":
+                make_world(image=os.path.join(WORK, "big.hdr"))
+            state.clear()
+            state.update(step=step, after=after, start=time.monotonic())
+            render("SHADOWCACHE")
+            ended = time.monotonic()
+            assert "from" in state and "asked" in state, "%s: it did not come to that" % step
+            print("case cancel in %s: %.2f s" % (step, ended - state["asked"]))
+            assert ended - state["asked"] < MOST_SECONDS, step
+            assert not children(), "%s: a child is left" % step
+            left = [n for n in os.listdir(settings.cache_folder) if ".part" in n or "checkpoint" in n]
+            assert not left, "%s leaves %s" % (step, left)
+    finally:
+        kind._say, kind._stopped = before
+    settings.camera_rays = 64
+    make_world()
+
+
+def memory_of(process):
+    with open("/proc/%d/status" % process, encoding="ascii") as file:
+        return int(next(line for line in file if line.startswith("VmRSS:")).split()[1])
+
+
+def flat_memory():
+    bpy.context.scene.shadowcache.camera_rays = 1
+    for i in range(14):
+        bpy.context.scene.camera.location.z += 0.01
+        make_world(turn=(0, 0, i))
+        render("SHADOWCACHE")
+        found = memory_of(os.getpid()), memory_of(children()[0])
+        if i == 3:
+            before = found
+    print("case memory: %s kB, %s kB before ten frames" % (found, before))
+    assert all(now - then < 10000 for now, then in zip(found, before))
+    bpy.ops.shadowcache.free()
+    assert not children()
+
+
+def main():
+    install()
+    make_scene()
+    for case in (panels, worlds, all_passes, film, animation, stale, errors, cancel, flat_memory):
+        start = time.monotonic()
+        case()
+        print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))
+    print("all cases passed")
+
+
+main()
