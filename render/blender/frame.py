@@ -31,7 +31,6 @@ class Frame:
         self.set_file = set_file_of(self.scene, depsgraph.view_layer.name)
         self.programs = preferences.program_folder()
         self.left_out = []
-        self.emits = False
         self.wanted = passes.wanted(depsgraph.view_layer)
 
     def _stopped(self):
@@ -83,8 +82,7 @@ class Frame:
         self.job.exported.add(name)
         _, left_out = self.set_file.update(self.depsgraph, self._set_frame if first else None,
                                            self.settings.use_motion)
-        self.emits = self.set_file.emits()
-        self.left_out += left_out + passes.left_out(self.depsgraph.view_layer, self.emits)
+        self.left_out += left_out + passes.left_out(self.depsgraph.view_layer)
         if self.scene.render.use_motion_blur:
             self.left_out.append("motion blur")
 
@@ -179,7 +177,7 @@ class Frame:
         return picture
 
     def _picture(self, reply):
-        return passes.Picture(reply["planes"], pixels.read(reply["pixels"]), self.emits)
+        return passes.Picture(reply["planes"], pixels.read(reply["pixels"]))
 
 
 def time_text(seconds):

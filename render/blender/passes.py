@@ -52,12 +52,7 @@ def hit(picture):
 
 def emission(picture):
     """The AOV has the sky, too."""
-    both = picture.planes("emission")
-    return numpy.where(hit(picture), both, numpy.float32(0)) if picture.emits else numpy.zeros_like(both)
-
-
-def sky(picture):
-    return picture.planes("emission") - emission(picture)
+    return picture.planes("emission") - picture.planes("environment")
 
 
 def plain(name):
@@ -78,8 +73,8 @@ PASSES = (
     Pass("GlossInd", "use_pass_glossy_indirect", "RGB", "COLOR", ("glossy_indirect", "glossy_color"),
          light("glossy_indirect", "glossy_color")),
     Pass("GlossCol", "use_pass_glossy_color", "RGB", "COLOR", ("glossy_color",), plain("glossy_color")),
-    Pass("Emit", "use_pass_emit", "RGB", "COLOR", ("emission", "axial_depth"), emission),
-    Pass("Env", "use_pass_environment", "RGB", "COLOR", ("emission", "axial_depth"), sky),
+    Pass("Emit", "use_pass_emit", "RGB", "COLOR", ("emission", "environment"), emission),
+    Pass("Env", "use_pass_environment", "RGB", "COLOR", ("environment",), plain("environment")),
 )
 # Ours alone; its flag is in the view layer's own settings.
 VARIANCE = Pass("Noise Variance", "use_pass_variance", "Y", "VALUE", ("variance",), plain("variance"))
@@ -102,12 +97,9 @@ def wanted(layer):
     return found + [VARIANCE] * layer.shadowcache.use_pass_variance
 
 
-def left_out(layer, emits):
-    """What is not made of the passes that a view layer wants; emits: whether the set does."""
-    found = ["pass %s" % name for flag, name in WITHOUT.items() if getattr(layer, flag, False)]
-    if emits and (layer.use_pass_emit or layer.use_pass_environment):
-        found.append("passes Emission and Environment: pixels at edges are of one of them alone")
-    return found
+def left_out(layer):
+    """What is not made of the passes that a view layer wants."""
+    return ["pass %s" % name for flag, name in WITHOUT.items() if getattr(layer, flag, False)]
 
 
 def aovs_of(passes):
@@ -117,10 +109,9 @@ def aovs_of(passes):
 
 
 class Picture:
-    """Planes that were rendered, by AOV. emits: whether the set does, as the sky does."""
+    """Planes that were rendered, by AOV."""
 
-    def __init__(self, names, planes, emits):
-        self.emits = emits
+    def __init__(self, names, planes):
         self.rows = {}
         for name, plane in zip(names, planes):
             of = name.rsplit(".", 1)[0] if "." in name else "picture"

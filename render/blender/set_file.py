@@ -27,9 +27,6 @@ class SetFile:
             return {}
         return found if isinstance(found, dict) and found.get("format") == FORMAT else {}
 
-    def emits(self):
-        return self.read_notes().get("emits", False)
-
     def write_notes(self, notes):
         part = self.notes + ".part"
         with open(part, "w", encoding="utf-8") as out:
@@ -60,8 +57,7 @@ class SetFile:
         held = {"": places}
         if found.tracks():
             held = {str(f): fingerprint.places_digest(found.places(i), rows) for i, f in enumerate(found.frames)}
-        emits = any("emissiveFactor" in material for material in export.file.document.get("materials", []))
-        notes.update(emits=emits, content=content, places=held, id=fingerprint.digest_of(content, sorted(held.items())),
+        notes.update(content=content, places=held, id=fingerprint.digest_of(content, sorted(held.items())),
                      fps=fps(depsgraph.scene), left_out=report.entries())
         self.write_notes(notes)
         return True, report.entries()

@@ -47,6 +47,7 @@ const std::vector<Aov>& aovTable() {
         {"glossy_indirect", rgb, [](const Pixel& p, int k) { return p.glossyIndirect[k]; }},
         {"glossy_color", rgb, [](const Pixel& p, int k) { return p.mirrorColor[k]; }},
         {"emission", rgb, [](const Pixel& p, int k) { return p.emission[k]; }},
+        {"environment", rgb, [](const Pixel& p, int k) { return p.environment[k]; }},
         {"albedo", rgb, [](const Pixel& p, int k) { return p.albedo[k]; }},
         {"roughness", {"Y"}, [](const Pixel& p, int) { return p.roughness; }},
         {"normal", xyz, [](const Pixel& p, int k) { return p.normal[k]; }},

@@ -15,6 +15,7 @@ struct Pixel {
     Rgb diffuseIndirect{0, 0, 0};  ///< part of `diffuse` that comes from other surfaces
     Rgb glossyIndirect{0, 0, 0};   ///< part of `glossy` that does
     Rgb emission{0, 0, 0};         ///< of surfaces, and the sky
+    Rgb environment{0, 0, 0};      ///< part of `emission` that is the sky
     Rgb predicted{0, 0, 0};        ///< the colour with its diffuse part predicted without rays, if
                                    ///< RenderOptions::preview
     Rgb irradiance{0, 0, 0};

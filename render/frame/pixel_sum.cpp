@@ -28,6 +28,7 @@ Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights)
     pixel.diffuseIndirect *= scale;
     pixel.glossyIndirect *= scale;
     pixel.emission *= scale;
+    pixel.environment *= scale;
     pixel.predicted *= scale;
     pixel.irradiance *= scale;
     pixel.albedo *= scale;

@@ -236,6 +236,7 @@ void TileRenderer::addBatch(const TileScratch& scratch, Workspace& workspace,
         } else {
             sum.sum.color += ray.sky;
             sum.sum.emission += ray.sky;
+            sum.sum.environment += ray.sky;
             sum.sum.predicted += ray.sky;
             sum.color.add(static_cast<double>(context_.environment.luminance(ray.sky)), runLength_);
             sum.irradiance.add(0, runLength_);

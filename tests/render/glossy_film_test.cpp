@@ -149,7 +149,7 @@ protected:
 };
 
 TEST_F(Parts, AddUpToThePicture) {
-    int glossy = 0, sky = 0;
+    int glossy = 0, sky = 0, edges = 0;
     for (const Pixel& p : render(options()).pixels) {
         const Rgb sum = p.diffuse + p.glossy + p.emission;
         for (int c = 0; c < 3; ++c) {
@@ -158,13 +158,19 @@ TEST_F(Parts, AddUpToThePicture) {
         }
         glossy += p.glossy != Rgb(0.0f) ? 1 : 0;
         sky += p.coverage == 0 ? 1 : 0;
+        // What is emitted, and the sky behind, each have their share of the camera rays.
+        EXPECT_NEAR((p.emission - p.environment).z, 0.125f * p.coverage, 1e-5f * sum.z);
+        if (p.coverage == 0) EXPECT_EQ(p.environment, p.color);
+        edges += p.coverage > 0 && p.coverage < 1 ? 1 : 0;
         if (p.coverage < 1) continue;
+        EXPECT_EQ(p.environment, Rgb(0.0f));
         EXPECT_FLOAT_EQ(p.emission.z, 0.125f);
         EXPECT_FLOAT_EQ(p.roughness, 0.4f);
         EXPECT_FLOAT_EQ(p.albedo.y, 0.25f);
     }
     EXPECT_GT(glossy, 100);
     EXPECT_GT(sky, 100);
+    EXPECT_GT(edges, 5);
 }
 
 // A metal has no diffuse part, and none of its rays.
