@@ -3,8 +3,11 @@ import os
 import shlex
 from dataclasses import asdict
 
-from .ladder import LEVEL, RAYS, Choice, frames_that_pay
+from .ladder import LEVEL, RAYS, Choice, choose, frames_that_pay, price
 from .measure import SPLITS
+
+# Frames that a bake may be paid by.
+SHARING = (1, 10, 100, 1000)
 
 
 def best_split(frames):
@@ -58,6 +61,19 @@ def table(result, shot):
     return "\n".join(lines)
 
 
+def knees(points, frames, pixels):
+    """Markdown: the knee if as many frames as in each row share the bake. Leaves the points priced for `frames`."""
+    lines = ["| frames that share a bake | knee | spacing, m | level | rays | MB | whole cost over that of the default |",
+             "|---|---|---|---|---|---|---|"]
+    for count in SHARING:
+        price(points, count, pixels)
+        best = choose(points)
+        lines.append(f"| {count} | {best.choice.name} | {best.spacing:.4g} | {best.choice.level} | {best.choice.rays} "
+                     f"| {best.bytes / 1e6:.1f} | {best.whole / points[0].whole:.2f} x |")
+    price(points, frames, pixels)
+    return "\n".join(lines)
+
+
 def error_text(error):
     return f"{error.mean:.3g} ± {error.deviation:.1g}"
 
@@ -77,7 +93,7 @@ def summary(result, shot, cache_name):
     usual, best = result.points[0], result.best
     error = usual.frame.p99.mean
     width, height = shot.delivered
-    lines = [table(result, shot), "", split_table(result), ""]
+    lines = [table(result, shot), "", knees(result.points, shot.frames, shot.pixels), "", split_table(result), ""]
     least = min(point.frame.relmse.mean for point in result.points)
     lines.append(f"The reference's own relMSE is {result.reference_noise:.2g}, {100 * result.reference_noise / least:.0f} "
                  "% of the least that was measured"
