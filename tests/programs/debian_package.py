@@ -26,11 +26,12 @@ def run(*command, **options):
     return subprocess.run([str(word) for word in command], check=True, stdout=subprocess.PIPE, text=True, **options).stdout
 
 
-def pack(config, folder):
+def pack(config, folder, **options):
     """The package that cpack makes."""
     folder.mkdir()
     # Uncompressed: packing takes the time otherwise.
-    run("cpack", "-G", "DEB", "--config", config, "-B", folder, "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=none", cwd=folder)
+    run("cpack", "-G", "DEB", "--config", config, "-B", folder, "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=none", cwd=folder,
+        **options)
     found = list(folder.glob("*.deb"))
     assert len(found) == 1, found
     return found[0]
@@ -81,7 +82,7 @@ def check_missing_program(config):
     broken = WORK / "broken.cmake"
     broken.write_text(text, encoding="utf-8")
     try:
-        pack(broken, WORK / "broken")
+        pack(broken, WORK / "broken", stderr=subprocess.DEVNULL)
     except subprocess.CalledProcessError:
         return
     sys.exit("a build that is not there was packed")
@@ -90,8 +91,8 @@ def check_missing_program(config):
 def main():
     for program in ("dpkg-deb", "dpkg-shlibdeps", "cpack", "file"):
         if not shutil.which(program):
-            print(f"skipped: {program} (Debian packages: dpkg-dev, file) is missing")
-            sys.exit(77)
+            print(f"needs {program} (Debian packages: dpkg-dev, file)")
+            sys.exit(1 if os.environ.get("SHADOWCACHE_NO_SKIP") else 77)
     shutil.rmtree(WORK, ignore_errors=True)
     WORK.mkdir(parents=True)
     config = BUILD / "CPackConfig.cmake"
