@@ -79,7 +79,6 @@ struct Value {
 
 /// Most of a shift, a ratio and a number that are no mistake.
 constexpr double kMostShift = 100, kMostPixelAspect = 100;
-constexpr int kMostBlades = 64;
 
 std::string bladesWanted() {
     return fmt::format("0, or a whole number from 3 to {}", kMostBlades);

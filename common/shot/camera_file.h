@@ -6,6 +6,9 @@
 
 namespace shadowcache {
 
+/// Corners of an aperture at most.
+inline constexpr int kMostBlades = 64;
+
 /// Reads a camera move, {"cam": {"yfov": radians, "fps": number, "frames": [{"origin": [x, y, z],
 /// "forward": [x, y, z], "up": [x, y, z]}, ...]}}. Directions need not be unit vectors. "cam", for
 /// all frames, and each frame for itself may also have

@@ -23,7 +23,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     build = Path(build).absolute() if build else compile_module()
     with tempfile.TemporaryDirectory() as folder:
         run("cmake", "--install", build, "--component", "python", "--prefix", folder)
-        files = {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
+        files = {path.relative_to(folder).as_posix(): path.read_bytes()
+                 for path in sorted(Path(folder).rglob("*")) if path.is_file()}
     module = "shadowcache" + sysconfig.get_config_var("EXT_SUFFIX")
     if module not in files:
         sys.exit(f"{build}: holds {', '.join(files)}, expected {module}, the module for {sys.executable}")

@@ -16,6 +16,7 @@
 #include "common/image/exr.h"
 #include "common/image/radiance.h"
 #include "common/random/sequence.h"
+#include "common/shot/camera_file.h"
 #include "common/shot/camera_source.h"
 #include "render/frame/aov_channels.h"
 #include "render/library/shot.h"
@@ -167,13 +168,31 @@ std::string reprOf(const EnvironmentObject& environment) {
     return text.str();
 }
 
-Camera cameraOf(const py::object& eye, const py::object& lookAt, double fov) {
+/// @throws ValueError
+void requireLens(const Lens& lens) {
+    if (!(lens.radius >= 0 && lens.radius < 1e9))
+        throw py::value_error("lens_radius: expected metres of at least 0, below 1e9");
+    if (!(lens.focus > 0 && lens.focus < 1e9))
+        throw py::value_error("focus: expected metres above 0, below 1e9");
+    if (lens.blades != 0 && (lens.blades < 3 || lens.blades > kMostBlades))
+        throw py::value_error("blades: expected 3 to " + std::to_string(kMostBlades) +
+                              ", or 0 for a round aperture");
+    if (!std::isfinite(lens.rotation))
+        throw py::value_error("blade_rotation: expected a finite number of degrees");
+}
+
+Camera cameraOf(const py::object& eye, const py::object& lookAt, double fov, double lensRadius,
+                std::optional<double> focus, int blades, double bladeRotation) {
     CameraOptions options;
     options.eye = vectorOf(eye, "eye");
     options.lookAt = vectorOf(lookAt, "look_at");
     options.fovYDegrees = fov;
     requireRange("fov-y", fov, 0.01, 179.0);
-    return CameraSource(options, {}).at(1);
+    Camera camera = CameraSource(options, {}).at(1);
+    camera.lens = {lensRadius, focus.value_or((*options.lookAt - *options.eye).length()), blades,
+                   bladeRotation * kPi / 180};
+    if (lensRadius != 0 || focus || blades != 0) requireLens(camera.lens);
+    return camera;
 }
 
 std::string reprOf(const Camera& camera) {
@@ -325,9 +344,13 @@ void defineEnvironment(py::module_& module) {
 void defineRender(py::module_& module) {
     py::class_<Camera>(module, "Camera", "A camera in world space.")
         .def(py::init(&cameraOf), py::arg("eye"), py::arg("look_at"), py::kw_only(),
-             py::arg("fov") = 45.0,
+             py::arg("fov") = 45.0, py::arg("lens_radius") = 0.0, py::arg("focus") = py::none(),
+             py::arg("blades") = 0, py::arg("blade_rotation") = 0.0,
              "eye, look_at: where it stands, and what is in the middle of the picture [m].\n"
-             "fov: vertical angle of view [degrees].")
+             "fov: vertical angle of view [degrees].\n"
+             "lens_radius: of the aperture [m]; 0: all is sharp. focus: distance along the view\n"
+             "    of what is sharp [m]; None: that of look_at. blades: corners of the aperture;\n"
+             "    0: it is round. blade_rotation: counter-clockwise as the camera looks [degrees].")
         .def_static(
             "load",
             [](const fs::path& path, int frame) {

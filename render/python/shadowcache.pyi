@@ -83,7 +83,17 @@ class Environment:
     def notes(self) -> list[str]: ...
 
 class Camera:
-    def __init__(self, eye: ArrayLike, look_at: ArrayLike, *, fov: float = ...) -> None: ...
+    def __init__(
+        self,
+        eye: ArrayLike,
+        look_at: ArrayLike,
+        *,
+        fov: float = ...,
+        lens_radius: float = ...,
+        focus: float | None = ...,
+        blades: int = ...,
+        blade_rotation: float = ...,
+    ) -> None: ...
     @staticmethod
     def load(path: _Path, *, frame: int = ...) -> Camera: ...
 

@@ -4,6 +4,7 @@ Needs SHADOWCACHE_BUILD, the folder of a build, and SHADOWCACHE_SOURCE, that of 
 """
 import ast
 import gc
+import json
 import os
 import re
 import signal
@@ -113,6 +114,24 @@ def test_render_has_the_bits_of_the_program(courtyard, tmp_path, options, argume
         assert picture.shape == ((27, 48) if name in ("depth", "openness") else (27, 48, channels))
         assert np.array_equal(picture, theirs[name]), name
     assert mine["color"].max() > 0
+
+
+@pytest.mark.parametrize("options, lens", [
+    ({"focus": 3}, {"radius": 0.2, "focus": 3}),
+    ({"focus": 4, "blades": 6, "blade_rotation": 45}, {"radius": 0.2, "focus": 4, "blades": 6, "rotation": np.pi / 4}),
+    ({}, {"radius": 0.2, "focus": 5})])
+def test_lens_is_that_of_a_file(scene, white, tmp_path, options, lens):
+    def render(camera):
+        return shadowcache.render(scene, None, white, camera, size=(48, 27), camera_rays=8, samples=1)["color"]
+
+    track = {"yfov": np.radians(40), "fps": 24, "lens": lens,
+             "frames": [{"origin": [3, 0.5, 4], "forward": [-0.6, 0, -0.8], "up": [0, 1, 0]}]}
+    (tmp_path / "camera.json").write_text(json.dumps({"cam": track}), encoding="utf-8")
+    mine = shadowcache.Camera((3, 0.5, 4), (0, 0.5, 0), fov=40, lens_radius=0.2, **options)
+    theirs = shadowcache.Camera.load(tmp_path / "camera.json")
+    assert np.allclose(render(mine), render(theirs), atol=1e-3)
+    # The control: a pinhole's picture is sharp.
+    assert not np.allclose(render(shadowcache.Camera((3, 0.5, 4), (0, 0.5, 0), fov=40)), render(theirs), atol=0.05)
 
 
 def test_a_baked_cache_renders_as_its_file(courtyard, tmp_path):
@@ -337,6 +356,11 @@ def test_samples_are_what_is_looked_up(cache, white):
     (lambda c, w: shadowcache.Environment.load("none.exr"), shadowcache.Error, "none.exr"),
     (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 0)), shadowcache.Error, ""),
     (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), fov=180), shadowcache.Error, "fov-y"),
+    (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), lens_radius=-1), ValueError, "lens_radius"),
+    (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), lens_radius=np.nan), ValueError, "lens_radius"),
+    (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), lens_radius=1, focus=0), ValueError, "focus"),
+    (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), lens_radius=1, blades=2), ValueError, "blades"),
+    (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), lens_radius=1, blade_rotation=np.inf), ValueError, "rotation"),
     (lambda c, w: shadowcache.set_threads(-1), shadowcache.Error, "threads"),
 ])
 def test_refusals(cache, white, call, kind, text):
