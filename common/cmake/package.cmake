@@ -1,6 +1,5 @@
 # The Debian package, made in a build folder by `cpack -G DEB`: what `cmake --install` installs, and the Python module
-# if it is built. What another part of the project installs is in it without more, for example an add-on of Blender
-# under share/shadowcache.
+# if it is built.
 set(CPACK_PACKAGE_NAME shadowcache)
 set(CPACK_PACKAGE_VENDOR "Shadowcache")
 set(CPACK_PACKAGE_CONTACT "Shadowcache <shadowcache@localhost>")

@@ -49,7 +49,8 @@ def check_control(package, version, module):
 def check_content(package, module):
     files = {line.split(maxsplit=5)[5].removeprefix("./") for line in run("dpkg-deb", "-c", package).splitlines()}
     wanted = {f"usr/bin/{name}" for name in PROGRAMS} | {f"usr/share/man/man1/{name}.1" for name in PROGRAMS}
-    wanted |= {"usr/share/doc/shadowcache/LICENSE", "usr/include/shadowcache/common/cache/shadow_cache.h"}
+    wanted |= {"usr/share/doc/shadowcache/LICENSE", "usr/share/shadowcache/shadowcache-blender.zip",
+               "usr/include/shadowcache/common/cache/shadow_cache.h"}
     wanted |= {f"usr/lib/python3/dist-packages/{name}" for name in ("shadowcache.pyi", "shadowcache_trade/__main__.py")
                if module}
     assert wanted <= files, wanted - files

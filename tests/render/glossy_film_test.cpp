@@ -160,7 +160,9 @@ TEST_F(Parts, AddUpToThePicture) {
         sky += p.coverage == 0 ? 1 : 0;
         // What is emitted, and the sky behind, each have their share of the camera rays.
         EXPECT_NEAR((p.emission - p.environment).z, 0.125f * p.coverage, 1e-5f * sum.z);
-        if (p.coverage == 0) EXPECT_EQ(p.environment, p.color);
+        if (p.coverage == 0) {
+            EXPECT_EQ(p.environment, p.color);
+        }
         edges += p.coverage > 0 && p.coverage < 1 ? 1 : 0;
         if (p.coverage < 1) continue;
         EXPECT_EQ(p.environment, Rgb(0.0f));
