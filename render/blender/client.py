@@ -50,9 +50,10 @@ class Server:
         return Gone("shadowcache-render has ended with status %s%s"
                     % (self.child.process.poll(), ": " + said if said else ""))
 
-    def ask(self, request, should_stop=lambda: False, on_reply=lambda reply: None, **fields):
+    def ask(self, request, should_stop=lambda: False, on_reply=lambda reply: None, patience=PATIENCE, **fields):
         """The last reply to a request; on_reply gets those before it: progress, log, picture.
-        Raises Failed with the program's words, or Cancelled within a second of should_stop()."""
+        Raises Failed with the program's words, or Cancelled soon after should_stop(): a process that has not
+        stopped after `patience` seconds is ended."""
         number = self._send(request, **fields)
         stop_at = None
         while True:
@@ -76,7 +77,7 @@ class Server:
             if not stop_at and should_stop():
                 stop_at = time.monotonic()
                 self._send("stop")
-            if stop_at and time.monotonic() > stop_at + PATIENCE:
+            if stop_at and time.monotonic() > stop_at + patience:
                 self.close(0)
                 raise Cancelled
 

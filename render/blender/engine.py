@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render engine: F12 and animations."""
+"""The render engine: F12, animations and the viewport."""
 
 import bpy
 
-from . import passes, view
+from . import passes, view, viewport
 from .child import Cancelled, Failed
 from .frame import Frame, Job
 from .programs import Missing
@@ -24,6 +24,7 @@ class ShadowcacheEngine(bpy.types.RenderEngine):
     bl_use_shading_nodes_custom = False
     bl_use_eevee_viewport = True
     bl_use_gpu_context = False
+    shown = None  # the Viewport of an instance that is a 3D view's
 
     def update_render_passes(self, scene, layer):
         self.register_pass(scene, layer, "Combined", 4, "RGBA", "COLOR")
@@ -54,6 +55,24 @@ class ShadowcacheEngine(bpy.types.RenderEngine):
         frame.render(show).fill(layer, frame.wanted)
         self._report_left_out(depsgraph.scene.name, frame.left_out)
 
+    def _live_viewport(self):
+        if self.shown not in viewport.LIVE:
+            self.shown = viewport.Viewport()
+        return self.shown
+
+    def view_update(self, context, depsgraph):
+        self._live_viewport().update(depsgraph)
+
+    def view_draw(self, context, depsgraph):
+        shown = self._live_viewport()
+        shown.draw(self, context, depsgraph)
+        if shown.left_out is not None:
+            LEFT_OUT[depsgraph.scene.name] = shown.left_out
+
+    def __del__(self):
+        if self.shown:
+            self.shown.close()
+
     def _report_left_out(self, name, entries):
         entries = list(dict.fromkeys(entries))
         LEFT_OUT[name] = entries
@@ -70,8 +89,9 @@ def begin_job(*_):
 
 @bpy.app.handlers.persistent
 def free(*_):
-    """Ends the resident process, and forgets what it has shown."""
+    """Ends the resident processes, and forgets what they have shown."""
     RESIDENT.close()
+    viewport.close_all()
     LEFT_OUT.clear()
 
 

@@ -139,3 +139,11 @@ def mesh_rows(depsgraph):
 
 def current_places(depsgraph):
     return places_digest(world_matrices(depsgraph), mesh_rows(depsgraph))
+
+
+class State:
+    """What is shown in the current frame, and where it is."""
+
+    def __init__(self, depsgraph):
+        self.content = content_digest(depsgraph)
+        self.places = current_places(depsgraph)

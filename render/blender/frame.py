@@ -4,6 +4,7 @@
 from . import bake, passes, pixels, preferences, view, world, world_map
 from .child import Cancelled, Gone
 from .folders import folder_of, set_file_of
+from .options import options_of
 from .set_file import fps
 
 PASS_RAYS = 16  # camera rays of a pixel after which a picture is shown, and a render can be stopped
@@ -80,9 +81,8 @@ class Frame:
         name = self.set_file.path
         first = name not in self.job.exported
         self.job.exported.add(name)
-        _, left_out = self.set_file.update(self.depsgraph, self._set_frame if first else None,
-                                           self.settings.use_motion)
-        self.left_out += left_out + passes.left_out(self.depsgraph.view_layer)
+        self.set_file.update(self.depsgraph, self._set_frame if first else None, self.settings.use_motion)
+        self.left_out += self.set_file.left_out() + passes.left_out(self.depsgraph.view_layer)
         if self.scene.render.use_motion_blur:
             self.left_out.append("motion blur")
 
@@ -145,22 +145,14 @@ class Frame:
         self.session.tell("region", view.region_of(self.scene))
         self.session.tell("camera", {"view": self._camera()})
 
-    def _options(self, camera_rays, samples, aovs):
-        s = self.settings
-        options = {"camera-rays": camera_rays, "samples": samples, "bounces": s.bounces, "seed": s.seed,
-                   "filter": s.filter, "filter-width": s.filter_width, "aov": aovs,
-                   "transparent": self.scene.render.film_transparent, "pass-rays": PASS_RAYS}
-        if s.clamp_indirect:
-            options["clamp-indirect"] = s.clamp_indirect
-        return options
-
     def _pixels(self, on_picture):
         aovs, of_centre = passes.aovs_of(self.wanted)
         calls = self._calls("Render")
         if of_centre:
-            self.session.tell("options", self._options(1, 1, of_centre))
+            self.session.tell("options", options_of(self.scene, 1, 1, of_centre, PASS_RAYS))
             centre = self._picture(self.session.render(self.scene.frame_current, **calls))
-        self.session.tell("options", self._options(self.settings.camera_rays, self.settings.samples, aovs))
+        self.session.tell("options", options_of(self.scene, self.settings.camera_rays, self.settings.samples, aovs,
+                                                PASS_RAYS))
         plain = calls["on_reply"]
 
         def on_reply(reply):

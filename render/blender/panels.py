@@ -34,7 +34,7 @@ class SHADOWCACHE_PT_sampling(Panel, bpy.types.Panel):
     bl_label = "Sampling"
 
     def show(self, column, context, settings):
-        for name in ("camera_rays", "samples", "bounces", "clamp_indirect", "seed"):
+        for name in ("camera_rays", "samples", "bounces", "clamp_indirect", "viewport_rays", "seed"):
             column.prop(settings, name)
         for name in preferences.NEEDED:
             try:

@@ -33,34 +33,44 @@ class SetFile:
             json.dump({**notes, "format": FORMAT}, out)
         os.replace(part, self.notes)
 
-    def update(self, depsgraph, set_frame, motion=True):
-        """Exports the set unless the file holds it as it is in the current frame. Returns whether it was exported, and
-        what the file cannot express. set_frame(frame) as of blender_export.export; None: the export is of this frame
-        alone. motion: whether a file in which things move will do."""
+    def holds(self, state, scene, motion=True):
+        """Whether the file holds a state of the set in the scene's frame. motion: a file in which things move will
+        do."""
         notes = self.read_notes()
-        content = fingerprint.content_digest(depsgraph)
-        places = fingerprint.current_places(depsgraph)
-        if os.path.exists(self.path) and notes.get("content") == content:
-            held = notes["places"]
-            moves = "" not in held
-            if not moves and places == held[""]:
-                return False, notes["left_out"]
-            frame = str(depsgraph.scene.frame_current)
-            if moves and motion and notes["fps"] == fps(depsgraph.scene) and places == held.get(frame):
-                return False, notes["left_out"]
+        if not os.path.exists(self.path) or notes.get("content") != state.content:
+            return False
+        held = notes["places"]
+        if "" in held:
+            return held[""] == state.places
+        return bool(motion) and notes["fps"] == fps(scene) and held.get(str(scene.frame_current)) == state.places
+
+    def left_out(self):
+        """What the file cannot express."""
+        return self.read_notes().get("left_out", [])
+
+    def update(self, depsgraph, set_frame, motion=True):
+        """Exports the set unless the file holds it as it is in the current frame. set_frame(frame) as of
+        blender_export.export; None: the export is of this frame alone. motion: whether a file in which things move
+        will do."""
+        state = fingerprint.State(depsgraph)
+        if not self.holds(state, depsgraph.scene, motion):
+            self.export(depsgraph, state, set_frame if motion else None)
+
+    def export(self, depsgraph, state, set_frame=None):
+        """Writes the set, whose state in the current frame is known."""
         os.makedirs(os.path.dirname(self.path), exist_ok=True)
+        notes = self.read_notes()
         report = Report()
         rows = fingerprint.mesh_rows(depsgraph)
         export = GltfExport(depsgraph, report, with_cameras=False)
-        found = export.write(self.path + ".part.glb", set_frame if motion else None)
+        found = export.write(self.path + ".part.glb", set_frame)
         os.replace(self.path + ".part.glb", self.path)
-        held = {"": places}
+        held = {"": state.places}
         if found.tracks():
             held = {str(f): fingerprint.places_digest(found.places(i), rows) for i, f in enumerate(found.frames)}
-        notes.update(content=content, places=held, id=fingerprint.digest_of(content, sorted(held.items())),
+        notes.update(content=state.content, places=held, id=fingerprint.digest_of(state.content, sorted(held.items())),
                      fps=fps(depsgraph.scene), left_out=report.entries())
         self.write_notes(notes)
-        return True, report.entries()
 
 
 def fps(scene):

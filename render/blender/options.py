@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of a scene as the request options has them."""
+
+
+def options_of(scene, camera_rays, samples, aovs=(), pass_rays=None):
+    s = scene.shadowcache
+    options = {"camera-rays": camera_rays, "samples": samples, "bounces": s.bounces, "seed": s.seed,
+               "filter": s.filter, "filter-width": s.filter_width, "aov": list(aovs),
+               "transparent": scene.render.film_transparent}
+    if pass_rays:
+        options["pass-rays"] = pass_rays
+    if s.clamp_indirect:
+        options["clamp-indirect"] = s.clamp_indirect
+    return options
