@@ -11,6 +11,7 @@ from .programs import Missing
 from .session import Session
 from .view_request import with_size
 
+REST = 0.15     # seconds that a wish must rest before its first picture is refined
 PATIENCE = 5.0  # seconds until a process that does not stop is ended: to load its set anew takes longer
 
 
@@ -110,7 +111,13 @@ class Worker:
             if is_first:
                 self.first_seconds = time.monotonic() - self._wished_at
                 self._coarse.took(picture["seconds"]["render"])
+                self._rest(wish)
         self._whole(wish, note)
+
+    def _rest(self, wish):
+        with self._changed:
+            if self._changed.wait_for(lambda: self._is_over(wish), REST):
+                raise Cancelled
 
     def _set_up(self, wish):
         """Set and world; returns what is to be said of the cache."""

@@ -17,7 +17,7 @@ def main():
                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
         number = display.stdout.readline().strip()
-        finish(blender("--window-geometry", "0", "0", "900", "700", "-P",
+        finish(blender("--window-geometry", "0", "0", "640", "480", "-P",
                        SOURCE / "tests/programs/blender_viewport_cases.py", "--", archive, BUILD, MAP, WORK,
                        environment={"DISPLAY": ":" + number}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                        text=True), MOST_SECONDS)

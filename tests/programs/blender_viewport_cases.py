@@ -16,7 +16,7 @@ import numpy
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import blender_exr  # noqa: E402
-from blender_scene import WORK, apart, children, install, make_scene, make_world  # noqa: E402
+from blender_scene import TILE, WORK, apart, children, install, make_scene, make_world  # noqa: E402
 
 MOST_MEAN, MOST_TILES = 0.01, 0.03
 MOST_SECONDS = 0.3  # to the first picture
@@ -83,7 +83,8 @@ def f12():
 
 
 def compare(what, found, wanted, same=True):
-    means, tiles = apart(found, wanted)
+    height, width = (side // TILE * TILE for side in wanted.shape[1:])
+    means, tiles = apart(found[:, :height, :width], wanted[:, :height, :width])
     print("case %s: means %.4f, tiles %.4f" % (what, means, tiles), flush=True)
     assert (means < MOST_MEAN and tiles < MOST_TILES) == same, "%s: means %.4f, tiles %.4f" % (what, means, tiles)
 
@@ -144,8 +145,8 @@ def like_f12():
     settings = scene.render.image_settings
     settings.file_format = "PNG"
     bpy.data.images["Render Result"].save_render(path, scene=scene)
-    settings.file_format = "OPEN_EXR_MULTILAYER"
-    rows = slice(30, -30)  # the status line is in the first ones
+    settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", "32", "NONE"
+    rows = slice(30, -30)  # the first ones have signs of the areas' corners
     compare("screen", screen()[:, rows], png(path)[:, ::-1][:, rows])
     data = view()[3]
     for degrees in (1, 5):
@@ -177,16 +178,19 @@ def views():
 def turns():
     """Sky and view turn at once, without anything written or loaded anew."""
     scene, data = bpy.context.scene, view()[3]
-    process, before = children(), stamps()
+    process, before, worker = children(), stamps(), live()[0].worker
     mapping = next(n for n in scene.world.node_tree.nodes if n.type == "MAPPING")
     seconds = {"sky": [], "view": []}
     for i in range(6):
-        mapping.inputs["Rotation"].default_value[2] += 0.3
-        yield from rested("sky")
-        seconds["sky"].append(live()[0].worker.first_seconds)
-        data.view_rotation = mathutils.Euler((1.1, 0, 0.1 * i)).to_quaternion()
-        yield from rested("view")
-        seconds["view"].append(live()[0].worker.first_seconds)
+        for what in seconds:
+            last = worker.first_seconds
+            if what == "sky":
+                mapping.inputs["Rotation"].default_value[2] += 0.3
+            else:
+                data.view_rotation = mathutils.Euler((1.1, 0, 0.1 * i)).to_quaternion()
+            yield from until(lambda: worker.first_seconds != last, what)
+            seconds[what].append(worker.first_seconds)
+    yield from rested("turns")
     for what, times in seconds.items():
         print("case %s turned: first picture after %s s" % (what, ", ".join("%.2f" % t for t in times)))
         assert sorted(times)[len(times) // 2] < MOST_SECONDS, what
@@ -230,7 +234,8 @@ def edits():
     yield from rested("undo")
     compare("undone", shown(), wanted)
     after = stamps()
-    assert all(after[name] == before[name] for name in before), "a view writes the files of F12"
+    changed = [name for name in before if after[name] != before[name]]
+    assert all("/viewport/" in name for name in changed), "a view writes the files of F12: %s" % changed
 
 
 def resize_and_windows():
@@ -311,7 +316,7 @@ def all_cases():
     make_scene()
     make_world(turn=(0, 0, 30))
     settings = bpy.context.scene.shadowcache
-    settings.viewport_rays = settings.camera_rays = 16
+    settings.viewport_rays = settings.camera_rays = 2
     settings.bake_scope = "SET"
     for case in (first_picture, like_f12, views, turns, moving, edits, resize_and_windows, killed, job, ends):
         start = time.monotonic()
@@ -330,4 +335,5 @@ def step(cases=all_cases()):
     bpy.ops.wm.quit_blender()
 
 
+bpy.context.preferences.view.show_splash = False
 bpy.app.timers.register(step, first_interval=0.5, persistent=True)
