@@ -17,7 +17,11 @@ ObjTexcoords::ObjTexcoords(std::span<const Vec2f> texcoords,
     : texcoords_(texcoords),
       faceTexcoords_(faceTexcoords),
       mesh_(mesh),
-      uses_(mesh.vertices.size(), kUnused) {}
+      uses_(mesh.vertices.size(), kUnused) {
+    // What names no vertex of the file must not name a copy.
+    for (std::uint32_t& vertex : mesh.faceVertices)
+        if (vertex >= uses_.size()) vertex = kNoVertex;
+}
 
 void ObjTexcoords::place(const ObjCorners& corners, const GltfMaterial& material) {
     if (material.places.empty()) return;
@@ -32,7 +36,7 @@ void ObjTexcoords::place(const ObjCorners& corners, const GltfMaterial& material
         end += mesh_.faceSizes[face];
     for (std::size_t i = corners.firstCorner; i < end; ++i) {
         std::uint32_t& vertex = mesh_.faceVertices[i];
-        if (vertex >= uses_.size()) continue;
+        if (vertex == kNoVertex) continue;
         const std::uint32_t normal = bent ? mesh_.faceNormals[i] : kNoVertex;
         vertex = vertexFor(vertex, {faceTexcoords_[i], number, normal});
         if (normal >= mesh_.normals.size()) continue;

@@ -283,6 +283,20 @@ TEST_F(ObjMaterial, NormalMapsAreSmoothWhereNormalsAre) {
     EXPECT_GT(step("f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"), 0.1) << "no normals";
 }
 
+/// A number beyond the vertices of the file is not that of a vertex that was split.
+TEST_F(ObjMaterial, BadCornersStayBad) {
+    picture("four.png", {kRed, kGreen, kBlue, kWhite});
+    folder_.write("a.mtl", "newmtl one\nmap_Kd four.png\nnewmtl two\n");
+    for (const char* last : {"f 1/1 2/2 6/3\n", "usemtl two\nf 1 2 6\n", "f 1/1 2/2 5/3\n"}) {
+        const TriangleMesh mesh = load(std::string(kSquareOfTexcoords) +
+                                       "mtllib a.mtl\nusemtl one\n"
+                                       "f 1/1 2/2 3/3\nf 1/4 3/1 4/2\n" +
+                                       last);
+        EXPECT_EQ(mesh.triangles.size(), 2u) << last;
+        EXPECT_EQ(mesh.report.badVertexFaces, 1u) << last << describe(mesh.report);
+    }
+}
+
 TEST_F(ObjMaterial, NumbersOutOfRangeAreCounted) {
     const auto clamped = [&](const std::string& lines) {
         return square(lines).report.remarks[kClampedMaterials];
