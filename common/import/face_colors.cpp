@@ -18,7 +18,10 @@ public:
     }
 
     void paint(std::uint32_t& vertex, const Rgb& color) {
-        if (vertex >= used_.size()) return;
+        if (vertex >= used_.size()) {
+            vertex = kNoVertex;  // what names no vertex of the file must not name a copy
+            return;
+        }
         if (!used_[vertex]) {
             used_[vertex] = true;
             mesh_.colors[vertex] = color;

@@ -168,6 +168,15 @@ TEST(FaceColors, OfOffAreRead) {
     EXPECT_EQ(colored("", "").second, "2 triangles");
 }
 
+/// A number beyond the vertices of the file is not that of a vertex that was split.
+TEST(FaceColors, LeaveBadCornersBad) {
+    const TriangleMesh mesh = loadText("a.off",
+                                       "OFF\n4 3 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 255 0 0\n"
+                                       "3 0 2 3 0 255 0\n3 0 1 5 0 0 255\n");
+    EXPECT_EQ(mesh.triangles.size(), 2u);
+    EXPECT_EQ(mesh.report.badVertexFaces, 1u) << describe(mesh.report);
+}
+
 TEST(FaceColors, OfOffThatAreLeftOutAreSaid) {
     const auto [numbers, said] = colored("7", "7");
     EXPECT_TRUE(numbers.colors.empty());
