@@ -95,9 +95,8 @@ def bake(set_file, recipe, views, scene, folder, should_stop, on_progress):
 
 def progress_of(process):
     """Task, share that is done and seconds left, by the last line of a program's progress."""
-    process.messages.seek(0)
-    for line in reversed(process.messages.read().splitlines()):
-        if line.startswith(b"{"):
+    for line in reversed(process.last_lines()):
+        if line.startswith("{"):
             try:
                 found = json.loads(line)
                 return found["task"], found["done"] / found["total"], found["left"]

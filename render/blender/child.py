@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A process that ends: within a second when it is told to, and with Blender if that is killed."""
 
+import os
 import shutil
 import subprocess
 import tempfile
 
+MOST_MESSAGES = 1 << 16  # bytes
 PATIENCE = 0.7  # seconds until a process that was told to end is killed
 
 
@@ -38,11 +40,15 @@ class Child:
             self.messages.close()
             raise Failed("%s: %s" % (command[0], error.strerror)) from error
 
+    def last_lines(self):
+        """The end of its messages. It shares the place in their file, which stays where it writes."""
+        file = self.messages.fileno()
+        size = os.fstat(file).st_size
+        return os.pread(file, MOST_MESSAGES, max(0, size - MOST_MESSAGES)).decode("utf-8", "replace").splitlines()
+
     def last_message(self):
         """The last line that is no progress."""
-        self.messages.seek(0)
-        lines = [line for line in self.messages.read().decode("utf-8", "replace").splitlines()
-                 if line.strip() and not line.startswith("{")]
+        lines = [line for line in self.last_lines() if line.strip() and not line.startswith("{")]
         return lines[-1] if lines else ""
 
     def wait(self, seconds):

@@ -130,6 +130,8 @@ class Frame:
     def _tell_light(self):
         self._say("World")
         folder = folder_of(self.scene)
+        if self.scene.world:
+            self.left_out += world.hidden_from(self.scene.world)
         try:
             fields = world.plain(self.scene.world, folder)
         except world.NotPlain:

@@ -15,11 +15,11 @@ class ShadowcacheSettings(bpy.types.PropertyGroup):
     bake_quality: bpy.props.EnumProperty(
         name="Quality", default="DRAFT", items=(
             ("DRAFT", "Draft", "Fast to bake; pictures are free of bias as well, with a little more noise"),
-            ("GOOD", "Good", "About four times the time of a draft"),
-            ("FINE", "Fine", "For long shots: about ten times the time of a draft")))
+            ("GOOD", "Good", "Twice the rays of a draft, and directions at half the angle"),
+            ("FINE", "Fine", "For long shots, as shadowcache-bake by default: four times the rays of a draft")))
     bake_spacing: bpy.props.FloatProperty(
         name="Spacing", subtype="DISTANCE", min=0, soft_max=10, default=0,
-        description="Side of a voxel; half of it costs four times the bake. 0: chosen from the size of the set")
+        description="Side of a voxel: smaller ones take longer to bake, and pictures are less noisy. 0: chosen from the size of the set")
     stale: bpy.props.EnumProperty(
         name="Stale Cache", default="BAKE", items=(
             ("BAKE", "Bake Again", "Where the set is not what was baked"),

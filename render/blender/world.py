@@ -103,10 +103,33 @@ def turn_of(node):
     return rotation @ mirror if kind == "TEXTURE" else mirror @ rotation.T
 
 
+def nodes_in(tree):
+    """Those of groups, too."""
+    for node in tree.nodes:
+        yield node
+        if getattr(node, "node_tree", None):
+            yield from nodes_in(node.node_tree)
+
+
+def require_no_object(world):
+    """Cycles makes the map without the scene's objects."""
+    for node in nodes_in(world.node_tree):
+        if node.type == "TEX_COORD" and node.object and node.outputs["Object"].is_linked:
+            raise ValueError("world %s: node %s follows the object %s, expected Generated and a Mapping"
+                             % (world.name, node.name, node.object.name))
+
+
+def hidden_from(world):
+    """What is left out of a world that some rays do not see."""
+    rays = getattr(world, "cycles_visibility", None)
+    kinds = [kind for kind in ("camera", "diffuse", "glossy") if rays and not getattr(rays, kind)]
+    return ["world %s: hidden from rays: %s" % (world.name, ", ".join(kinds))] if kinds else []
+
+
 def by_view(tree):
     """Names of nodes whose value depends on who looks."""
     found = []
-    for node in tree.nodes:
+    for node in nodes_in(tree):
         if node.type in BY_VIEW and any(s.is_linked for s in node.outputs):
             found.append(node.bl_label)
         if node.type == "TEX_COORD":

@@ -8,6 +8,7 @@ import tempfile
 import bpy
 
 from . import child, fingerprint
+from .world import require_no_object
 
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "world_bake.py")
 
@@ -16,6 +17,7 @@ class Baking:
     """The map of a world: made once for each state of the nodes. All but run() reads Blender's data."""
 
     def __init__(self, world, frame, folder):
+        require_no_object(world)
         self.name = world.original.name
         self.frame = frame
         self.folder = folder

@@ -227,6 +227,12 @@ def errors():
         file.write(b"\x76\x2f\x31\x01 no map")
     make_world(image=broken)
     assert "broken.exr" in error_of(lambda: render("SHADOWCACHE"))
+    make_world(turn=(0, 0, 0))
+    tree = bpy.context.scene.world.node_tree
+    follows = tree.nodes["Texture Coordinate"]
+    follows.object = bpy.data.objects["Cube"]
+    tree.links.new(follows.outputs["Object"], tree.nodes["Mapping"].inputs["Vector"])
+    assert "follows the object Cube" in error_of(lambda: render("SHADOWCACHE"))
     make_world()
     camera, bpy.context.scene.camera.data.type = bpy.context.scene.camera, "PANO"
     assert "expected perspective or orthographic" in error_of(lambda: render("SHADOWCACHE"))
