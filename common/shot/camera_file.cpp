@@ -3,16 +3,17 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
+#include "common/base/json_keys.h"
 #include "common/math/limits.h"
 #include "common/shot/camera_json.h"
 
@@ -24,6 +25,21 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kQuotedLength = 60;
 
+/// What a camera may say for all frames and a frame for itself.
+const std::vector<std::string> kLookKeys{"yfov", "height", "shift", "pixel_aspect",
+                                         "near", "far",    "lens"};
+const std::vector<std::string> kLensKeys{"radius", "focus", "blades", "rotation"};
+
+std::vector<std::string> withLook(std::vector<std::string> keys) {
+    keys.insert(keys.end(), kLookKeys.begin(), kLookKeys.end());
+    return keys;
+}
+
+const std::vector<std::string> kPoseKeys = withLook({"origin", "forward", "up"});
+/// The time of a frame says nothing that its number does not.
+const std::vector<std::string> kFrameKeys = withLook({"origin", "forward", "up", "t"});
+const std::vector<std::string> kCamKeys = withLook({"fps", "frames"});
+
 /// A value of the file and where it stands ("cam.frames[3].up"), for messages.
 struct Value {
     const std::filesystem::path& file;
@@ -34,6 +50,11 @@ struct Value {
         std::string found = json.dump(-1, ' ', true, Json::error_handler_t::replace);
         if (found.size() > kQuotedLength) found.replace(kQuotedLength, found.npos, "...");
         throwFileError(file, key + " is " + found + ", expected " + wanted);
+    }
+
+    void knowOnly(std::span<const std::string> known) const {
+        const std::string unknown = unknownKey(json, key, known);
+        if (!unknown.empty()) throwFileError(file, "has the " + unknown);
     }
 
     Value at(const std::string& name) const {
@@ -116,6 +137,7 @@ void readLook(const Value& from, Camera& camera) {
     if (has("far")) camera.far = from.number("far", 0.0, infinity, "metres above 0");
     if (has("lens")) {
         const Value lens = from.object("lens");
+        lens.knowOnly(kLensKeys);
         camera.lens.radius = lens.number("radius", -std::numeric_limits<double>::denorm_min(),
                                          kMostCoordinate, "metres, 0 or more");
         camera.lens.focus = lens.number("focus", 0.0, 1e9, "metres above 0, below 1e9");
@@ -175,11 +197,7 @@ Camera cameraOf(const Json& json, const std::string& name) {
     const std::filesystem::path where = name;
     const Value frame{where, "", json};
     if (!json.is_object()) throwFileError(where, "holds no JSON object, expected a camera");
-    static constexpr std::array kKnown{"origin", "forward",      "up",   "yfov", "height",
-                                       "shift",  "pixel_aspect", "near", "far",  "lens"};
-    for (const auto& item : json.items())
-        if (std::ranges::find(kKnown, item.key()) == kKnown.end())
-            throwFileError(where, "has the unknown key " + item.key());
+    frame.knowOnly(kPoseKeys);
     if (!json.contains("height")) frame.at("yfov");
     return parseFrame(frame, {});
 }
@@ -190,6 +208,7 @@ CameraTrack readCameraFile(const std::filesystem::path& path) {
     if (!json.is_object()) throwFileError(path, "holds no JSON object, expected a camera file");
     if (json.contains("version") && json["version"] != 1) root.at("version").fail("1");
     const Value cam = root.object("cam");
+    cam.knowOnly(kCamKeys);
 
     CameraTrack track;
     track.path = path;
@@ -204,6 +223,7 @@ CameraTrack readCameraFile(const std::filesystem::path& path) {
     for (std::size_t i = 0; i < frames.json.size(); ++i) {
         const Value frame{path, fmt::format("cam.frames[{}]", i), frames.json[i]};
         if (!frame.json.is_object()) frame.fail("an object");
+        frame.knowOnly(kFrameKeys);
         track.frames.push_back(parseFrame(frame, common));
     }
     return track;

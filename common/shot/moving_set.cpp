@@ -2,12 +2,16 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
+#include "common/base/json_keys.h"
 #include "common/import/gltf_mesh.h"
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_options.h"
@@ -73,9 +77,13 @@ std::vector<Affine> readTransformTrack(const std::filesystem::path& path) {
     if (!json.is_object() || frames == json.end() || !frames->is_array() || frames->empty())
         throwFileError(path, "has no list of frames, expected {\"frames\": [...]}");
     std::vector<Affine> track;
+    const std::vector<std::string> known{"translation", "rotation", "scale"};
     for (const Json& frame : *frames) {
         if (!frame.is_object())
             throwFileError(path, fmt::format("frame {} is not an object", track.size() + 1));
+        const std::string unknown =
+            unknownKey(frame, fmt::format("frames[{}]", track.size()), known);
+        if (!unknown.empty()) throwFileError(path, "has the " + unknown);
         const auto t = numbers(path, frame, "translation", {0, 0, 0});
         const auto q = numbers(path, frame, "rotation", {0, 0, 0, 1});
         const auto s = numbers(path, frame, "scale", {1, 1, 1});

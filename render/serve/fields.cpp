@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/base/error.h"
-#include "common/base/suggestion.h"
+#include "common/base/json_keys.h"
 
 namespace shadowcache {
 
@@ -126,10 +126,8 @@ std::optional<Fields> Fields::object(const std::string& key) {
 }
 
 void Fields::requireNoOthers() const {
-    for (const auto& item : object_.items())
-        if (std::ranges::find(asked_, item.key()) == asked_.end())
-            throw Error(fmt::format("{}: unknown key {}{}", where_, item.key(),
-                                    suggestion(item.key(), asked_)));
+    const std::string unknown = unknownKey(object_, "", asked_);
+    if (!unknown.empty()) throw Error(fmt::format("{}: {}", where_, unknown));
 }
 
 }  // namespace shadowcache

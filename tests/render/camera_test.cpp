@@ -253,6 +253,22 @@ TEST(CameraFile, RefusesLensesShiftsAndPlanesOutOfRange) {
     expectError([&] { readCameraFile(path); }, path.string(), "has no cam.yfov");
 }
 
+TEST(CameraFile, RefusesKeysThatItDoesNotKnow) {
+    const TemporaryFolder folder;
+    const auto refuses = [&](const std::string& common, const std::string& own,
+                             const std::string& cause) {
+        const auto path = folder.write("c.json", cameraWith(R"("yfov": 1,)" + common, own));
+        expectError([&] { readCameraFile(path); }, path.string(), cause);
+    };
+    refuses(R"("shfit": [0, 0.1],)", "", "has the unknown key cam.shfit, did you mean shift?");
+    refuses("", R"("roll": 0.1,)", "has the unknown key cam.frames[1].roll");
+    refuses(R"("lens": {"radius": 1, "focus": 2, "blade": 5},)", "",
+            "has the unknown key cam.lens.blade, did you mean blades?");
+    refuses("", R"("t": 0, "fps": 24,)", "has the unknown key cam.frames[1].fps");
+    EXPECT_NO_THROW(
+        readCameraFile(folder.write("c.json", R"({"notes": "by hand", )" + kGood.substr(1))));
+}
+
 TEST(CameraFile, NamesTheKeyTheValueAndTheWantedOne) {
     const TemporaryFolder folder;
     const auto refuses = [&](const std::string& text, const std::string& cause) {

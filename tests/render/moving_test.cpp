@@ -134,6 +134,7 @@ TEST(MovingTracks, AreReadOrRefused) {
     refuses(R"({"frames": []})", "has no list of frames");
     refuses(R"({"frames": [{"scale": [1, 2]}]})", "scale is not a list of 3 finite numbers");
     refuses(R"({"frames": [{"rotation": [1, 2, 3, "x"]}]})", "rotation is not a list of 4");
+    refuses(R"({"frames": [{}, {"position": [0, 1, 0]}]})", "unknown key frames[1].position");
     refuses(R"({"frames": [)" + std::string(1000, '[') + "]}", "nested deeper");
     EXPECT_EQ(parseDynamic("a@b.obj").mesh, "a@b.obj");
     EXPECT_EQ(parseDynamic("a@b.obj@c.json").track, "c.json");
