@@ -19,12 +19,14 @@ constexpr int kMostSolved = 64;
 /// Part of the irradiance, in the mean, that ends a solve without a number of bounces.
 constexpr double kLeastAdded = 1e-4;
 
+/// Less than one ray of the most that there may be: an item without a free one may still be exposed
+/// so far.
+constexpr float kLeastSeen = 1.0f / (kMostHits + 1);
+
 /// Irradiance of the exposed part of an item's surface, where all of it has `mean` and the hidden
 /// part has none.
 Rgb ofExposed(const Rgb& mean, float exposure) {
-    /// Less than one ray of the most that there may be: nothing is exposed.
-    constexpr float kNothing = 1.0f / (kMostHits + 1);
-    return exposure < kNothing ? mean : mean * (1 / exposure);
+    return exposure < kLeastSeen ? mean : mean * (1 / exposure);
 }
 
 /// Direct irradiance of all items, by their own counts at their own normals.
@@ -107,7 +109,8 @@ Rgb BounceSolve::indirect(std::span<const ItemView> items, int bounces) const {
 float BounceSolve::exposure(std::span<const ItemView> items) const {
     float sum = 0;
     for (const ItemView& item : items)
-        sum += item.weight * items_.exposure(static_cast<std::uint32_t>(item.number));
+        sum += item.weight *
+               std::max(kLeastSeen, items_.exposure(static_cast<std::uint32_t>(item.number)));
     return items.empty() ? 1 : sum;
 }
 
