@@ -19,19 +19,11 @@ constexpr int kMostSolved = 64;
 /// Part of the irradiance, in the mean, that ends a solve without a number of bounces.
 constexpr double kLeastAdded = 1e-4;
 
-/// Less than one ray of the most that there may be: an item without a free one may still be exposed
-/// so far.
-constexpr float kLeastSeen = 1.0f / (kMostHits + 1);
-
-/// Irradiance of the exposed part of an item's surface, where all of it has `mean` and the hidden
-/// part has none.
-Rgb ofExposed(const Rgb& mean, float exposure) {
-    return exposure < kLeastSeen ? mean : mean * (1 / exposure);
-}
-
-/// Direct irradiance of all items, by their own counts at their own normals.
+/// Direct irradiance of all items, by their own counts at their own normals: of the exposed part of
+/// their surface, since the hidden part has none. What is less exposed than `leastExposure` counts
+/// as hidden.
 std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
-                          const Environment& environment) {
+                          const Environment& environment, float leastExposure) {
     const CachePreview preview(environment, cache.header().tiers());
     std::vector<Rgb> direct(items.size(), Rgb(0, 0, 0));
     parallelFor(items.size(), kChunk, [&](const Chunk& chunk) {
@@ -43,8 +35,10 @@ std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
             const int count = reader.lookUp(items.position(number), normal, found);
             const auto views = std::span(found).first(static_cast<std::size_t>(count));
             const auto self = std::ranges::find(views, std::uint64_t{number}, &ItemView::number);
-            if (self != views.end())
-                direct[i] = ofExposed(preview.irradiance(*self, normal), items.exposure(number));
+            if (self == views.end()) continue;
+            const float exposure = items.exposure(number);
+            direct[i] =
+                preview.irradiance(*self, normal) * (exposure < leastExposure ? 1 : 1 / exposure);
         }
     });
     return direct;
@@ -55,8 +49,8 @@ std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
 BounceSolve::BounceSolve(const ShadowCache& cache, const ItemTable& items,
                          const Transport& transport, const Environment& environment,
                          std::span<const ItemLook> looks, int bounces)
-    : items_(items) {
-    irradiance_.push_back(directOf(cache, items, environment));
+    : items_(items), leastExposure_(1 / static_cast<float>(transport.raysPerItem + 1)) {
+    irradiance_.push_back(directOf(cache, items, environment, leastExposure_));
     const int most = bounces < 0 ? kMostSolved : std::min(bounces, kMostSolved);
     const auto rays = static_cast<std::size_t>(transport.raysPerItem);
     for (int b = 1; b <= most; ++b) {
@@ -110,7 +104,7 @@ float BounceSolve::exposure(std::span<const ItemView> items) const {
     float sum = 0;
     for (const ItemView& item : items)
         sum += item.weight *
-               std::max(kLeastSeen, items_.exposure(static_cast<std::uint32_t>(item.number)));
+               std::max(leastExposure_, items_.exposure(static_cast<std::uint32_t>(item.number)));
     return items.empty() ? 1 : sum;
 }
 

@@ -42,8 +42,8 @@ public:
     }
     /// The same at a place, by the items of a lookup there; 0 without items.
     Rgb indirect(std::span<const ItemView> items, int bounces) const;
-    /// Exposed share of the surface of the items of a lookup, above 0: by it what their counts
-    /// predict is too dark. 1 without items.
+    /// Exposed share of the surface of the items of a lookup: by it what their counts predict is
+    /// too dark. At least that of less than one ray of an item; 1 without items.
     float exposure(std::span<const ItemView> items) const;
 
 private:
@@ -55,6 +55,7 @@ private:
     }
 
     const ItemTable& items_;
+    const float leastExposure_;                 ///< that an item without one exposed ray may have
     std::vector<std::vector<Rgb>> irradiance_;  ///< [bounces][item]
 };
 

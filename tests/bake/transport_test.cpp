@@ -15,6 +15,7 @@
 #include "bake/core/merge.h"
 #include "common/base/parallel.h"
 #include "common/cache/hit_code.h"
+#include "common/predict/bounce_solve.h"
 #include "tests/support/small_bake.h"
 #include "tests/support/statistics.h"
 #include "tests/support/temporary_folder.h"
@@ -326,6 +327,26 @@ std::array<double, 2> exposures(float gap) {
         ++count[place.x > 0];
     }
     return {sum[0] / count[0], sum[1] / count[1]};
+}
+
+TEST(BounceSolves, BrightenNoPlaceBeyondWhatRaysCanTell) {
+    const TriangleMesh mesh = halfHiddenFloor(0.01f);
+    const Met met(bake(Scene(mesh), smallOptions()));
+    const BounceSolve solve(met.cache.cache(), met.items, met.transport,
+                            test::environmentOf(test::constantMap({1, 1, 1}), 0),
+                            std::vector<ItemLook>(met.items.size()), 1);
+    ShadowCache::Reader reader(met.cache.cache());
+    std::array<ItemView, ShadowCache::kMaxItems> found;
+    float least = 1, leastOfItems = 1;
+    for (std::uint32_t i = 0; i < met.items.size(); ++i) {
+        const int count = reader.lookUp(met.items.position(i), met.items.normal(i), found);
+        least = std::min(least,
+                         solve.exposure(std::span(found).first(static_cast<std::size_t>(count))));
+        leastOfItems = std::min(leastOfItems, met.items.exposure(i));
+    }
+    const float ofOneRay = 1 / static_cast<float>(met.transport.raysPerItem + 1);
+    EXPECT_GE(least, 0.999f * ofOneRay);
+    EXPECT_LT(leastOfItems, 0.1f * ofOneRay) << "control";
 }
 
 TEST(ItemTables, TellWhatIsHidden) {
