@@ -20,7 +20,7 @@ std::vector<Pixel> averagesOf(const TileRenderer& renderer, std::span<const Pixe
 
 /// Tile by tile: no light bounces from one to the next.
 void renderOneByOne(const FrameRequest& frame, std::span<const std::size_t> tiles,
-                    RenderStats& stats, const std::function<void(const RenderedTile&)>& take) {
+                    RenderStats& stats, const TileSink& sink) {
     const TileRenderer renderer(frame);
     Workspaces workspaces(frame.estimator);
     std::vector<RayCounts> counts(tiles.size());
@@ -28,14 +28,15 @@ void renderOneByOne(const FrameRequest& frame, std::span<const std::size_t> tile
         std::vector<PixelSum> sums(turn.places.size());
         renderer.renderTile(turn.places, frame.raysOfTile(turn.index), turn.scratch, turn.workspace,
                             sums);
-        take({turn.index, turn.places, averagesOf(renderer, sums, counts[turn.index])});
+        sink.take({turn.index, turn.places, averagesOf(renderer, sums, counts[turn.index])});
+        sink.taken(1);
     });
     for (const RayCounts& count : counts) count.addTo(stats);
 }
 
 /// Block by block: the paths of a block go on together.
 void renderBlocks(const FrameRequest& frame, const TileBlocks& blocks, RenderStats& stats,
-                  const std::function<void(const RenderedTile&)>& take) {
+                  const TileSink& sink) {
     const TileRenderer renderer(frame);
     Workspaces workspaces(frame.estimator);
     const BlockRenderer block(frame, renderer, workspaces);
@@ -49,11 +50,14 @@ void renderBlocks(const FrameRequest& frame, const TileBlocks& blocks, RenderSta
         for (int first = 0; first < options.cameraRays; first += options.passRays)
             block.addCameraRays(
                 tiles, first, std::min(options.passRays, options.cameraRays - first), sums, stats);
+        std::size_t taken = 0;
         for (std::size_t i = 0; i < tiles.size(); ++i) {
             if (!tiles[i].index) continue;
             all.findPlaces(tiles[i].tile, places);
-            take({*tiles[i].index, places, averagesOf(renderer, sums[i], counts)});
+            sink.take({*tiles[i].index, places, averagesOf(renderer, sums[i], counts)});
+            ++taken;
         }
+        sink.taken(taken);
     }
     counts.addTo(stats);
 }
@@ -61,11 +65,11 @@ void renderBlocks(const FrameRequest& frame, const TileBlocks& blocks, RenderSta
 }  // namespace
 
 void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, BlockExtent extent,
-                 RenderStats& stats, const std::function<void(const RenderedTile&)>& take) {
+                 RenderStats& stats, const TileSink& sink) {
     if (frame.options.bounces == 0)
-        renderOneByOne(frame, tiles, stats, take);
+        renderOneByOne(frame, tiles, stats, sink);
     else
-        renderBlocks(frame, TileBlocks(frame, tiles, extent), stats, take);
+        renderBlocks(frame, TileBlocks(frame, tiles, extent), stats, sink);
 }
 
 }  // namespace shadowcache

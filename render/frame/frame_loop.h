@@ -11,8 +11,15 @@ struct RenderedTile {
     std::span<const Pixel> pixels;
 };
 
-/// Renders `tiles` to their end, in parallel; `take` has each as it is done, in no stated order.
+/// Who has the tiles of a frame as they are done, in no stated order.
+struct TileSink {
+    std::function<void(const RenderedTile&)> take;
+    /// Tiles were taken that took their time together: so many.
+    std::function<void(std::size_t)> taken = [](std::size_t) {};
+};
+
+/// Renders `tiles` to their end, in parallel.
 void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, BlockExtent extent,
-                 RenderStats& stats, const std::function<void(const RenderedTile&)>& take);
+                 RenderStats& stats, const TileSink& sink);
 
 }  // namespace shadowcache

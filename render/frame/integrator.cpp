@@ -20,10 +20,11 @@ Film render(const FrameRequest& wanted, RenderStats& stats) {
     Film film = makeFilm(options);
     const std::vector<std::size_t> tiles = Tiles(options).touching(options.region());
     Progress progress(fmt::format("frame {}", frame.number), tiles.size());
-    renderTiles(frame, tiles, BlockExtent::wholeFrame, stats, [&](const RenderedTile& tile) {
+    const auto place = [&](const RenderedTile& tile) {
         placePixels(tile.places, tile.pixels, film);
-        progress.add(1);
-    });
+    };
+    renderTiles(frame, tiles, BlockExtent::wholeFrame, stats,
+                {place, [&](std::size_t count) { progress.add(count); }});
     requireFinite(film, frame.number, options.seed);
     return finishFilm(wanted, std::move(film), stats);
 }
@@ -40,9 +41,10 @@ std::vector<std::vector<Pixel>> renderSomeTiles(const FrameRequest& frame,
         some.tileRays.push_back(frame.raysOfTile(number));
     }
     std::vector<std::vector<Pixel>> parts(tiles.size());
-    renderTiles(some, tiles, BlockExtent::given, stats, [&](const RenderedTile& tile) {
+    const auto keep = [&](const RenderedTile& tile) {
         parts[tile.index].assign(tile.pixels.begin(), tile.pixels.end());
-    });
+    };
+    renderTiles(some, tiles, BlockExtent::given, stats, {keep});
     return parts;
 }
 

@@ -42,15 +42,14 @@ public:
         const auto finish = [&](std::size_t index, std::span<const FilmPlace> places,
                                 std::span<const PixelSum> sums) {
             place(index, places, sums, film);
-            progress.add(1);
         };
         const auto mayStop = [&] {
             if (first > 0 && stop()) throw PassStopped();
         };
         if (frame_.options.bounces == 0)
-            addTiles(first, count, mayStop, finish, stats);
+            addTiles(first, count, mayStop, finish, progress, stats);
         else
-            addBlocks(first, count, mayStop, finish, stats);
+            addBlocks(first, count, mayStop, finish, progress, stats);
         requireFinite(film, frame_.number, frame_.options.seed);
         total_ = {};
         for (const RayCounts& ofTile : counts_) total_.add(ofTile);
@@ -63,7 +62,7 @@ public:
 private:
     template <class MayStop, class Finish>
     void addTiles(int first, int count, const MayStop& mayStop, const Finish& finish,
-                  RenderStats& stats) {
+                  Progress& progress, RenderStats& stats) {
         forEachTile(frame_, tiles_, workspaces_, stats, [&](const TileTurn& turn) {
             mayStop();
             std::vector<PixelSum>& sums = sums_[turn.index];
@@ -73,12 +72,13 @@ private:
                 renderer_.addCameraRays(turn.places, first, rays, turn.scratch, turn.workspace,
                                         sums);
             finish(turn.index, turn.places, sums);
+            progress.add(1);
         });
     }
 
     template <class MayStop, class Finish>
     void addBlocks(int first, int count, const MayStop& mayStop, const Finish& finish,
-                   RenderStats& stats) {
+                   Progress& progress, RenderStats& stats) {
         const Tiles all(frame_.options);
         std::vector<FilmPlace> places;
         for (std::size_t b = 0; b < blocks_.count(); ++b) {
@@ -87,11 +87,14 @@ private:
             std::vector<std::vector<PixelSum>>& sums = blockSums_[b];
             sums.resize(tiles.size());
             blockRenderer_.addCameraRays(tiles, first, count, sums, stats);
+            std::size_t taken = 0;
             for (std::size_t i = 0; i < tiles.size(); ++i) {
                 if (!tiles[i].index) continue;
                 all.findPlaces(tiles[i].tile, places);
                 finish(*tiles[i].index, places, sums[i]);
+                ++taken;
             }
+            progress.add(taken);
         }
     }
 
