@@ -6,8 +6,10 @@
 #include <mutex>
 #include <numeric>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "common/base/call_threads.h"
 #include "common/base/watch.h"
 
 #ifdef SHADOWCACHE_STD_THREADS
@@ -15,6 +17,7 @@
 #else
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <optional>
 #endif
@@ -28,6 +31,21 @@ int coreCount() {
 
 /// Limit that setThreadCount gave, 0 for none.
 std::atomic<int> threadLimit{0};
+
+/// Limit that withThreads gave what this thread does, 0 for none.
+thread_local int callLimit = 0;
+
+/// Sets the limit of a call until its end.
+class CallLimit {
+public:
+    explicit CallLimit(int threads) : before_(std::exchange(callLimit, threads)) {}
+    ~CallLimit() { callLimit = before_; }
+    CallLimit(const CallLimit&) = delete;
+    CallLimit& operator=(const CallLimit&) = delete;
+
+private:
+    int before_;
+};
 
 #ifdef SHADOWCACHE_STD_THREADS
 
@@ -57,6 +75,10 @@ void runAll(std::size_t count, const std::function<void(std::size_t)>& run) {
 
 void applyLimit(int) {}
 
+void runInArena(int, const std::function<void()>& work) {
+    work();
+}
+
 #else
 
 void runAll(std::size_t count, const std::function<void(std::size_t)>& run) {
@@ -74,6 +96,10 @@ void applyLimit(int threads) {
                         static_cast<std::size_t>(threads));
 }
 
+void runInArena(int threads, const std::function<void()>& work) {
+    tbb::task_arena(threads).execute(work);
+}
+
 #endif
 
 }  // namespace
@@ -84,8 +110,19 @@ void setThreadCount(int threads) {
 }
 
 int threadCount() {
-    const int limit = threadLimit;
-    return limit > 0 ? std::min(limit, coreCount()) : coreCount();
+    int count = coreCount();
+    for (const int limit : {threadLimit.load(), callLimit})
+        if (limit > 0) count = std::min(count, limit);
+    return count;
+}
+
+void withThreads(int threads, const std::function<void()>& work) {
+    if (threads <= 0) {
+        work();
+        return;
+    }
+    const CallLimit limit(threads);
+    runInArena(threadCount(), work);
 }
 
 void parallelFor(std::size_t count, std::size_t chunkSize,
@@ -93,8 +130,10 @@ void parallelFor(std::size_t count, std::size_t chunkSize,
     assert(chunkSize > 0);
     const std::size_t chunks = count / chunkSize + (count % chunkSize != 0 ? 1 : 0);
     Watch* watch = currentWatch();
+    const int limit = callLimit;
     runAll(chunks, [&](std::size_t index) {
         const WatchScope scope(watch);
+        const CallLimit ofCall(limit);
         throwIfStopped();
         const std::size_t begin = index * chunkSize;
         body({begin, std::min(begin + chunkSize, count), index});

@@ -1,14 +1,10 @@
 #include "common/trace/embree_scene.h"
 
-#include <fmt/core.h>
-
 #include <atomic>
 #include <memory>
-#include <string>
 
 #include "common/base/error.h"
 #include "common/base/hash.h"
-#include "common/base/parallel.h"
 #include "common/base/watch.h"
 #include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
@@ -32,8 +28,9 @@ EmbreeScene::~EmbreeScene() {
 
 void EmbreeScene::build() {
     const std::size_t direct = mesh_.instances.empty() ? parts_.size() : mesh_.firstSharedPart;
-    const std::string config = fmt::format("threads={}", threadCount());
-    device_ = rtcNewDevice(config.c_str());
+    // Without a number of threads, which would be that of the whole process while the device lives:
+    // Embree builds in an arena as large as the caller's.
+    device_ = rtcNewDevice(nullptr);
     if (!device_) throw Error("ray tracing: no device (Embree found no usable processor)");
     root_ = rtcNewScene(device_);
     // Robust: no ray slips between neighbouring triangles.

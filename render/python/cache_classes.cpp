@@ -24,7 +24,8 @@ namespace {
 
 std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, std::optional<double> spacing,
                                        int level, int rays, bool uniform, bool transport,
-                                       std::uint64_t seed, const py::object& progress) {
+                                       std::uint64_t seed, const py::object& progress,
+                                       int threads) {
     BakeOptions options;
     options.spacing = spacing.value_or(0);
     options.level = level;
@@ -35,11 +36,14 @@ std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, std::optional<d
     // Without a spacing one is chosen, but 0 is none.
     if (spacing) requireRange("spacing", *spacing, 1e-300, kMostSpacing);
     const auto set = scene.set;
-    return longCall(progress, [&] {
-        const BakeResult result = bakeSet(*set, options);
-        std::shared_ptr<const ShadowCache> cache = makeCache(result.header, result.items);
-        return std::make_shared<CacheObject>(CacheObject{std::move(cache), {}, {}});
-    });
+    return longCall(
+        progress,
+        [&] {
+            const BakeResult result = bakeSet(*set, options);
+            std::shared_ptr<const ShadowCache> cache = makeCache(result.header, result.items);
+            return std::make_shared<CacheObject>(CacheObject{std::move(cache), {}, {}});
+        },
+        threads);
 }
 
 std::shared_ptr<CacheObject> openCache(const fs::path& path) {
@@ -92,31 +96,38 @@ py::object numbersOrArray(const py::array& array) {
 }
 
 py::object visibility(const CacheObject& cache, const py::object& points, const py::object& normals,
-                      const py::object& directions, const py::object& progress) {
+                      const py::object& directions, const py::object& progress, int threads) {
     const Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals"),
                                      vectorsOf(directions, "directions")});
     const auto kept = cache.cache;
-    std::vector<float> out = longCall(progress, [&] {
-        const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
-        std::vector<float> shares(places.positions.size());
-        visibilityAt(*kept, places, vectorsIn(all.arrays[2]), shares);
-        return shares;
-    });
+    std::vector<float> out = longCall(
+        progress,
+        [&] {
+            const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
+            std::vector<float> shares(places.positions.size());
+            visibilityAt(*kept, places, vectorsIn(all.arrays[2]), shares);
+            return shares;
+        },
+        threads);
     return numbersOrArray(arrayOf<float>(all.shape, std::move(out)));
 }
 
 py::array irradiance(const CacheObject& cache, const py::object& points, const py::object& normals,
-                     const EnvironmentObject& environment, const py::object& progress) {
+                     const EnvironmentObject& environment, const py::object& progress,
+                     int threads) {
     Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals")});
     const auto kept = cache.cache;
     const auto light = environment.light;
-    std::vector<Rgb> out = longCall(progress, [&] {
-        const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
-        const CachePreview preview(*light, kept->header().tiers());
-        std::vector<Rgb> values(places.positions.size());
-        irradianceAt(*kept, preview, places, values);
-        return values;
-    });
+    std::vector<Rgb> out = longCall(
+        progress,
+        [&] {
+            const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
+            const CachePreview preview(*light, kept->header().tiers());
+            std::vector<Rgb> values(places.positions.size());
+            irradianceAt(*kept, preview, places, values);
+            return values;
+        },
+        threads);
     all.shape.push_back(3);
     return arrayOf<float>(all.shape, std::move(out));
 }
@@ -170,7 +181,7 @@ void defineCache(py::module_& module) {
              "World positions are (voxel + position) * cache.spacing.")
         .def(
             "visibility", visibility, py::arg("points"), py::arg("normals"), py::arg("directions"),
-            py::kw_only(), py::arg("progress") = py::none(),
+            py::kw_only(), py::arg("progress") = py::none(), py::arg("threads") = 0,
             "Visible share of the sky around directions, as the cache predicts it without rays.\n\n"
             "points: places on the set [m], normals: towards the side that is lit, directions:\n"
             "    (..., 3) each, broadcast; normals and directions of any length.\n"
@@ -178,7 +189,7 @@ void defineCache(py::module_& module) {
             "or an input is not finite or a zero vector.")
         .def(
             "irradiance", irradiance, py::arg("points"), py::arg("normals"), py::arg("environment"),
-            py::kw_only(), py::arg("progress") = py::none(),
+            py::kw_only(), py::arg("progress") = py::none(), py::arg("threads") = 0,
             "Irradiance of an Environment, as the cache predicts it without rays: free of noise,\n"
             "and biased where its counts are wrong.\n\n"
             "points: places on the set [m], normals: towards the side that is lit; (..., 3) each,\n"
@@ -192,6 +203,7 @@ void defineCache(py::module_& module) {
         "bake", bakeScene, py::arg("scene"), py::kw_only(), py::arg("spacing") = py::none(),
         py::arg("level") = 5, py::arg("rays") = 16, py::arg("uniform") = false,
         py::arg("transport") = true, py::arg("seed") = 1, py::arg("progress") = py::none(),
+        py::arg("threads") = 0,
         "Bakes a Scene, and returns its Cache in memory: the items of shadowcache-bake.\n\n"
         "spacing: side of a voxel [m]; None: chosen from the set's size.\n"
         "level: finest direction level, 0 to 5. rays: of a region of mixed visibility,\n"

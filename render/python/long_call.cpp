@@ -8,6 +8,8 @@
 #include <string>
 #include <thread>
 
+#include "common/base/call_threads.h"
+#include "common/base/option_checks.h"
 #include "common/base/watch.h"
 
 namespace shadowcache::python {
@@ -28,12 +30,12 @@ struct Report {
 /// Work on a thread of its own.
 class Worker {
 public:
-    explicit Worker(const std::function<void()>& work)
-        : thread_([this, &work] {
+    Worker(const std::function<void()>& work, int threads)
+        : thread_([this, &work, threads] {
               const WatchScope scope(&watch_);
               std::exception_ptr failure;
               try {
-                  work();
+                  withThreads(threads, work);
               } catch (...) {
                   failure = std::current_exception();
               }
@@ -86,9 +88,10 @@ void handleSignals() {
 
 }  // namespace
 
-void runLong(const py::object& progress, const std::function<void()>& work) {
+void runLong(const py::object& progress, const std::function<void()>& work, int threads) {
+    requireRange("threads", threads, 0, kMaxThreads);
     std::optional<Worker> worker;
-    worker.emplace(work);
+    worker.emplace(work, threads);
     std::exception_ptr raised;
     const auto waited = [&] {
         const py::gil_scoped_release release;

@@ -13,13 +13,16 @@ namespace shadowcache::python {
 /// moments, as far as the library polls, and are raised.
 ///
 /// @param progress  called with (task, done, total), on the caller's thread; None: not called
-void runLong(const pybind11::object& progress, const std::function<void()>& work);
+/// @param threads  that the work takes at most; 0: as many as set_threads() allows
+/// @throws Error on an impossible number of threads
+void runLong(const pybind11::object& progress, const std::function<void()>& work, int threads);
 
 /// The same of what returns something.
 template <class Work>
-auto longCall(const pybind11::object& progress, const Work& work) {
+auto longCall(const pybind11::object& progress, const Work& work, int threads = 0) {
     std::optional<decltype(work())> result;
-    runLong(progress, [&] { result.emplace(work()); });
+    runLong(
+        progress, [&] { result.emplace(work()); }, threads);
     return *std::move(result);
 }
 

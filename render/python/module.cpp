@@ -34,8 +34,9 @@ constexpr const char* kModuleDoc =
     "World space is right-handed with +Y up, in metres. Radiance is linear; irradiance is\n"
     "radiance times steradians. Arrays of places and directions have a last axis of 3, of any\n"
     "real dtype, and are broadcast against each other. Long calls let other threads run, take\n"
-    "progress=f, called as f(task, done, total), and end on Ctrl-C. Refused inputs raise Error,\n"
-    "or ValueError and TypeError for arrays.";
+    "progress=f, called as f(task, done, total), and threads=N, the threads to work on at most\n"
+    "(0: those of set_threads()), and end on Ctrl-C. Refused inputs raise Error, or ValueError\n"
+    "and TypeError for arrays.";
 
 /// Set files as a path, or several.
 std::vector<fs::path> pathsOf(const py::object& set) {
@@ -124,7 +125,7 @@ void warnOfMoving(const std::vector<fs::path>& files, const MeshOptions& options
 SceneObject loadScene(const py::object& set, const py::object& triangles, const py::object& colors,
                       const py::object& normals, const std::string& up, double scale,
                       std::optional<int> frame, double fps, double smooth, bool allowExternal,
-                      const py::object& progress) {
+                      const py::object& progress, int threads) {
     if (up != "y" && up != "z") throw Error("--up " + up + ": expected y or z");
     requireRange("smooth", smooth, 0.0, 180.0);
     MeshOptions options{.zUp = up == "z",
@@ -136,15 +137,19 @@ SceneObject loadScene(const py::object& set, const py::object& triangles, const 
                         .stillAt = timeOf(frame, fps)};
     if (!namesFiles(set)) {
         RawMesh raw = meshOf(set, triangles, colors, normals);
-        return {longCall(progress,
-                         [&] { return std::shared_ptr(makeSet("set", std::move(raw), options)); }),
-                {}};
+        return {
+            longCall(
+                progress, [&] { return std::shared_ptr(makeSet("set", std::move(raw), options)); },
+                threads),
+            {}};
     }
     if (!triangles.is_none() || !colors.is_none() || !normals.is_none())
         throw py::type_error("load_set: expected files, or arrays, not both");
     const std::vector<fs::path> files = pathsOf(set);
-    SceneObject scene{longCall(progress, [&] { return std::shared_ptr(loadSet(files, options)); }),
-                      files};
+    SceneObject scene{
+        longCall(
+            progress, [&] { return std::shared_ptr(loadSet(files, options)); }, threads),
+        files};
     warnOfMoving(files, options, fps);
     return scene;
 }
@@ -195,7 +200,7 @@ void defineScene(py::module_& module) {
                py::kw_only(), py::arg("colors") = py::none(), py::arg("normals") = py::none(),
                py::arg("up") = "y", py::arg("scale") = 1.0, py::arg("frame") = py::none(),
                py::arg("fps") = 24.0, py::arg("smooth") = 0.0, py::arg("allow_external") = false,
-               py::arg("progress") = py::none(),
+               py::arg("progress") = py::none(), py::arg("threads") = 0,
                "Loads a set, and returns its Scene.\n\n"
                "set: a file, or several that make one set (OBJ, PLY, STL, OFF, OM, glTF); or the\n"
                "    vertices of triangles, (n, 3).\n"
@@ -225,7 +230,7 @@ PYBIND11_MODULE(shadowcache, module) {
             shadowcache::requireRange("threads", threads, 0, shadowcache::kMaxThreads);
             shadowcache::setThreadCount(threads);
         },
-        py::arg("threads"), "Limits all later calls to so many threads; 0: every core.");
+        py::arg("threads"), "Limits all later calls together to so many threads; 0: every core.");
     shadowcache::python::defineScene(module);
     shadowcache::python::defineCache(module);
     shadowcache::python::defineEnvironment(module);

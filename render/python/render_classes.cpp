@@ -287,7 +287,8 @@ py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject
                      std::optional<std::string> estimator, bool preview,
                      std::optional<int> cameraRays, std::optional<int> samples,
                      double clampIndirect, bool transparent, const py::object& albedo,
-                     std::uint64_t seed, int frame, bool staleOk, const py::object& progress) {
+                     std::uint64_t seed, int frame, bool staleOk, const py::object& progress,
+                     int threads) {
     Wanted wanted{
         std::move(estimator), {spp, cameraRays, samples, preview}, bouncesOf(bounces), aovs, {}};
     RenderOptions& options = wanted.options;
@@ -303,7 +304,8 @@ py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject
     const auto kept = cache ? cache->cache : nullptr;
     if (kept) requireCacheOf(*set, *kept, staleOk);
     const std::vector<Channel> all = longCall(
-        progress, [&] { return renderChannels(*set, kept.get(), *light, camera, frame, wanted); });
+        progress, [&] { return renderChannels(*set, kept.get(), *light, camera, frame, wanted); },
+        threads);
     return picturesOf(all, options.width, options.height);
 }
 
@@ -358,6 +360,24 @@ void defineRender(py::module_& module) {
             },
             py::arg("path"), py::kw_only(), py::arg("frame") = 1,
             "The camera of a frame of a camera file (.json). Scene.camera() has those of glTF.")
+        .def_property_readonly(
+            "origin", [](const Camera& c) { return arrayOf<double>({3}, std::vector{c.origin}); },
+            "Where it stands [m], (3,) float64.")
+        .def_property_readonly(
+            "forward", [](const Camera& c) { return arrayOf<double>({3}, std::vector{c.forward}); },
+            "Along the view, unit, (3,) float64.")
+        .def_property_readonly(
+            "up", [](const Camera& c) { return arrayOf<double>({3}, std::vector{c.up}); },
+            "Upwards in the picture, unit, at right angles to `forward`, (3,) float64.")
+        .def_property_readonly(
+            "fov",
+            [](const Camera& c) {
+                return c.height > 0 ? std::nullopt : std::optional(c.fovY * 180 / kPi);
+            },
+            "Vertical angle of view [degrees]; None: orthographic.")
+        .def_property_readonly(
+            "lens_radius", [](const Camera& c) { return c.lens.radius; },
+            "Of the aperture [m]; 0: all is sharp.")
         .def("__repr__", [](const Camera& camera) { return reprOf(camera); });
     module.def(
         "render", renderScene, py::arg("scene"), py::arg("cache").none(true),
@@ -368,7 +388,7 @@ void defineRender(py::module_& module) {
         py::arg("camera_rays") = py::none(), py::arg("samples") = py::none(),
         py::arg("clamp_indirect") = 0.0, py::arg("transparent") = false, py::arg("albedo") = 0.5,
         py::arg("seed") = 1, py::arg("frame") = 1, py::arg("stale_ok") = false,
-        py::arg("progress") = py::none(),
+        py::arg("progress") = py::none(), py::arg("threads") = 0,
         "Renders a Scene as a Camera sees it: the pixels of shadowcache-render.\n\n"
         "cache: of the scene; None: rendered without one.\n"
         "size: (width, height) [pixels]. spp: shadow rays of a pixel, 64 by default; in place of\n"

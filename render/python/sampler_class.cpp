@@ -54,19 +54,22 @@ py::dict columnsOf(const std::vector<LightSample>& samples, const Shape& shape) 
 }
 
 py::dict sampleAt(const SamplerObject& sampler, const py::object& points, const py::object& normals,
-                  std::uint32_t count, std::uint64_t seed, bool control,
-                  const py::object& progress) {
+                  std::uint32_t count, std::uint64_t seed, bool control, const py::object& progress,
+                  int threads) {
     Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals")});
     const SamplerObject kept = sampler;
     const SampleAim aim = aimOf(control);
     std::vector<LightSample> samples;
-    std::vector<Rgb> integrals = longCall(progress, [&] {
-        const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
-        samples.resize(places.size() * count);
-        std::vector<Rgb> values(places.size());
-        samplePlaces(*kept.sampler, places, aim, seed, samples, values);
-        return values;
-    });
+    std::vector<Rgb> integrals = longCall(
+        progress,
+        [&] {
+            const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
+            samples.resize(places.size() * count);
+            std::vector<Rgb> values(places.size());
+            samplePlaces(*kept.sampler, places, aim, seed, samples, values);
+            return values;
+        },
+        threads);
     Shape shape = all.shape;
     shape.push_back(count);
     py::dict columns = columnsOf(samples, shape);
@@ -76,17 +79,21 @@ py::dict sampleAt(const SamplerObject& sampler, const py::object& points, const 
 }
 
 py::dict lookUpAt(const SamplerObject& sampler, const py::object& points, const py::object& normals,
-                  const py::object& directions, bool control, const py::object& progress) {
+                  const py::object& directions, bool control, const py::object& progress,
+                  int threads) {
     const Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals"),
                                      vectorsOf(directions, "directions")});
     const SamplerObject kept = sampler;
     const SampleAim aim = aimOf(control);
-    const std::vector<LightSample> found = longCall(progress, [&] {
-        const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
-        std::vector<LightSample> along(places.size());
-        lookAlong(*kept.sampler, places, aim, vectorsIn(all.arrays[2]), along);
-        return along;
-    });
+    const std::vector<LightSample> found = longCall(
+        progress,
+        [&] {
+            const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
+            std::vector<LightSample> along(places.size());
+            lookAlong(*kept.sampler, places, aim, vectorsIn(all.arrays[2]), along);
+            return along;
+        },
+        threads);
     return columnsOf(found, all.shape);
 }
 
@@ -104,7 +111,7 @@ void defineSampler(py::module_& module) {
         "light times cosine times cached visibility.")
         .def("sample", sampleAt, py::arg("points"), py::arg("normals"), py::kw_only(),
              py::arg("count") = 1, py::arg("seed") = 1, py::arg("control") = true,
-             py::arg("progress") = py::none(),
+             py::arg("progress") = py::none(), py::arg("threads") = 0,
              "Draws `count` directions at each place.\n\n"
              "points: places on the set [m], normals: towards the side that is lit; (..., 3)\n"
              "    each, broadcast; normals of any length.\n"
@@ -116,6 +123,7 @@ void defineSampler(py::module_& module) {
         .def(
             "look_up", lookUpAt, py::arg("points"), py::arg("normals"), py::arg("directions"),
             py::kw_only(), py::arg("control") = true, py::arg("progress") = py::none(),
+            py::arg("threads") = 0,
             "What sample() returns where it draws these directions, (..., 3), broadcast with the\n"
             "places: a dict of 'direction', unit, 'radiance', 'control' (..., 3) and 'pdf' (...),\n"
             "0 where it draws none, NaN where an input is not finite or a zero vector.")

@@ -8,12 +8,15 @@ seconds of the quickest picture, less those of a picture of one sample, which re
 """
 
 import json
-import resource
+import os
 import sys
 
 import bpy
 import numpy
 from mathutils import Matrix
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../render/python/shadowcache_trade"))
+from in_blender import choose_settings, render  # noqa: E402
 
 
 def to_blender(vectors):
@@ -84,37 +87,6 @@ def add_sky(path):
     texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = bpy.data.images.load(path)
     world.node_tree.links.new(texture.outputs["Color"], world.node_tree.nodes["Background"].inputs["Color"])
-
-
-def choose_settings(request):
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.render.use_persistent_data = True
-    scene.render.threads_mode = "FIXED"
-    scene.render.threads = request["threads"]
-    scene.render.resolution_x, scene.render.resolution_y = request["size"]
-    scene.render.resolution_percentage = 100
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    cycles = scene.cycles
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.max_bounces = cycles.diffuse_bounces = request["bounces"]
-    cycles.light_sampling_threshold = 0  # else dim light is dropped at random, for speed
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
-    cycles.pixel_filter_type = "BLACKMAN_HARRIS"
-    cycles.filter_width = 1.5
-
-
-def render(picture, samples, seed):
-    """Processor seconds."""
-    scene = bpy.context.scene
-    scene.cycles.samples = samples
-    scene.cycles.seed = seed
-    scene.render.filepath = picture
-    before = resource.getrusage(resource.RUSAGE_SELF)
-    bpy.ops.render.render(write_still=True)
-    after = resource.getrusage(resource.RUSAGE_SELF)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def main():

@@ -5,13 +5,17 @@
 
 #include <atomic>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
+#include "common/base/call_threads.h"
 #include "common/base/error.h"
 #include "common/base/exit_status.h"
 #include "common/base/progress.h"
@@ -58,6 +62,62 @@ TEST_F(Parallel, LimitsTheThreads) {
     parallelFor(100, 1, [&](const Chunk&) { EXPECT_EQ(std::this_thread::get_id(), self); });
     setThreadCount(0);
     EXPECT_EQ(threadCount(), cores);
+}
+
+/// Threads that a call with so many at most works on.
+std::set<std::thread::id> threadsOf(int threads) {
+    std::set<std::thread::id> ids;
+    std::mutex mutex;
+    withThreads(threads, [&] {
+        parallelFor(200, 1, [&](const Chunk&) {
+            EXPECT_LE(threadCount(), threads);
+            // A loop in a loop is of the call, too.
+            parallelFor(2, 1, [&](const Chunk&) {
+                EXPECT_LE(threadCount(), threads);
+                std::this_thread::sleep_for(std::chrono::microseconds(100));
+                const std::lock_guard lock(mutex);
+                ids.insert(std::this_thread::get_id());
+            });
+        });
+    });
+    return ids;
+}
+
+TEST_F(Parallel, CallsHaveTheirOwnNumbersOfThreads) {
+    const int cores = threadCount();
+    const std::uint64_t bits = std::bit_cast<std::uint64_t>(harmonicSum());
+    std::set<std::thread::id> one, two;
+    double sums[2] = {};
+    {
+        const std::jthread first([&] {
+            one = threadsOf(1);
+            withThreads(1, [&] { sums[0] = harmonicSum(); });
+        });
+        const std::jthread second([&] {
+            for (int i = 0; i < 100 && two.size() < 2; ++i) two = threadsOf(2);
+            withThreads(2, [&] { sums[1] = harmonicSum(); });
+        });
+    }
+    EXPECT_EQ(one.size(), 1u);
+    if (cores > 1) {
+        EXPECT_GE(two.size(), 2u);
+    }
+    for (const double sum : sums) EXPECT_EQ(std::bit_cast<std::uint64_t>(sum), bits);
+    EXPECT_EQ(threadCount(), cores);
+}
+
+TEST_F(Parallel, ACallWithFewThreadsEndsWithIt) {
+    const int cores = threadCount();
+    EXPECT_THROW(withThreads(1,
+                             [] {
+                                 EXPECT_EQ(threadCount(), 1);
+                                 throw Error("no");
+                             }),
+                 Error);
+    EXPECT_EQ(threadCount(), cores);
+    withThreads(0, [&] { EXPECT_EQ(threadCount(), cores); });
+    setThreadCount(1);
+    withThreads(8, [] { EXPECT_EQ(threadCount(), 1); });
 }
 
 TEST_F(Parallel, SumsToTheSameBitsForAnyNumberOfThreads) {

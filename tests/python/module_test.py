@@ -423,6 +423,65 @@ def test_interrupt_within_a_second(scene, cache, white, camera, call):
     assert cache.visibility(OPEN, UP, UP) == 1
 
 
+def grid(side):
+    """Vertices and 2 side^2 triangles of rough ground."""
+    x, z = np.meshgrid(np.arange(side + 1) * 0.01, np.arange(side + 1) * 0.01, indexing="ij")
+    height = np.random.default_rng(1).random(x.shape) * 0.005
+    corner = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).ravel()
+    offsets = np.array([[0, 1, side + 1], [1, side + 2, side + 1]])
+    return np.stack([x, height, z], axis=-1).reshape(-1, 3), (corner[:, None, None] + offsets).reshape(-1, 3)
+
+
+def test_interrupt_while_a_large_set_is_built():
+    vertices, triangles = grid(1000)
+    begin = time.monotonic()
+    assert shadowcache.load_set(vertices, triangles).triangles == 2000000
+    seconds, late = time.monotonic() - begin, []
+    for share in (0.2, 0.4, 0.6, 0.8):  # the last ones are of the acceleration structure
+        sent = []
+        timer = threading.Timer(share * seconds, lambda at=sent: (at.append(time.monotonic()), os.kill(os.getpid(), signal.SIGINT)))
+        timer.start()
+        try:
+            shadowcache.load_set(vertices, triangles)
+            timer.cancel()
+            timer.join()
+        except KeyboardInterrupt:
+            late.append(time.monotonic() - sent[0])
+    print(f"of {seconds:.1f} s; ended so many seconds after the signal: {late}")
+    assert len(late) >= 2 and max(late) < 1
+
+
+def test_threads_of_a_call(scene, cache, white, camera):
+    def all_of(threads):
+        baked = shadowcache.bake(scene, spacing=0.5, level=2, threads=threads)
+        directions = np.broadcast_to(UP, (2000, 3))
+        return [shadowcache.load_set(VERTICES, TRIANGLES, threads=threads).bounds, baked.items(),
+                shadowcache.render(scene, cache, white, camera, size=(96, 54), spp=4, threads=threads)["color"],
+                cache.visibility(OPEN, UP, directions, threads=threads),
+                cache.irradiance(np.broadcast_to(OPEN, (2000, 3)), UP, white, threads=threads),
+                *cache.sampler(white).sample(OPEN, UP, count=9, threads=threads).values(),
+                *cache.sampler(white).look_up(OPEN, UP, directions, threads=threads).values()]
+
+    alone = all_of(0)
+    found = {}
+    calls = [threading.Thread(target=lambda n=n: found.setdefault(n, all_of(n))) for n in (1, 2, 3)]
+    for call in calls:
+        call.start()
+    for call in calls:
+        call.join()
+    for n in (1, 2, 3):
+        assert len(found[n]) == len(alone)
+        assert all(np.array_equal(a, b) for a, b in zip(found[n], alone))
+    with pytest.raises(shadowcache.Error, match="threads -1: expected 0"):
+        all_of(-1)
+
+
+def test_what_a_camera_is():
+    camera = shadowcache.Camera((1, 2, 3), (1, 2, 0), fov=40, lens_radius=0.02)
+    assert camera.origin.tolist() == [1, 2, 3] and camera.forward.tolist() == [0, 0, -1] and camera.up.tolist() == [0, 1, 0]
+    assert camera.fov == pytest.approx(40) and camera.lens_radius == 0.02
+
+
 def test_other_threads_run(scene, cache, white, camera):
     ticks, ended = [], threading.Event()
 

@@ -6,19 +6,25 @@ import io
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import shadowcache
+from shadowcache_trade import __main__ as program
+from shadowcache_trade.cycles import SAMPLES, Rival, obstacle, rival_of
+from shadowcache_trade.cycles import render as render_in_cycles
 from shadowcache_trade.ladder import Choice, Error, Frame, Point, choose, combine, ladder, price
 from shadowcache_trade.pictures import Disagreement, agreement, noise_of_mean, relative_error
 from shadowcache_trade.progress import Progress
+from shadowcache_trade.report import render_line, rival_text
 
 BUILD = Path(os.environ["SHADOWCACHE_BUILD"])
 SOURCE = Path(os.environ["SHADOWCACHE_SOURCE"])
@@ -145,6 +151,59 @@ def test_time_left():
     assert text.getvalue().splitlines()[-1] == "[3/3] third: 0.0 s"
 
 
+# Cycles.
+
+def shot_of(folder, work, *options):
+    words = [str(folder / "set.obj"), "--env", str(MAP), "--camera", str(folder / "camera.json"), "--bake-program", str(BAKE),
+             *SMALL]
+    return program.shot_of(program.parser().parse_args([*words, *options]), str(work))
+
+
+def tile_difference(first, second):
+    """Root mean square over tiles of 4 x 4 pixels, relative to the mean of all light."""
+    tiles = [picture.mean(axis=2).reshape(9, 4, 16, 4).mean(axis=(1, 3)) for picture in (first, second)]
+    return np.sqrt(np.mean((tiles[0] - tiles[1]) ** 2)) / tiles[1].mean()
+
+
+@pytest.mark.skipif(not shutil.which("blender"), reason="Blender is not installed")
+def test_cycles_renders_the_same_picture_and_the_control_does_not(folder, tmp_path):
+    shot = shot_of(folder, tmp_path, "--env-rotate", "40")
+    (theirs,), seconds, load = render_in_cycles(shot, [(512, 1)])
+    ours, turned = (shadowcache.render(shot.scene, None, sky, shot.camera, size=shot.size, camera_rays=64, samples=8, bounces=0,
+                                       estimator="mis")["color"] for sky in (shot.sky, shot.sky.rotate(5)))
+    assert abs(theirs.mean() / ours.mean() - 1) < 0.01 and seconds[0] > 0 and load > 0
+    same, control = tile_difference(theirs, ours), tile_difference(theirs, turned)
+    print(f"tiles differ by {same:.4f}, under a map turned by 5 degrees by {control:.4f}")
+    assert same < 0.015 < 0.03 < control
+    assert rival_of(shot, ours).reason == ""
+    # Another light is another picture, and has no row.
+    other = rival_of(shot, 1.03 * theirs)
+    assert other.difference == pytest.approx(-0.029, abs=0.005) and "differs by -" in other.reason and not other.frames
+    # So has one with another number of bounces.
+    shot.bounces = 4
+    assert "differs by +" in rival_of(shot, ours).reason
+
+
+def test_what_cycles_cannot_render_is_named(folder, tmp_path):
+    shot = shot_of(folder, tmp_path, "--no-cycles")
+    assert shot.cycles is None and obstacle(shot) == ""
+    shot.camera = shadowcache.Camera((3, 2.5, 4), (0, 0, 0), lens_radius=0.1)
+    assert "lens" in obstacle(shot)
+    shot.camera, shot.files = shadowcache.Camera((3, 2.5, 4), (0, 0, 0)), ["set.off"]
+    assert "importers" in obstacle(shot)
+    shot.files, shot.cycles = [str(folder / "set.obj")], "/bin/false"
+    assert rival_of(shot, np.ones((36, 64, 3))).reason == "/bin/false ended with status 1"
+    assert rival_text(SimpleNamespace(rival=Rival(reason="no")), shot) == "Cycles is left out: no."
+
+
+def test_the_printed_command_has_the_measured_bounces(folder, tmp_path):
+    shot = shot_of(folder, tmp_path, "--bounces", "2")
+    result = SimpleNamespace(cache=[((16, 4), Frame(Error(0.1, 0), Error(0.1, 0), 1.0))])
+    assert "--bounces 2" in render_line(result, shot, "set.vdb")
+    shot.bounces = 4
+    assert "--bounces" not in render_line(result, shot, "set.vdb")
+
+
 # Whole runs.
 
 def test_run(done, folder):
@@ -159,6 +218,13 @@ def test_run(done, folder):
         errors = {tuple(split): frame["p99"]["mean"] for split, frame in record[kind]}
         assert errors[64, 1] < errors[16, 1] < errors[4, 1]
     assert record["reference_relmse"] < record["mis"][0][1]["relmse"]["mean"]
+    if shutil.which("blender"):
+        rival = record["cycles"]
+        assert rival["reason"] == "" and abs(rival["difference"]) < 0.01 and rival["load_seconds"] > 0
+        assert [samples for samples, _ in rival["frames"]] == list(SAMPLES)
+        few, many = (frame for _, frame in rival["frames"])
+        assert many["relmse"]["mean"] < few["relmse"]["mean"] and 0 < few["seconds"] < many["seconds"]
+        assert "| Cycles, samples |" in done.stdout
     assert done.stdout.count("**knee**") == 1 and "frames that share a bake" in done.stdout
     assert "left" in done.stderr
     assert (folder / "trade.png").read_bytes().startswith(b"\x89PNG")
@@ -168,7 +234,7 @@ def test_run(done, folder):
 
 def test_the_printed_commands_work(done, folder):
     lines = [line.strip() for line in done.stdout.splitlines() if line.startswith("    shadowcache-")]
-    assert len(lines) == 2
+    assert len(lines) == 2 and "--bounces 0" in lines[1]  # as measured
     programs = {"shadowcache-bake": BAKE, "shadowcache-render": RENDER}
     for line in lines:
         program, *words = shlex.split(line)
@@ -186,6 +252,7 @@ def test_the_printed_commands_work(done, folder):
     (["--levels", "6"], "--levels 6: expected numbers from 0 to 5"),
     (["--seeds", "1"], "--seeds 1: expected 2 to 1000"),
     (["--env", "none.exr"], "none.exr"),
+    (["--cycles", "no-such-blender"], "--cycles no-such-blender: no such program"),
     (["--bake-program", "no-such-program"], "no-such-program: no such program"),
     (["-o", "none/trade"], "none: no folder"),
     (["--threads", "-1"], "threads")])

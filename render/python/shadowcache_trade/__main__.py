@@ -1,7 +1,8 @@
 """Measures what accuracy costs on a set and a shot of one's own, and prints the options to use.
 
 Bakes the set with a ladder of spacings, levels and rays, one changed at a time, and at last with the best of each.
-Renders antialiased pictures with each cache and without one (`mis`), and measures their errors against a reference.
+Renders antialiased pictures with each cache, without one (`mis`), and with Cycles where Blender is installed, and measures
+their errors against a reference.
 Writes OUTPUT.json, OUTPUT.png and OUTPUT.svg: the curves with their knee. Seconds are of the processor, over the threads.
 """
 import argparse
@@ -38,6 +39,8 @@ def parser():
     parse.add_argument("--bounces", type=int, default=0, help="of the measured pictures [%(default)s]")
     parse.add_argument("--threads", type=int, default=0, help="0: one per core [%(default)s]")
     parse.add_argument("--bake-program", default="shadowcache-bake", help="[%(default)s]")
+    parse.add_argument("--cycles", metavar="BLENDER", help="renders the shot with Cycles, too [blender, if installed]")
+    parse.add_argument("--no-cycles", action="store_true", help="leave Cycles out")
     parse.add_argument("-o", "--output", default="trade", help="name of the files, without extension [%(default)s]")
     return parse
 
@@ -79,6 +82,16 @@ def ladder_of(arguments):
                   numbers_of(arguments.rays, int, "--rays", 1, 255))
 
 
+def blender_of(arguments):
+    """Path of Blender; None: Cycles is left out."""
+    if arguments.no_cycles:
+        return None
+    found = shutil.which(arguments.cycles or "blender")
+    if arguments.cycles and not found:
+        raise RuntimeError(f"--cycles {arguments.cycles}: no such program")
+    return found
+
+
 def shot_of(arguments, work):
     """Loads what is measured, after all options were looked at."""
     import shadowcache
@@ -101,7 +114,7 @@ def shot_of(arguments, work):
                 program, scene, shadowcache.Environment.load(arguments.env, rotate=arguments.env_rotate),
                 scene.camera(arguments.camera, frame=middle), middle, last - first + 1, size, delivered,
                 arguments.seeds, arguments.reference_rays, arguments.whole_set, work, arguments.bounces,
-                choices=choices, threads=threads)
+                choices=choices, threads=threads, up=arguments.up, scale=arguments.scale, cycles=blender_of(arguments))
 
 
 def require_output(name):

@@ -8,6 +8,7 @@ from typing import List, Optional, Tuple
 
 import shadowcache
 
+from .cycles import Rival, rival_of
 from .ladder import Choice, Error, Frame, Point, choose, combine, ladder, price
 from .pictures import agreement, noise_of_mean, relative_error
 from .progress import Progress
@@ -42,6 +43,9 @@ class Shot:
     albedo: float = 0.5
     choices: List[Choice] = field(default_factory=list)
     threads: int = 1
+    up: str = "y"
+    scale: float = 1.0
+    cycles: Optional[str] = None  # Blender, None: left out
 
     @property
     def pixels(self):
@@ -56,6 +60,7 @@ class Result:
     mis: List[Tuple[Tuple[int, int], Frame]]
     reference_noise: float
     difference: Tuple[float, float]
+    rival: Optional[Rival] = None
 
 
 class Meter:
@@ -69,6 +74,8 @@ class Meter:
         steps = [("bake", 1.0)] + [("reference", 1.0)] * 2
         for kind in ("mis", "cache"):
             steps += [(kind, self.work(split) * shot.seeds) for split in SPLITS]
+        if shot.cycles:
+            steps += [("Cycles", 1.0)]
         for choice in choices[1:]:
             steps += [("bake", choice.work()), ladder_render]
         self.progress = Progress(steps, out)
@@ -137,6 +144,7 @@ class Meter:
         mis, pictures = self.by_split("mis", None, reference)
         difference = agreement(pictures, reference)
         cache, _ = self.by_split("cache", first[0], reference)
+        rival = self.progress.run("Cycles", lambda _: rival_of(self.shot, reference)) if self.shot.cycles else None
         points = [self.point(self.choices[0], first, cache[0][1], reference)]
         usual = points[0].spacing
         for choice in self.choices[1:]:
@@ -147,7 +155,7 @@ class Meter:
             self.progress.add([("bake", last.work()), ("cache", self.work(SPLITS[0]) * self.shot.seeds)])
             points.append(self.measure(last, usual, reference))
             price(points, self.shot.frames, self.shot.pixels)
-        return Result(points, choose(points), cache, mis, noise, difference)
+        return Result(points, choose(points), cache, mis, noise, difference, rival)
 
     def measure(self, choice, usual, reference):
         baked = self.bake(choice, usual * choice.spacing)

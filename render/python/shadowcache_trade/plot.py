@@ -1,7 +1,7 @@
 """The curves: error against what a bake costs, error against seconds, and the whole cost with its knee."""
 import numpy as np
 
-from .report import best_split, seconds_of_cache, seconds_of_mis
+from .report import best_split, seconds_of_cache, seconds_of_mis, seconds_of_rival
 
 SERIES = {"spacing": "tab:blue", "level": "tab:orange", "rays": "tab:green", "combined": "tab:purple"}
 
@@ -30,7 +30,11 @@ def curves(axes, result, x, y, deviation=None):
 
 
 def by_seconds(axes, result):
-    for name, frames, color in (("mis", result.mis, "tab:gray"), ("cache", result.cache, "tab:red")):
+    rival = result.rival.frames if result.rival else []
+    for name, frames, color in (("mis", result.mis, "tab:gray"), ("cache", result.cache, "tab:red"),
+                                ("Cycles", rival, "tab:olive")):
+        if not frames:
+            continue
         ordered = sorted(frames, key=lambda entry: entry[1].seconds)
         for kind, style in (("p99", "o-"), ("relmse", "s--")):
             errors = [getattr(frame, kind) for _, frame in ordered]
@@ -38,8 +42,9 @@ def by_seconds(axes, result):
                           [error.deviation for error in errors], fmt=style, markersize=3.5, linewidth=1, capsize=2,
                           color=color, label=f"{name}, {'relMSE' if kind == 'relmse' else kind}")
         for split, frame in ordered:
-            axes.annotate(f"{split[0]} × {split[1]}", (frame.seconds, frame.p99.mean), xytext=(4, 3),
-                          textcoords="offset points", fontsize=6.5, color=color)
+            text = "{} × {}".format(*split) if isinstance(split, tuple) else split
+            axes.annotate(text, (frame.seconds, frame.p99.mean), xytext=(4, 3), textcoords="offset points", fontsize=6.5,
+                          color=color)
     axes.set(xscale="log", yscale="log")
 
 
@@ -48,6 +53,9 @@ def by_frames(axes, result, shot):
     frames = np.geomspace(1, max(1000, 4 * shot.frames), 60)
     axes.plot(frames, frames * seconds_of_mis(result, shot, error), color="tab:gray",
               label=f"mis, {'{} × {}'.format(*best_split(result.mis)[0])}")
+    if result.rival and result.rival.frames:
+        axes.plot(frames, result.rival.load_seconds + frames * seconds_of_rival(result.rival, shot, error), color="tab:olive",
+                  label=f"Cycles, {best_split(result.rival.frames)[0]}")
     axes.plot(frames, result.points[0].bake_seconds + frames * seconds_of_cache(result.points[0], shot, error), "k",
               label="default")
     axes.plot(frames, result.best.bake_seconds + frames * seconds_of_cache(result.best, shot, error), color="red",

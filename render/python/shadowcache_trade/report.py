@@ -6,6 +6,8 @@ from dataclasses import asdict
 from .ladder import LEVEL, RAYS, Choice, choose, frames_that_pay, price
 from .measure import SPLITS
 
+# Bounces of shadowcache-render, unless it is told.
+BOUNCES = 4
 # Frames that a bake may be paid by.
 SHARING = (1, 10, 100, 1000)
 
@@ -18,6 +20,12 @@ def best_split(frames):
 def seconds_of_mis(result, shot, error):
     """Seconds of a delivered frame until `mis` has an error (p99), at its best split."""
     frame = best_split(result.mis)[1]
+    return shot.pixels * frame.seconds * frame.p99.mean / error
+
+
+def seconds_of_rival(rival, shot, error):
+    """Of Cycles, without loading."""
+    frame = best_split(rival.frames)[1]
     return shot.pixels * frame.seconds * frame.p99.mean / error
 
 
@@ -43,8 +51,9 @@ def option_line(point, shot, names):
 
 def render_line(result, shot, names):
     rays, samples = best_split(result.cache)[0]
+    bounces = [] if shot.bounces == BOUNCES else ["--bounces", str(shot.bounces)]
     return shlex.join(["shadowcache-render", *shot.files, *shot.set_options, "--cache", names, "--env",
-                       shot.environment, *shot.camera_options, "--camera-rays", str(rays), "--samples", str(samples)])
+                       shot.environment, *shot.camera_options, "--camera-rays", str(rays), "--samples", str(samples), *bounces])
 
 
 def table(result, shot):
@@ -74,6 +83,22 @@ def knees(points, frames, pixels):
     return "\n".join(lines)
 
 
+def rival_text(result, shot):
+    """Markdown: a row for each number of samples of Cycles, or why it is left out."""
+    rival = result.rival
+    if rival is None:
+        return "Cycles: not measured."
+    if rival.reason:
+        return f"Cycles is left out: {rival.reason}."
+    lines = ["| Cycles, samples | relMSE | p99 | frame, s | loading, s |", "|---|---|---|---|---|"]
+    for samples, frame in rival.frames:
+        lines.append(f"| {samples} | {error_text(frame.relmse)} | {error_text(frame.p99)} | {frame.seconds:.2f} "
+                     f"| {rival.load_seconds:.1f} |")
+    seconds = seconds_of_rival(rival, shot, result.points[0].frame.p99.mean)
+    return "\n".join([*lines, "", f"Its errors are against its own reference, whose light differs by "
+                      f"{100 * rival.difference:+.2f} %. To the p99 of the default it takes {seconds:.0f} s a frame."])
+
+
 def error_text(error):
     return f"{error.mean:.3g} ± {error.deviation:.1g}"
 
@@ -93,7 +118,8 @@ def summary(result, shot, cache_name):
     usual, best = result.points[0], result.best
     error = usual.frame.p99.mean
     width, height = shot.delivered
-    lines = [table(result, shot), "", knees(result.points, shot.frames, shot.pixels), "", split_table(result), ""]
+    lines = [table(result, shot), "", knees(result.points, shot.frames, shot.pixels), "", split_table(result), "",
+             rival_text(result, shot), ""]
     least = min(point.frame.relmse.mean for point in result.points)
     lines.append(f"The reference's own relMSE is {result.reference_noise:.2g}, {100 * result.reference_noise / least:.0f} "
                  "% of the least that was measured"
@@ -120,4 +146,5 @@ def record(result, shot, command):
             "reference_relmse": result.reference_noise, "difference": result.difference,
             "points": [asdict(point) for point in result.points], "knee": result.points.index(result.best),
             "cache": [[split, asdict(frame)] for split, frame in result.cache],
+            "cycles": asdict(result.rival) if result.rival else None,
             "mis": [[split, asdict(frame)] for split, frame in result.mis]}
