@@ -24,11 +24,32 @@ void parseShard(const std::string& text, BakeOptions& options) {
     throw Error("--shard " + text + ": expected K/N, as in 2/8");
 }
 
-void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform, bool& noTransport) {
+/// Metres, or "2x": times the spacing that is chosen.
+void parseSpacing(const std::string& text, BakeJob& job) {
+    std::string_view rest = text;
+    double number = 0;
+    if (takeNumber(rest, number)) {
+        const bool isRelative = takeCharacter(rest, 'x');
+        (isRelative ? job.chosenSpacings : job.bake.spacing) = number;
+        if (rest.empty()) return;
+    }
+    throw Error("--spacing " + text +
+                ": expected metres, or times the spacing that is chosen, as in 2x");
+}
+
+/// Options that are parsed after the command line.
+struct BakeWords {
+    std::optional<std::string> spacing;
+    std::string shard;
+    bool uniform = false, noTransport = false;
+};
+
+void defineBake(CLI::App& app, BakeJob& job, BakeWords& words) {
     const std::string group = "Bake";
-    app.add_option("--spacing", job.bake.spacing,
-                   "Voxel size in metres; smaller is sharper, at a cost of the inverse square "
-                   "[chosen from the set's size]")
+    app.add_option("--spacing", words.spacing,
+                   "Voxel size in metres; smaller is sharper, at a cost of the inverse square. 2x: "
+                   "twice the one that is chosen [chosen from the set's size]")
+        ->type_name("METRES")
         ->group(group);
     app.add_option("--level", job.bake.level,
                    "Finest direction level, 0 to 5: 20 * 4^level regions over the sphere")
@@ -38,16 +59,16 @@ void defineBake(CLI::App& app, BakeJob& job, std::string& shard, bool& uniform, 
         ->capture_default_str()
         ->group(group);
     // No negated flag: CLI11 would write it to a settings file the wrong way round.
-    app.add_flag("--uniform", uniform,
+    app.add_flag("--uniform", words.uniform,
                  "Refine every region to the finest level, not only where visibility is mixed")
         ->group(group);
-    app.add_flag("--no-transport", noTransport,
+    app.add_flag("--no-transport", words.noTransport,
                  "Leave out which items the rays of each item met, which bounced light uses")
         ->group(group);
     addSeedOption(app, job.bake.seed,
                   "Random seed; caches of different seeds merge into a better one")
         ->group(group);
-    app.add_option("--shard", shard,
+    app.add_option("--shard", words.shard,
                    "Bake part K of N of the set; shadowcache-merge joins the parts")
         ->group(group);
 }
@@ -127,12 +148,12 @@ constexpr const char* kFooter =
 std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     CLI::App app("Bakes the visibility of a static set into a sparse OpenVDB file.",
                  "shadowcache-bake");
-    std::string shard, memory;
-    bool uniform = false, noTransport = false;
+    BakeWords words;
+    std::string memory;
     ShotArguments shot;
     beginCommandLine(app);
     addSetOptions(app, shot, "Set", "Set");
-    defineBake(app, job, shard, uniform, noTransport);
+    defineBake(app, job, words);
     defineShot(app, job, shot);
     defineOutput(app, job, memory);
     app.footer(kFooter);
@@ -140,9 +161,10 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
         if (job.output.empty() && !job.estimate) throw CLI::RequiredError("--output");
     };
     if (const auto status = parseCommandLine(app, argc, argv, check)) return status;
-    job.bake.adaptive = !uniform;
-    job.bake.transport = !noTransport;
-    if (!shard.empty()) parseShard(shard, job.bake);
+    job.bake.adaptive = !words.uniform;
+    job.bake.transport = !words.noTransport;
+    if (words.spacing) parseSpacing(*words.spacing, job);
+    if (!words.shard.empty()) parseShard(words.shard, job.bake);
     job.files = shot.files;
     job.mesh = meshOptionsOf(shot, job.mesh);
     job.shot.camera.name = shot.camera;

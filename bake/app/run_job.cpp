@@ -29,6 +29,9 @@ namespace shadowcache {
 
 namespace {
 
+/// Of the spacing that is chosen, as `--spacing 2x` has it.
+constexpr double kLeastChosenSpacings = 0.01, kMostChosenSpacings = 1000;
+
 /// When each stage was finished [s].
 struct Times {
     double start, loaded, built, selected, baked, written;
@@ -68,6 +71,10 @@ void writeStats(const BakeJob& job, const TriangleMesh& mesh, const BakeResult& 
 void validate(const BakeJob& job) {
     validate(job.bake);
     validate(job.shot);
+    if (!(job.chosenSpacings >= kLeastChosenSpacings && job.chosenSpacings <= kMostChosenSpacings))
+        throw Error(fmt::format("--spacing {}x: expected {}x to {}x",
+                                numberText(job.chosenSpacings), kLeastChosenSpacings,
+                                kMostChosenSpacings));
     requireRange("threads", job.threads, 0, kMaxThreads);
     requireRange("checkpoint", job.checkpointSeconds, 0.01, 60.0);
     if (!job.stats.empty()) {
@@ -97,11 +104,12 @@ BakeOptions optionsOf(const BakeJob& job, const TriangleMesh& mesh,
         count = found->ofSet;
     }
     if (options.spacing > 0) return options;
-    if (!job.extend.empty()) {
+    if (!job.extend.empty() && job.chosenSpacings == 1) {
         options.spacing = readHeader(job.extend).spacing;
         return options;
     }
-    options.spacing = chooseSpacing(mesh, &count.emplace());
+    options.spacing = job.chosenSpacings * chooseSpacing(mesh, &count.emplace());
+    if (job.chosenSpacings != 1) count.reset();
     return options;
 }
 

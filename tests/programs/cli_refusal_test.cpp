@@ -163,6 +163,10 @@ TEST_F(CliRefusal, ImpossibleOptions) {
     const std::vector<std::array<std::string, 3>> cases{
         {"bake", "--spacing -1", "expected 0 to"},
         {"bake", "--spacing nan", "expected 0 to"},
+        {"bake", "--spacing 0x", "expected 0.01x to 1000x"},
+        {"bake", "--spacing nanx", "expected 0.01x to 1000x"},
+        {"bake", "--spacing 2y", "as in 2x"},
+        {"bake", "--spacing 1,5", "as in 2x"},
         {"bake", "--spacing 1e-9", "expected at least"},
         {"bake", "--level 6", "expected 0 to 5"},
         {"bake", "--rays 0", "expected 1 to 255"},

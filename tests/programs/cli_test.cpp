@@ -61,6 +61,23 @@ TEST_F(Cli, BakeSaysWhichSpacingItChose) {
     EXPECT_NE(result.out.find("(chosen from the set's size)"), std::string::npos) << result.out;
 }
 
+TEST_F(Cli, BakeTakesTimesTheChosenSpacing) {
+    const auto spacing = [this](const std::string& arguments) {
+        runWell("bake", "set.obj --level 0 --rays 1 --stats stats.json " + arguments);
+        return readJson(path("stats.json"))["cache"]["spacing"].get<double>();
+    };
+    const double chosen = spacing("-o set.vdb");
+    EXPECT_EQ(spacing("-o twice.vdb --spacing 2x"), 2 * chosen);
+    EXPECT_EQ(spacing("-o half.vdb --spacing .5x"), chosen / 2);
+    EXPECT_EQ(spacing("--estimate --spacing 2x"), 2 * chosen);
+    EXPECT_EQ(spacing("-o more.vdb --extend twice.vdb --spacing 2x"), 2 * chosen);
+    EXPECT_EQ(spacing("-o more.vdb --extend twice.vdb"), 2 * chosen);
+    const std::string other = " --level 0 --rays 1 -o more.vdb --extend set.vdb --spacing 2x";
+    const ProgramRun refused = run("bake", "set.obj" + other);
+    EXPECT_NE(refused.status, 0);
+    EXPECT_NE(refused.err.find("spacing"), std::string::npos) << refused.err;
+}
+
 TEST_F(Cli, RenderSaysWhatItTook) {
     bake();
     const auto result = runWell("render", still("--cache set.vdb -o a.exr --stats stats.json"));
