@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "common/base/option_checks.h"
 #include "common/base/take_text.h"
 #include "common/base/text_streams.h"
 #include "common/cli/command_line.h"
@@ -19,12 +18,6 @@
 namespace shadowcache {
 
 namespace {
-
-/// Above 0, which no number of rays reaches: the rounding of floats, squared.
-constexpr double kLeastTargetError = 1e-14;
-
-/// Samples of a camera ray where --target-error chooses the camera rays.
-constexpr int kTargetErrorSamples = 4;
 
 /// "A,B,C" -> finite numbers, as many as `count`.
 std::vector<double> parseNumbers(const char* option, const std::string& text, std::size_t count,
@@ -81,16 +74,6 @@ Gloss parseMaterial(const std::string& text) {
     return gloss;
 }
 
-/// The rays of a pixel that are asked for.
-PixelRays pixelRaysOf(const Arguments& arguments) {
-    PixelRays rays{arguments.spp, arguments.cameraRays, arguments.samples, arguments.preview};
-    if (arguments.targetError) {
-        rays.cameraRays = 1;
-        rays.samples = arguments.samples.value_or(kTargetErrorSamples);
-    }
-    return rays;
-}
-
 }  // namespace
 
 RenderJob jobOf(const Arguments& arguments) {
@@ -120,11 +103,10 @@ RenderJob jobOf(const Arguments& arguments) {
     job.render.width = width;
     job.render.height = height;
     if (!arguments.crop.empty()) job.render.crop = parseCrop(arguments.crop);
-    if (arguments.targetError) {
-        requireRange("target-error", *arguments.targetError, kLeastTargetError, 1e6);
-        job.targetError = *arguments.targetError;
-    }
-    chooseRays(pixelRaysOf(arguments), estimatorOf(job), job.render);
+    job.targetError = arguments.targetError.value_or(0);
+    chooseRays({arguments.spp, arguments.cameraRays, arguments.samples, arguments.preview,
+                arguments.targetError},
+               estimatorOf(job), job.render);
     const bool grey = arguments.albedo.find(',') == std::string::npos;
     job.render.plain.albedo =
         Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])

@@ -14,10 +14,20 @@ namespace {
 constexpr int kStandardRays = 64;
 constexpr int kPreviewRays = 4;
 
+/// Above 0, which no number of rays reaches: the rounding of floats, squared.
+constexpr double kLeastTargetError = 1e-14;
+
+/// Samples of a camera ray where a target error chooses the camera rays.
+constexpr int kTargetErrorSamples = 4;
+
 }  // namespace
 
 void chooseRays(const PixelRays& rays, const EstimatorEntry& estimator, RenderOptions& options) {
-    if (rays.samples || rays.cameraRays) {
+    if (rays.targetError) {
+        requireRange("target-error", *rays.targetError, kLeastTargetError, 1e6);
+        options.cameraRays = 1;
+        options.samples = rays.samples.value_or(kTargetErrorSamples);
+    } else if (rays.samples || rays.cameraRays) {
         options.cameraRays = rays.cameraRays.value_or(1);
         options.samples = rays.samples.value_or(1);
     } else {

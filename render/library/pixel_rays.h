@@ -12,6 +12,8 @@ struct PixelRays {
     std::optional<int> spp;                  ///< shadow rays, one of each camera ray
     std::optional<int> cameraRays, samples;  ///< in place of `spp`: shadow rays of each camera ray
     bool preview = false;                    ///< RenderOptions::preview
+    /// In place of `spp` and `cameraRays`: relMSE that planForError() chooses camera rays for.
+    std::optional<double> targetError{};
 };
 
 /// Fills in camera rays, samples and preview. Where nothing is asked for, the rays are those of a

@@ -3,6 +3,7 @@
 #include "render/bounces/item_looks.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
+#include "render/frame/target_error.h"
 
 namespace shadowcache {
 
@@ -30,19 +31,22 @@ void Shot::setEnvironment(const Environment& environment) {
 }
 
 Film Shot::renderFrame(const CameraMove& camera, int frameNumber, const RenderOptions& options,
-                       RenderStats& stats) const {
-    return render(planned(camera, frameNumber, options, stats), stats);
+                       RenderStats& stats, double targetError) const {
+    return render(planned(camera, frameNumber, options, stats, targetError), stats);
 }
 
 ProgressiveFrame Shot::renderPasses(const CameraMove& camera, int frameNumber,
                                     const RenderOptions& options, RenderStats& stats,
-                                    const ProgressiveObserver& observer) const {
-    return renderProgressive(planned(camera, frameNumber, options, stats), stats, observer);
+                                    const ProgressiveObserver& observer,
+                                    double targetError) const {
+    return renderProgressive(planned(camera, frameNumber, options, stats, targetError), stats,
+                             observer);
 }
 
 FrameRequest Shot::planned(const CameraMove& camera, int frameNumber, const RenderOptions& options,
-                           RenderStats& stats) const {
+                           RenderStats& stats, double targetError) const {
     FrameRequest frame{*estimator_, camera, frameNumber, options};
+    if (targetError > 0) return planForError(frame, targetError, stats).frame;
     frame.plan = planFrame(frame, stats);
     return frame;
 }

@@ -53,18 +53,21 @@ public:
     ///
     /// @param frameNumber  chooses the random numbers
     /// @param options      with the bounces and the plain look of the shot
+    /// @param targetError  relMSE that planForError() chooses the camera rays for; 0: those of
+    /// `options`
     /// @throws Error as render()
     Film renderFrame(const CameraMove& camera, int frameNumber, const RenderOptions& options,
-                     RenderStats& stats) const;
+                     RenderStats& stats, double targetError = 0) const;
 
     /// The same in passes. @pre requirePasses() @throws Error as renderProgressive()
     ProgressiveFrame renderPasses(const CameraMove& camera, int frameNumber,
                                   const RenderOptions& options, RenderStats& stats,
-                                  const ProgressiveObserver& observer) const;
+                                  const ProgressiveObserver& observer,
+                                  double targetError = 0) const;
 
 private:
     FrameRequest planned(const CameraMove& camera, int frameNumber, const RenderOptions& options,
-                         RenderStats& stats) const;
+                         RenderStats& stats, double targetError) const;
 
     const Scene& scene_;
     const ShadowCache* cache_;

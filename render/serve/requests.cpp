@@ -157,7 +157,10 @@ OptionsRequest parseOptions(Fields& fields) {
     wanted.rays = {wholeNumber(fields, "spp", 0, kMostCameraRays),
                    wholeNumber(fields, "camera-rays", 1, kMostCameraRays),
                    wholeNumber(fields, "samples", 0, kMostSamples),
-                   fields.flag("preview").value_or(false)};
+                   fields.flag("preview").value_or(false), fields.number("target-error")};
+    if (wanted.rays.targetError &&
+        (wanted.rays.spp || wanted.rays.cameraRays || wanted.rays.preview))
+        throw Error("options: expected target-error, or spp, camera-rays or preview, not both");
     if (wanted.rays.spp && (wanted.rays.cameraRays || wanted.rays.samples))
         throw Error("options: expected spp, or camera-rays and samples, not both");
     wanted.bounces = bouncesOf(fields);

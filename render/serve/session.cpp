@@ -163,6 +163,7 @@ Session::Reply Session::render(std::uint64_t number, const RenderRequest& reques
     };
     RenderStats stats;
     Film film;
+    const double target = wanted.rays.targetError.value_or(0);
     if (request.progressive) {
         requirePasses(options_.sequence);
         requirePasses(shot_->estimator(), chosen.estimator.name);
@@ -173,11 +174,11 @@ Session::Reply Session::render(std::uint64_t number, const RenderRequest& reques
             picture_(number, reply);
         };
         ProgressiveFrame frame =
-            shot_->renderPasses(camera, request.frame, chosen.options, stats, observer);
+            shot_->renderPasses(camera, request.frame, chosen.options, stats, observer, target);
         throwIfStopped();
         film = std::move(frame.film);
     } else {
-        film = shot_->renderFrame(camera, request.frame, chosen.options, stats);
+        film = shot_->renderFrame(camera, request.frame, chosen.options, stats, target);
     }
     Reply reply = show(film);
     reply["estimator"] = chosen.estimator.name;

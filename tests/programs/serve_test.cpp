@@ -142,6 +142,29 @@ TEST_F(ServeTest, PassesAreShownAndEndWithTheBitsOfTheProgram) {
     EXPECT_EQ(rays, (std::vector<int>{3, 6}));
 }
 
+TEST_F(ServeTest, ATargetErrorHasTheBitsOfTheProgram) {
+    bake();
+    runWell("render",
+            "set.obj --cache set.vdb --size 24x16 --env map.exr --bounces 0 --target-error 0.01 "
+            "--pass-rays 3 --eye 1,1.5,2 --look-at 0,0.3,0 -o still.exr");
+    runWell("render",
+            "set.obj --cache set.vdb --size 24x16 --env map.exr --bounces 2 --target-error 0.02 "
+            "--samples 2 --eye 1,1.5,2 --look-at 0,0.3,0 -o more.exr");
+    const std::vector<Json> replies = ask(
+        R"({"id":1,"request":"load","set":["set.obj"],"cache":"set.vdb"}
+{"id":2,"request":"environment","map":"map.exr"}
+{"id":3,"request":"camera","eye":[1,1.5,2],"look-at":[0,0.3,0]}
+{"id":4,"request":"size","width":24,"height":16}
+{"id":5,"request":"options","target-error":0.01,"pass-rays":3,"bounces":0}
+{"id":6,"request":"render","pixels":"still","progressive":true}
+{"id":7,"request":"options","target-error":0.02,"samples":2,"bounces":2}
+{"id":8,"request":"render","pixels":"more"}
+{"id":9,"request":"quit"}
+)");
+    expectSame("still", reply(replies, 6), "still.exr");
+    expectSame("more", reply(replies, 8), "more.exr");
+}
+
 TEST_F(ServeTest, RefusalsNameTheCauseAndTheProcessGoesOn) {
     const std::vector<std::pair<std::string, std::string>> cases{
         {R"("request":"load","set":["missing.obj"])", "missing.obj: no such file"},
@@ -165,6 +188,8 @@ TEST_F(ServeTest, RefusalsNameTheCauseAndTheProcessGoesOn) {
         {R"("request":"region")", ""},
         {R"("request":"options","estimator":"cache")", ""},
         {R"("request":"render","pixels":"p")", "--estimator cache requires --cache"},
+        {R"("request":"options","target-error":0)", ""},
+        {R"("request":"render","pixels":"p")", "--target-error 0: expected 1e-14 to"},
         {R"("request":"options","spp":1)", ""},
         {R"("request":"render","pixels":"missing/p")", "missing/p: cannot be written"},
         {R"("request":"render","pixels":"set.obj")", "set.obj: is there and no file of pixels"},

@@ -112,6 +112,7 @@ TEST(ServeRequests, RefusalsNameTheKeyTheValueAndTheWantedOne) {
         {R"({"id":1,"request":"load","set":["a"],"up":"x"})", "up is \"x\", expected y, z"},
         {R"({"id":1,"request":"size","width":1e3,"height":3})", "expected a whole number"},
         {R"({"id":1,"request":"size","width":99999999999,"height":3})", "width is 99999999999"},
+        {R"({"id":1,"request":"options","target-error":0.01,"spp":4})", "expected target-error, or"},
         {R"({"id":1,"request":"options","albedo":2})", "--albedo 2: expected 0 to 1"},
         {R"({"id":1,"request":"options","material":{"rough":1}})",
          "options: material: unknown key rough, did you mean roughness?"},
