@@ -5,13 +5,14 @@ import glob
 import json
 import os
 import shutil
+import tempfile
 
 from . import child, programs
 from .fingerprint import digest_of
 from .set_file import fps
 
-# Finest level of directions, and rays for each region of mixed visibility.
-QUALITIES = {"DRAFT": (3, 4), "GOOD": (4, 8), "FINE": (5, 16)}
+# Finest level of directions, rays for each region of mixed visibility, and spacing where none is stated.
+QUALITIES = {"DRAFT": (3, 4, "2x"), "GOOD": (4, 8, "1x"), "FINE": (5, 16, "1x")}
 MARGIN = 1  # voxels around those that a shot looks up
 
 
@@ -19,13 +20,13 @@ class Recipe:
     """What a bake is asked for, by the settings of a scene."""
 
     def __init__(self, settings):
-        self.level, self.rays = QUALITIES[settings.bake_quality]
-        self.spacing = settings.bake_spacing
+        self.level, self.rays, self.spacing = QUALITIES[settings.bake_quality]
+        if settings.bake_spacing:
+            self.spacing = "%.9g" % settings.bake_spacing
         self.whole = settings.bake_scope == "SET"
 
     def options(self):
-        words = ["--level", str(self.level), "--rays", str(self.rays)]
-        return words + ["--spacing", "%.9g" % self.spacing] if self.spacing else words
+        return ["--level", str(self.level), "--rays", str(self.rays), "--spacing", self.spacing]
 
 
 class Views:
@@ -70,19 +71,13 @@ def bake(set_file, recipe, views, scene, folder, should_stop, on_progress):
     extend = (os.path.exists(set_file.cache) and before.get("options") == recipe.options()
               and before.get("set") == notes["id"] and not before.get("whole"))
     whole = recipe.whole or not views.serves()
-    command = [programs.find("shadowcache-bake", folder), set_file.path, "-o", set_file.cache, *recipe.options(),
-               "--progress", "json"]
-    if extend:
-        command += ["--extend", set_file.cache]
-        if recipe.spacing:  # it is the file's
-            at = command.index("--spacing")
-            del command[at:at + 2]
-    camera = set_file.cache + ".camera.json"
+    options = recipe.options()
+    if extend:  # the spacing is the file's
+        options = [*options[:-2], "--extend", set_file.cache]
     if not whole:
-        views.write(camera, fps(scene))
-        frames = ",".join(str(frame) for frame in sorted(views.frames))
-        command += ["--camera", camera, "--frames", frames, "--size", "%dx%d" % views.size,
-                    "--fps", "%.9g" % fps(scene), "--margin", str(MARGIN)]
+        options += shot_options(set_file, views, fps(scene))
+    command = [programs.find("shadowcache-bake", folder), set_file.path, "-o", set_file.cache, *options,
+               "--progress", "json"]
     try:
         child.run(command, should_stop, lambda process: on_progress(*progress_of(process)))
     finally:
@@ -91,6 +86,34 @@ def bake(set_file, recipe, views, scene, folder, should_stop, on_progress):
     notes["bake"] = {"options": recipe.options(), "whole": whole, "set": notes["id"],
                      "views": sorted(views_held | views.digests())}
     set_file.write_notes(notes)
+
+
+def estimate(set_file, recipe, views, rate, folder, should_stop):
+    """What a bake of these views, or of the whole set, takes: the "estimate" of shadowcache-bake's statistics. views
+    is None if Recipe.whole."""
+    with tempfile.TemporaryDirectory() as work:
+        stats = os.path.join(work, "stats.json")
+        shot = shot_options(set_file, views, rate) if views and views.serves() else []
+        command = [programs.find("shadowcache-bake", folder), set_file.path, "--estimate", "--stats", stats,
+                   "--progress", "none", *recipe.options(), *shot]
+        try:
+            child.run(command, should_stop)
+        finally:
+            clean(set_file.cache)
+        with open(stats, encoding="ascii") as file:
+            return json.load(file)["estimate"]
+
+
+def camera_of(set_file):
+    return set_file.cache + ".camera.json"
+
+
+def shot_options(set_file, views, rate):
+    """Of a bake for these views; writes their camera file."""
+    views.write(camera_of(set_file), rate)
+    frames = ",".join(str(frame) for frame in sorted(views.frames))
+    return ["--camera", camera_of(set_file), "--frames", frames, "--size", "%dx%d" % views.size,
+            "--fps", "%.9g" % rate, "--margin", str(MARGIN)]
 
 
 def progress_of(process):
@@ -103,6 +126,10 @@ def progress_of(process):
             except (ValueError, KeyError):
                 continue
     return "", 0, 0
+
+
+def time_text(seconds):
+    return "%d:%02d" % (seconds // 60, seconds % 60)
 
 
 def clean(cache):

@@ -49,6 +49,8 @@ def values_of(item):
                 found.append((name, [value.evaluate(c, i / 32) for c in value.curves for i in range(33)]))
             elif isinstance(value, bpy.types.ImageUser):
                 found.append((name, value.frame_current, value.frame_offset, value.frame_start))
+            elif isinstance(value, (bpy.types.TexMapping, bpy.types.ColorMapping)):
+                found.append((name, values_of(value)))
             elif isinstance(value, bpy.types.ID) and not isinstance(value, bpy.types.NodeTree):
                 found.append((name, value.name_full))
     return found

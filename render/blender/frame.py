@@ -121,7 +121,7 @@ class Frame:
 
     def _bake(self, recipe, views, why):
         def on_progress(task, share, left):
-            self._say("Bake (%s): %s %d %%, %s left" % (why, task, 100 * share, time_text(left)), share)
+            self._say("Bake (%s): %s %d %%, %s left" % (why, task, 100 * share, bake.time_text(left)), share)
         self.session.close()  # two of them may not fit into memory
         self._say("Bake (%s)" % why, 0)
         bake.bake(self.set_file, recipe, views, self.scene, self.programs, self._stopped, on_progress)
@@ -130,13 +130,13 @@ class Frame:
     def _tell_light(self):
         self._say("World")
         folder = folder_of(self.scene)
-        if self.scene.world:
-            self.left_out += world.hidden_from(self.scene.world)
+        is_plain = True
         try:
             fields = world.plain(self.scene.world, folder)
         except world.NotPlain:
-            self.left_out += ["world %s: node %s: all see it as the camera does" % (self.scene.world.name, name)
-                              for name in world.by_view(self.scene.world.node_tree)]
+            is_plain = False
+        self.left_out += world.left_out(self.scene.world, is_plain)
+        if not is_plain:
             self._say("World: Cycles makes a map of its nodes")
             fields = world_map.of_world(self.scene.world, self.scene.frame_current, folder, self._stopped)
         self.session.tell("environment", fields, [fields["map"]] if "map" in fields else (), **self._calls("World"))
@@ -153,8 +153,8 @@ class Frame:
         if of_centre:
             self.session.tell("options", options_of(self.scene, 1, 1, of_centre, PASS_RAYS))
             centre = self._picture(self.session.render(self.scene.frame_current, **calls))
-        self.session.tell("options", options_of(self.scene, self.settings.camera_rays, self.settings.samples, aovs,
-                                                PASS_RAYS))
+        rays = None if self.settings.target_error else self.settings.camera_rays
+        self.session.tell("options", options_of(self.scene, rays, self.settings.samples, aovs, PASS_RAYS))
         plain = calls["on_reply"]
 
         def on_reply(reply):
@@ -172,7 +172,3 @@ class Frame:
 
     def _picture(self, reply):
         return passes.Picture(reply["planes"], pixels.read(reply["pixels"]))
-
-
-def time_text(seconds):
-    return "%d:%02d" % (seconds // 60, seconds % 60)

@@ -3,8 +3,10 @@
 
 
 def options_of(scene, camera_rays, samples, aovs=(), pass_rays=None):
+    """camera_rays: of a pixel; None: as many as the noise target needs."""
     s = scene.shadowcache
-    options = {"camera-rays": camera_rays, "samples": samples, "bounces": s.bounces, "seed": s.seed,
+    rays = {"target-error": s.target_error} if camera_rays is None else {"camera-rays": camera_rays}
+    options = {**rays, "samples": samples, "bounces": s.bounces, "seed": s.seed,
                "filter": s.filter, "filter-width": s.filter_width, "aov": list(aovs),
                "transparent": scene.render.film_transparent}
     if pass_rays:

@@ -5,7 +5,7 @@ import os
 
 import bpy
 
-from . import bake, engine, folders, preferences, programs
+from . import bake, engine, estimate, folders, preferences, programs
 
 # Panels of Blender that are made for engines of its own kind and do not fit this one.
 UNFIT = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_simplify_viewport", "RENDER_PT_gpencil",
@@ -34,7 +34,10 @@ class SHADOWCACHE_PT_sampling(Panel, bpy.types.Panel):
     bl_label = "Sampling"
 
     def show(self, column, context, settings):
-        for name in ("camera_rays", "samples", "bounces", "clamp_indirect", "viewport_rays", "seed"):
+        row = column.row()
+        row.active = not settings.target_error
+        row.prop(settings, "camera_rays")
+        for name in ("target_error", "samples", "bounces", "clamp_indirect", "viewport_rays", "seed"):
             column.prop(settings, name)
         for name in preferences.NEEDED:
             try:
@@ -50,8 +53,13 @@ class SHADOWCACHE_PT_bake(Panel, bpy.types.Panel):
         for name in ("bake_scope", "bake_quality", "bake_spacing", "stale", "use_motion", "cache_folder"):
             column.prop(settings, name)
         set_file = folders.set_file_of(context.scene, context.view_layer.name)
-        column.label(text=state_of(set_file, bake.Recipe(settings)), icon="INFO")
+        recipe = bake.Recipe(settings)
+        column.label(text=state_of(set_file, recipe), icon="INFO")
+        expected = estimate.FOUND.get(estimate.key_of(set_file, recipe))
+        if expected:
+            column.label(text=expected, icon="TIME")
         row = column.row()
+        row.operator("shadowcache.estimate")
         row.operator("shadowcache.forget")
         row.operator("shadowcache.free")
 

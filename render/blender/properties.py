@@ -14,12 +14,12 @@ class ShadowcacheSettings(bpy.types.PropertyGroup):
             ("SET", "Whole Set", "Every surface: takes longer, once for all cameras")))
     bake_quality: bpy.props.EnumProperty(
         name="Quality", default="DRAFT", items=(
-            ("DRAFT", "Draft", "Fast to bake; pictures are free of bias as well, with a little more noise"),
-            ("GOOD", "Good", "Twice the rays of a draft, and directions at half the angle"),
+            ("DRAFT", "Draft", "Fast to bake: voxels of twice the chosen side; pictures are free of bias as well, with a little more noise"),
+            ("GOOD", "Good", "Twice the rays of a draft, directions at half the angle, voxels of half the side"),
             ("FINE", "Fine", "For long shots, as shadowcache-bake by default: four times the rays of a draft")))
     bake_spacing: bpy.props.FloatProperty(
         name="Spacing", subtype="DISTANCE", min=0, soft_max=10, default=0,
-        description="Side of a voxel: smaller ones take longer to bake, and pictures are less noisy. 0: chosen from the size of the set")
+        description="Side of a voxel: smaller ones take longer to bake, and pictures are less noisy. 0: chosen from the size of the set and the quality")
     stale: bpy.props.EnumProperty(
         name="Stale Cache", default="BAKE", items=(
             ("BAKE", "Bake Again", "Where the set is not what was baked"),
@@ -29,6 +29,9 @@ class ShadowcacheSettings(bpy.types.PropertyGroup):
         description="Objects that move in the scene's frames are rendered in each frame and not baked. Off: each frame is a set of its own, baked as a whole")
     camera_rays: bpy.props.IntProperty(
         name="Camera Rays", min=1, max=65536, default=16, description="Camera rays of a pixel: edges, depth of field")
+    target_error: bpy.props.FloatProperty(
+        name="Noise Target", min=0, max=1, default=0, precision=4, step=0.1,
+        description="Error of the picture, the mean of variance over squared luminance: each part gets the camera rays that it needs, found by a pilot. 0: as many as Camera Rays says")
     samples: bpy.props.IntProperty(
         name="Shadow Rays", min=1, max=65536, default=4, description="Shadow rays of each camera ray")
     bounces: bpy.props.IntProperty(

@@ -31,7 +31,8 @@ class Viewport:
 
     def __init__(self):
         self.worker = Worker()
-        self.left_out = None     # of the set and the world; None: not yet known
+        self._set_left_out = None  # not yet known
+        self._world_left_out = []
         self._due_at = 0.0       # when the set is to be looked at; None: the file holds it
         self._places = None
         self._set_file = None
@@ -44,6 +45,11 @@ class Viewport:
         LIVE.add(self)
         if not bpy.app.timers.is_registered(tick):
             bpy.app.timers.register(tick, persistent=True)
+
+    @property
+    def left_out(self):
+        """Of the set and the world; None: not yet known."""
+        return None if self._set_left_out is None else self._set_left_out + self._world_left_out
 
     def close(self):
         LIVE.discard(self)
@@ -82,13 +88,16 @@ class Viewport:
 
     def _update_world(self, scene):
         folder = folder_of(scene)
+        is_plain = True
         try:
             self._world = world.plain(scene.world, folder)
         except world.NotPlain:
+            is_plain = False
             baking = world_map.Baking(scene.world, scene.frame_current, folder)
             if baking != self._world:
                 baking.prepare(scene.world)
                 self._world = baking
+        self._world_left_out = world.left_out(scene.world, is_plain)
 
     def _update_set(self, depsgraph):
         """Finds the file that holds the set: that of F12, or one of the views' own."""
@@ -109,7 +118,7 @@ class Viewport:
             if not own.holds(state, depsgraph.scene):
                 own.export(depsgraph, state)
             self._set_file = own
-        self.left_out = self._set_file.left_out()
+        self._set_left_out = self._set_file.left_out()
 
     def _wish(self, engine, context, depsgraph):
         scene, space, region = depsgraph.scene, context.space_data, context.region

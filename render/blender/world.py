@@ -78,8 +78,17 @@ def factors_of(node):
     raise NotPlain
 
 
+def has_own_mapping(node):
+    """Whether a texture turns or scales by settings that no editor shows, but scripts and old files set."""
+    own = node.texture_mapping
+    return (own.vector_type != "POINT" or own.use_min or own.use_max or any(own.translation) or any(own.rotation)
+            or tuple(own.scale) != (1, 1, 1) or (own.mapping_x, own.mapping_y, own.mapping_z) != ("X", "Y", "Z"))
+
+
 def turn_of(node):
     """3x3: directions of the map to those of Blender's world, for an Environment Texture."""
+    if has_own_mapping(node):
+        raise NotPlain
     feeding = source(node.inputs["Vector"])
     if feeding is None:
         return numpy.eye(3)
@@ -136,6 +145,15 @@ def by_view(tree):
             found += ["%s %s" % (node.bl_label, s.name) for s in node.outputs
                       if s.is_linked and s.name in BY_VIEW_SOCKETS]
     return found
+
+
+def left_out(world, is_plain):
+    """What the map of a world does not show."""
+    if world is None:
+        return []
+    seen = [] if is_plain else by_view(world.node_tree)
+    return hidden_from(world) + ["world %s: node %s: all see it as the camera does" % (world.name, name)
+                                 for name in seen]
 
 
 def file_of(image, folder):

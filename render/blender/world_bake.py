@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders a world alone to a map, in a Blender that was started for it.
 
-Usage: blender -b --factory-startup --python-exit-code 1 -P world_bake.py -- WORLD.blend NAME FRAME MAP.exr
+Usage: blender -b --factory-startup --python-exit-code 1 -P world_bake.py -- WORLD.blend HELD.json NAME FRAME MAP.exr
+HELD.json has what animation and drivers made of the nodes.
 The map is made again at twice the size until its integral is that of a map of half the size and four times the samples.
 """
 
+import json
 import math
 import sys
 
@@ -15,13 +17,25 @@ FIRST_WIDTH, LAST_WIDTH, SAMPLES = 1024, 4096, 32
 TOLERANCE = 0.01  # of the integral
 
 
-def set_up(blend, name, frame):
+def hold(world, values):
+    """Puts values in the place of animation and drivers."""
+    for tree in (world.node_tree, *bpy.data.node_groups):
+        tree.animation_data_clear()
+    for group, path, value in values:
+        owner, _, name = path.rpartition(".")
+        if owner:  # else a property of its own, which only drivers read
+            setattr((bpy.data.node_groups[group] if group else world.node_tree).path_resolve(owner), name, value)
+
+
+def set_up(blend, held, name, frame):
     with bpy.data.libraries.load(blend) as (_, wanted):
         wanted.worlds = [name]
     scene = bpy.context.scene
     for thing in list(bpy.data.objects):
         bpy.data.objects.remove(thing)
     scene.world = wanted.worlds[0]
+    with open(held, encoding="utf-8") as file:
+        hold(scene.world, json.load(file))
     camera = bpy.data.cameras.new("panorama")
     thing = bpy.data.objects.new("panorama", camera)
     # Its middle is at +x.
@@ -62,8 +76,8 @@ def render(path, width, samples):
 
 
 def main():
-    blend, name, frame, path = sys.argv[sys.argv.index("--") + 1:]
-    set_up(blend, name, int(frame))
+    blend, held, name, frame, path = sys.argv[sys.argv.index("--") + 1:]
+    set_up(blend, held, name, int(frame))
     width = FIRST_WIDTH
     while True:
         wanted = render(path, width // 2, 4 * SAMPLES)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A world of any nodes as a map: Cycles renders it, in a Blender of its own, so that this one's file stays as it is."""
 
+import json
 import os
 import shutil
 import tempfile
@@ -8,9 +9,32 @@ import tempfile
 import bpy
 
 from . import child, fingerprint
-from .world import require_no_object
+from .world import nodes_in, require_no_object
 
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "world_bake.py")
+
+
+def held_values(tree):
+    """Of an evaluated world's nodes, what animation and drivers make of them: [name of the group, or "", path, value].
+    They may depend on the scene, without which the map is made."""
+    groups = {node.node_tree.name: node.node_tree for node in nodes_in(tree) if getattr(node, "node_tree", None)}
+    found = []
+    for name, group in {"": tree, **groups}.items():
+        for path in animated_paths(group.original.animation_data):
+            try:
+                value = group.path_resolve(path)
+            except ValueError:  # of a node that was removed
+                continue
+            found.append((name, path, list(value) if hasattr(value, "__len__") and not isinstance(value, str) else value))
+    return found
+
+
+def animated_paths(animation):
+    if not animation:
+        return []
+    actions = [animation.action] + [strip.action for track in animation.nla_tracks for strip in track.strips]
+    curves = [curve for action in actions if action for curve in action.fcurves]
+    return sorted({curve.data_path for curve in (*animation.drivers, *curves)})
 
 
 class Baking:
@@ -39,6 +63,8 @@ class Baking:
         self.work = tempfile.TemporaryDirectory()
         bpy.data.libraries.write(os.path.join(self.work.name, "world.blend"), {world.original}, path_remap="ABSOLUTE",
                                  fake_user=True)
+        with open(os.path.join(self.work.name, "held.json"), "w", encoding="utf-8") as out:
+            json.dump(held_values(world.node_tree), out)
 
     def run(self, should_stop):
         """Makes the map, in any thread. Raises Failed, Cancelled."""
@@ -47,7 +73,8 @@ class Baking:
         os.makedirs(self.folder, exist_ok=True)
         part = os.path.join(self.work.name, "world.exr")
         command = [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1", "-P", SCRIPT, "--",
-                   os.path.join(self.work.name, "world.blend"), self.name, str(self.frame), part]
+                   os.path.join(self.work.name, "world.blend"), os.path.join(self.work.name, "held.json"), self.name,
+                   str(self.frame), part]
         try:
             child.run(command, should_stop)
         except child.Failed as error:

@@ -80,6 +80,29 @@ def expect_same(what, found, wanted, most_mean=0.01, most_tiles=MOST_TILES):
     assert means < most_mean and rms < most_tiles, "%s: means %.4f, tiles %.4f" % (what, means, rms)
 
 
+def estimates():
+    """Before there is a cache: what is said is what the bake then makes, for a frame and for the set."""
+    settings = bpy.context.scene.shadowcache
+    module = sys.modules["shadowcache.estimate"]
+    make_world()
+    for scope in ("SHOT", "SET"):
+        settings.bake_scope = scope
+        assert bpy.ops.shadowcache.estimate() == {"FINISHED"}
+        assert not any(name.endswith(".vdb") for name in stamps()), "an estimate bakes"
+    texts = list(module.FOUND.values())
+    print("case estimates: %s" % texts)
+    assert len(texts) == 2 and all("about 0:0" in text for text in texts), texts
+    megabytes = [float(text.split(" MB")[0].split()[-1]) for text in texts]
+    settings.bake_scope = "SHOT"
+    render("SHADOWCACHE")
+    baked = next(os.path.getsize(os.path.join(settings.cache_folder, n)) for n in stamps() if n.endswith(".vdb"))
+    assert abs(baked / 1e6 / megabytes[0] - 1) < 0.2 and megabytes[1] > megabytes[0], (baked, texts)
+    panels()
+    preferences().folder = "/nowhere"
+    assert "no program shadowcache-bake there" in error_of(bpy.ops.shadowcache.estimate)
+    preferences().folder = PROGRAMS
+
+
 def worlds():
     """Direct light under each kind of world; the map turned by 1 and 5 degrees more must be told apart."""
     inverse = mathutils.Euler([math.radians(a) for a in (20, -35, 50)]).to_matrix().transposed().to_euler()
@@ -101,6 +124,31 @@ def worlds():
     make_sky()
     wanted = planes(render("CYCLES"), "Combined")
     expect_same("sky texture", planes(render("SHADOWCACHE"), "Combined"), wanted)
+    driven()
+    make_world(turn=(0, 0, 0))
+    wanted = planes(render("SHADOWCACHE"), "Combined")
+    texture = next(node for node in bpy.context.scene.world.node_tree.nodes if node.type == "TEX_ENVIRONMENT")
+    texture.texture_mapping.rotation[2] = 0.6  # no editor shows it
+    found = planes(render("SHADOWCACHE"), "Combined")
+    expect_same("mapping of the texture itself", found, planes(render("CYCLES"), "Combined"), most_tiles=0.03)  # resampled
+    assert apart(found, wanted)[1] > 0.06, "the mapping of the texture itself does nothing"
+
+
+def driven():
+    """The strength of a world that Cycles makes a map of follows an object, which is not there then."""
+    background = next(n for n in bpy.context.scene.world.node_tree.nodes if n.type == "BACKGROUND")
+    driver = background.inputs["Strength"].driver_add("default_value").driver
+    variable = driver.variables.new()
+    variable.type, variable.targets[0].id = "TRANSFORMS", bpy.context.scene.camera
+    variable.targets[0].transform_type = "LOC_X"
+    driver.expression = "0.4 * " + variable.name
+    found = []
+    for x in (0.5, 0.8):
+        bpy.context.scene.camera.location.x = x
+        found.append(planes(render("SHADOWCACHE"), "Combined"))
+        expect_same("driven world, %g" % x, found[-1], planes(render("CYCLES"), "Combined"))
+    assert apart(*found)[0] > 0.1
+    bpy.context.scene.camera.location.x = 0.5
 
 
 def all_passes():
@@ -133,6 +181,25 @@ def all_passes():
     for flag in flags:
         setattr(layer, flag, False)
     layer.shadowcache.use_pass_variance = False
+
+
+def noise_target():
+    """The error of a picture, by two of other seeds, is about the target; the light stays."""
+    settings = bpy.context.scene.shadowcache
+    make_world()
+    wanted = planes(render("CYCLES"), "Combined")
+    for target in (1e-3, 1e-4):
+        settings.target_error = target
+        pictures = []
+        for settings.seed in (1, 2):
+            pictures.append(planes(render("SHADOWCACHE"), "Combined"))
+        mean = sum(pictures) / 2
+        error = ((pictures[0] - pictures[1]) ** 2 / 2 / (mean ** 2 + 0.01 * mean.mean() ** 2)).mean()
+        print("case noise target %g: %.6f" % (target, error))
+        assert target / 3 < error < 3 * target
+    expect_same("noise target", mean, wanted)
+    settings.target_error = 0
+    settings.seed = 1
 
 
 def film():
@@ -305,7 +372,7 @@ def flat_memory():
 def main():
     install()
     make_scene()
-    for case in (panels, worlds, all_passes, film, animation, stale, errors, cancel, flat_memory):
+    for case in (panels, estimates, worlds, all_passes, noise_target, film, animation, stale, errors, cancel, flat_memory):
         start = time.monotonic()
         case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))
