@@ -309,6 +309,27 @@ def errors():
     render("SHADOWCACHE")  # by a new one
 
 
+def killed():
+    """The process that renders is killed in the middle of it."""
+    kind = sys.modules["shadowcache.frame"].Frame
+    before = kind._say
+
+    def say(self, text, share=None):
+        if text.startswith("Render: "):
+            for process in children():
+                os.kill(process, 9)
+
+    sys.modules["shadowcache.engine"].RESIDENT.close()
+    settings = bpy.context.scene.shadowcache
+    settings.camera_rays, kind._say = 4096, say
+    try:
+        assert "shadowcache-render has ended with status -9" in error_of(lambda: render("SHADOWCACHE"))
+    finally:
+        settings.camera_rays, kind._say = 64, before
+    assert not children()
+    render("SHADOWCACHE")
+
+
 def cancel():
     """In each of its steps a render ends within a second, without a child."""
     kind = sys.modules["shadowcache.frame"].Frame  # Blender itself hears of no Esc here
@@ -356,14 +377,14 @@ def memory_of(process):
 
 def flat_memory():
     bpy.context.scene.shadowcache.camera_rays = 1
-    for i in range(14):
+    for i in range(54):
         bpy.context.scene.camera.location.z += 0.01
         make_world(turn=(0, 0, i))
         render("SHADOWCACHE")
         found = memory_of(os.getpid()), memory_of(children()[0])
         if i == 3:
             before = found
-    print("case memory: %s kB, %s kB before ten frames" % (found, before))
+    print("case memory: %s kB, %s kB before fifty frames" % (found, before))
     assert all(now - then < 10000 for now, then in zip(found, before))
     bpy.ops.shadowcache.free()
     assert not children()
@@ -372,7 +393,7 @@ def flat_memory():
 def main():
     install()
     make_scene()
-    for case in (panels, estimates, worlds, all_passes, noise_target, film, animation, stale, errors, cancel, flat_memory):
+    for case in (panels, estimates, worlds, all_passes, noise_target, film, animation, stale, errors, killed, cancel, flat_memory):
         start = time.monotonic()
         case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))

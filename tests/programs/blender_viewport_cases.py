@@ -242,6 +242,41 @@ def edits():
     assert all("/viewport/" in name for name in changed), "a view writes the files of F12: %s" % changed
 
 
+def images():
+    """Another file, or other texels, of the world's image are another map; scripts must call update_tag() after
+    foreach_set(). What a world leaves out is listed."""
+    scene = bpy.context.scene
+    write = sys.modules["shadowcache.exr"].write
+    paths = [os.path.join(WORK, "flat%d.exr" % gain) for gain in (1, 2)]
+    for gain, path in enumerate(paths, 1):
+        write(path, numpy.full((4, 8, 3), 0.5 * gain, numpy.float32))
+    make_world(image=paths[0])
+    texture = next(n for n in scene.world.node_tree.nodes if n.type == "TEX_ENVIRONMENT")
+    yield from rested("file")
+    once = shown()
+    texture.image.filepath = paths[1]
+    yield from rested("another file")
+    compare("another file", shown(), 2 * once)
+    texture.image = bpy.data.images.new("flat", 8, 4, float_buffer=True)
+    for what, gain in (("generated", 1), ("texels", 2), ("packed", 3), ("packed texels", 4)):
+        texture.image.pixels.foreach_set([0.5 * gain] * 3 * 32 if texture.image.channels == 3 else
+                                         [0.5 * gain, 0.5 * gain, 0.5 * gain, 1] * 32)
+        texture.image.update_tag()  # as painting does
+        if what == "packed":
+            texture.image.pack()
+        yield from rested(what)
+        compare(what, shown(), gain * once)
+    compare("control, packed texels", shown(), once, False)
+    tree = scene.world.node_tree
+    background = next(n for n in tree.nodes if n.type == "BACKGROUND")
+    tree.links.new(tree.nodes.new("ShaderNodeLightPath").outputs[0], background.inputs["Strength"])
+    left_out = sys.modules["shadowcache.engine"].LEFT_OUT
+    yield from until(lambda: any("Light Path" in entry for entry in left_out[scene.name]), "left out")
+    make_world(turn=(0, 0, 30))
+    yield from rested("map again")
+    assert not left_out[scene.name], left_out
+
+
 def resize_and_windows():
     """Another size is no other process; a second window has one of its own, which ends with it."""
     process = set(children())
@@ -326,7 +361,7 @@ def all_cases():
     settings = bpy.context.scene.shadowcache
     settings.viewport_rays = settings.camera_rays = settings.samples = 2
     settings.bake_scope = "SET"
-    for case in (first_picture, like_f12, views, turns, moving, edits, resize_and_windows, killed, job, ends):
+    for case in (first_picture, like_f12, views, turns, moving, edits, images, resize_and_windows, killed, job, ends):
         start = time.monotonic()
         yield from case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start), flush=True)
