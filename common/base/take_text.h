@@ -10,7 +10,7 @@ namespace shadowcache {
 
 /// Whether a number of its type was there.
 template <class T>
-    requires std::same_as<T, int> || std::same_as<T, double>
+requires std::same_as<T, int> || std::same_as<T, double>
 bool takeNumber(std::string_view& text, T& number) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (error != std::errc()) return false;

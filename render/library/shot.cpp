@@ -37,8 +37,7 @@ Film Shot::renderFrame(const CameraMove& camera, int frameNumber, const RenderOp
 
 ProgressiveFrame Shot::renderPasses(const CameraMove& camera, int frameNumber,
                                     const RenderOptions& options, RenderStats& stats,
-                                    const ProgressiveObserver& observer,
-                                    double targetError) const {
+                                    const ProgressiveObserver& observer, double targetError) const {
     return renderProgressive(planned(camera, frameNumber, options, stats, targetError), stats,
                              observer);
 }
