@@ -84,7 +84,7 @@ class Frame:
         self.set_file.update(self.depsgraph, self._set_frame if first else None, self.settings.use_motion)
         self.left_out += self.set_file.left_out() + passes.left_out(self.depsgraph.view_layer)
         if self.scene.render.use_motion_blur:
-            self.left_out.append("motion blur")
+            self.left_out.append("motion blur: all is where it is at the frame")
 
     def _camera(self):
         thing = self.engine.camera_override or self.scene.camera

@@ -54,9 +54,10 @@ class SHADOWCACHE_PT_bake(Panel, bpy.types.Panel):
             column.prop(settings, name)
         set_file = folders.set_file_of(context.scene, context.view_layer.name)
         recipe = bake.Recipe(settings)
-        column.label(text=state_of(set_file, recipe), icon="INFO")
+        state = state_of(set_file, recipe)
+        column.label(text=state, icon="INFO")
         expected = estimate.FOUND.get(estimate.key_of(set_file, recipe))
-        if expected:
+        if expected and not state.startswith("Baked"):
             column.label(text=expected, icon="TIME")
         row = column.row()
         row.operator("shadowcache.estimate")
@@ -73,7 +74,8 @@ def state_of(set_file, recipe):
         return "Stale: the settings of the bake have changed"
     if recipe.whole and not notes["whole"]:
         return "Of a shot: the next render bakes the rest"
-    of = "the whole set" if notes["whole"] else "%d views" % len(notes["views"])
+    count = len(notes["views"])
+    of = "the whole set" if notes["whole"] else "%d view%s" % (count, "s" * (count != 1))
     return "Baked: %s, %.1f MB" % (of, os.path.getsize(set_file.cache) / 1e6)
 
 
