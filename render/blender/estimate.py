@@ -30,7 +30,15 @@ class SHADOWCACHE_OT_estimate(bpy.types.Operator):
         return context.scene.camera is not None and not bpy.app.is_job_running("RENDER")
 
     def _start(self, context):
-        """Exports the set, and lets a thread do the rest."""
+        """Exports the set, and lets a thread do the rest; whether it could."""
+        try:
+            self._export(context)
+        except (Failed, OSError, ValueError, RuntimeError) as error:
+            self.report({"ERROR"}, str(error))
+            return False
+        return True
+
+    def _export(self, context):
         scene, layer = context.scene, context.view_layer.name
         set_file, recipe = folders.set_file_of(scene, layer), bake.Recipe(scene.shadowcache)
 
@@ -65,18 +73,10 @@ class SHADOWCACHE_OT_estimate(bpy.types.Operator):
         return {"FINISHED"}
 
     def execute(self, context):
-        try:
-            self._start(context)
-        except (Failed, OSError, ValueError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return self._end()
+        return self._end() if self._start(context) else {"CANCELLED"}
 
     def invoke(self, context, event):
-        try:
-            self._start(context)
-        except (Failed, OSError, ValueError) as error:
-            self.report({"ERROR"}, str(error))
+        if not self._start(context):
             return {"CANCELLED"}
         self.timer = context.window_manager.event_timer_add(INTERVAL, window=context.window)
         context.window_manager.modal_handler_add(self)

@@ -93,6 +93,8 @@ class Viewport:
             self._world = world.plain(scene.world, folder)
         except world.NotPlain:
             is_plain = False
+        if not is_plain:
+            # Not in the handler: Blender's libraries.write leaks an exception, whose context would keep the engine.
             baking = world_map.Baking(scene.world, scene.frame_current, folder)
             if baking != self._world:
                 baking.prepare(scene.world)

@@ -324,6 +324,17 @@ def killed():
     assert "rays" in said(), said()
 
 
+def estimate():
+    """By the button, while Blender goes on."""
+    found = sys.modules["shadowcache.estimate"].FOUND
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        assert bpy.ops.shadowcache.estimate("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    assert not found
+    yield from until(lambda: found, "estimate")
+    print("case estimate: " + next(iter(found.values())))
+    yield from rested("after an estimate")
+
+
 def job():
     """F12 as users press it, while the view is live."""
     bpy.context.preferences.view.render_display_type = "NONE"
@@ -361,7 +372,7 @@ def all_cases():
     settings = bpy.context.scene.shadowcache
     settings.viewport_rays = settings.camera_rays = settings.samples = 2
     settings.bake_scope = "SET"
-    for case in (first_picture, like_f12, views, turns, moving, edits, images, resize_and_windows, killed, job, ends):
+    for case in (first_picture, like_f12, views, turns, moving, edits, images, resize_and_windows, killed, estimate, job, ends):
         start = time.monotonic()
         yield from case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start), flush=True)
