@@ -136,7 +136,12 @@ def worlds():
 
 def driven():
     """The strength of a world that Cycles makes a map of follows an object, which is not there then."""
-    background = next(n for n in bpy.context.scene.world.node_tree.nodes if n.type == "BACKGROUND")
+    make_world(image=None, tint=(0.5, 0.7, 1))
+    tree = bpy.context.scene.world.node_tree
+    background = next(n for n in tree.nodes if n.type == "BACKGROUND")
+    gamma = tree.nodes.new("ShaderNodeGamma")
+    gamma.inputs["Color"].default_value, gamma.inputs["Gamma"].default_value = (0.9, 0.5, 0.4, 1), 2
+    tree.links.new(gamma.outputs[0], background.inputs["Color"])
     driver = background.inputs["Strength"].driver_add("default_value").driver
     variable = driver.variables.new()
     variable.type, variable.targets[0].id = "TRANSFORMS", bpy.context.scene.camera
