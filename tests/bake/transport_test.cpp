@@ -28,14 +28,17 @@ using test::bakeSmall;
 using test::smallOptions;
 
 TEST(HitCodes, HoldTheSideAndTheDistance) {
-    for (int side = 0; side < kSides; ++side)
-        for (double distance = 0; distance < 2e6; distance = distance * 1.03 + 0.001) {
+    for (int side = 0; side < kSides; ++side) {
+        double distance = 0;
+        while (distance < 2e6) {
             const std::uint16_t code = HitCode::of(distance, side);
             ASSERT_TRUE(HitCode::isSurface(code) && HitCode::isValid(code));
             EXPECT_EQ(HitCode::side(code), side);
             // Half a step: ln 2 / 570 of the distance and 4 spacings more.
             EXPECT_NEAR(HitCode::distance(code), distance, 0.5 * 0.00123 * (distance + 4));
+            distance = distance * 1.03 + 0.001;
         }
+    }
     EXPECT_EQ(HitCode::distance(HitCode::of(-1, 0)), 0);
     EXPECT_TRUE(HitCode::isValid(HitCode::of(1e30, kSides - 1)));
     EXPECT_FALSE(HitCode::isSurface(HitCode::kSky) || HitCode::isSurface(HitCode::kUnknown));

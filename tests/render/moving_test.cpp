@@ -78,6 +78,7 @@ TEST_F(Moving, ChangesNoMean) {
     const auto estimator = findEstimator("cache").make(context);
     std::vector<ShadingPoint> points{floorPoint(0.1f, 0.2f), floorPoint(1.2f, 0.9f)};
     std::vector<Rgb> without;
+    without.reserve(points.size());
     for (const ShadingPoint& point : points)
         without.push_back(test::tracedIrradiance(*scene_, point, map, 64));
     scene_->setMoving(moving_->pose(2));
