@@ -30,7 +30,10 @@ void parseSpacing(const std::string& text, BakeJob& job) {
     double number = 0;
     if (takeNumber(rest, number)) {
         const bool isRelative = takeCharacter(rest, 'x');
-        (isRelative ? job.chosenSpacings : job.bake.spacing) = number;
+        if (isRelative)
+            job.chosenSpacings = number;
+        else
+            job.bake.spacing = number;
         if (rest.empty()) return;
     }
     throw Error("--spacing " + text +

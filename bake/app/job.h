@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,8 +21,9 @@ struct BakeJob {
     std::filesystem::path lookups;  ///< file that has the shot's lookups; empty: find them
     MeshOptions mesh;
     BakeOptions bake;
-    double chosenSpacings = 1;  ///< where bake.spacing is 0: times the one that is chosen, above 0
-    ShotOptions shot;           ///< without a camera: the bake is of the whole set
+    /// In place of bake.spacing: times the one that is chosen, above 0.
+    std::optional<double> chosenSpacings;
+    ShotOptions shot;  ///< without a camera: the bake is of the whole set
     int threads = 0;
     bool estimate = false;     ///< predict what the bake takes, write no cache
     bool lookupsOnly = false;  ///< write the shot's lookups, and no cache

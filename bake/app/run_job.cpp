@@ -71,10 +71,10 @@ void writeStats(const BakeJob& job, const TriangleMesh& mesh, const BakeResult& 
 void validate(const BakeJob& job) {
     validate(job.bake);
     validate(job.shot);
-    if (!(job.chosenSpacings >= kLeastChosenSpacings && job.chosenSpacings <= kMostChosenSpacings))
-        throw Error(fmt::format("--spacing {}x: expected {}x to {}x",
-                                numberText(job.chosenSpacings), kLeastChosenSpacings,
-                                kMostChosenSpacings));
+    const double times = job.chosenSpacings.value_or(1);
+    if (!(times >= kLeastChosenSpacings && times <= kMostChosenSpacings))
+        throw Error(fmt::format("--spacing {}x: expected {}x to {}x", numberText(times),
+                                kLeastChosenSpacings, kMostChosenSpacings));
     requireRange("threads", job.threads, 0, kMaxThreads);
     requireRange("checkpoint", job.checkpointSeconds, 0.01, 60.0);
     if (!job.stats.empty()) {
@@ -104,12 +104,13 @@ BakeOptions optionsOf(const BakeJob& job, const TriangleMesh& mesh,
         count = found->ofSet;
     }
     if (options.spacing > 0) return options;
-    if (!job.extend.empty() && job.chosenSpacings == 1) {
+    if (!job.extend.empty() && !job.chosenSpacings) {
         options.spacing = readHeader(job.extend).spacing;
         return options;
     }
-    options.spacing = job.chosenSpacings * chooseSpacing(mesh, &count.emplace());
-    if (job.chosenSpacings != 1) count.reset();
+    const double times = job.chosenSpacings.value_or(1);
+    options.spacing = times * chooseSpacing(mesh, &count.emplace());
+    if (times != 1) count.reset();
     return options;
 }
 
