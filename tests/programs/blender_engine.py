@@ -5,7 +5,7 @@ Exit status 77 where Blender is missing, unless SHADOWCACHE_NO_SKIP is set. A Bl
 import subprocess
 import time
 
-from blender_run import BUILD, MAP, SOURCE, WORK, begin, blender, finish, runs
+from blender_run import BUILD, MAP, SOURCE, WORK, begin, blender, finish, servers
 
 MOST_SECONDS = 400
 ENDLESS = """
@@ -35,12 +35,11 @@ def killed(archive):
         while "Render: " not in (WORK / "killed.log").read_text(errors="replace"):
             assert time.monotonic() < deadline and process.poll() is None, (WORK / "killed.log").read_text()
             time.sleep(0.1)
-        child = f"{BUILD}/render/shadowcache-render --serve"
-        assert runs(child)
+        assert servers()
         process.kill()
         process.wait()
     deadline = time.monotonic() + 20  # it looks up after each of its tiles
-    while runs(child):
+    while servers():
         assert time.monotonic() < deadline, "the process goes on without Blender"
         time.sleep(0.05)
 

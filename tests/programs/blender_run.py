@@ -45,13 +45,15 @@ def finish(process, most_seconds):
         sys.exit(1)
 
 
-def runs(word):
-    """Processes whose command line has a word in it."""
+def servers():
+    """Processes with --serve of this test's Blenders: others may run beside it."""
+    own = b"BLENDER_USER_SCRIPTS=" + os.fsencode(WORK / "scripts")
     found = []
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
+    for process in Path("/proc").glob("[0-9]*"):
         try:
-            if word.encode() in path.read_bytes().replace(b"\0", b" "):
-                found.append(path)
-        except OSError:
+            if (b"--serve" in (process / "cmdline").read_bytes().split(b"\0")
+                    and own in (process / "environ").read_bytes().split(b"\0")):
+                found.append(process)
+        except OSError:  # it has ended
             pass
     return found

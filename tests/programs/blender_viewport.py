@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 
-from blender_run import BUILD, MAP, SOURCE, WORK, begin, blender, finish, runs
+from blender_run import BUILD, MAP, SOURCE, WORK, begin, blender, finish, servers
 
 MOST_SECONDS = 200
 
@@ -25,7 +25,7 @@ def main():
         display.terminate()
         display.wait()
     deadline = time.monotonic() + 5
-    while runs(f"{BUILD}/render/shadowcache-render --serve"):
+    while servers():
         if time.monotonic() > deadline:
             sys.exit("a process is left")
         time.sleep(0.05)
