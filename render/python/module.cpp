@@ -218,7 +218,8 @@ void defineScene(py::module_& module) {
 
 }  // namespace shadowcache::python
 
-PYBIND11_MODULE(shadowcache, module) {
+/// What is in the module.
+static void define(pybind11::module_& module) {
     namespace py = pybind11;
     module.doc() = shadowcache::python::kModuleDoc;
     module.attr("__version__") = shadowcache::kVersion;
@@ -236,4 +237,24 @@ PYBIND11_MODULE(shadowcache, module) {
     shadowcache::python::defineEnvironment(module);
     shadowcache::python::defineSampler(module);
     shadowcache::python::defineRender(module);
+}
+
+/// As PYBIND11_MODULE, which waits for ever where the first import is another interpreter's:
+/// pybind11 2.10 asks for the main interpreter's lock then, with its own held.
+extern "C" PYBIND11_EXPORT PyObject* PyInit_shadowcache() {
+    if (PyInterpreterState_Get() != PyInterpreterState_Main()) {
+        PyErr_SetString(
+            PyExc_ImportError,
+            "shadowcache: a sub-interpreter cannot import it; use a process (multiprocessing)");
+        return nullptr;
+    }
+    PYBIND11_CHECK_PYTHON_VERSION
+    PYBIND11_ENSURE_INTERNALS_READY
+    static pybind11::module_::module_def definition;
+    auto module = pybind11::module_::create_extension_module("shadowcache", nullptr, &definition);
+    try {
+        define(module);
+        return module.ptr();
+    }
+    PYBIND11_CATCH_INIT_EXCEPTIONS
 }
