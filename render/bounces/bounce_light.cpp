@@ -55,7 +55,7 @@ GroupSizes BounceLight::sizesAt(int bounce) const {
 }
 
 void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
-                         BounceCounts& counts) const {
+                         BounceCounts& counts, const std::function<void()>& onLevel) const {
     const EstimatorContext& context = estimator_.context();
     std::vector<PathLevel> levels{firstLevel(receivers, context.environment.luminanceWeights())};
     std::vector<VertexGroups> groups;
@@ -69,9 +69,11 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
         groups.push_back(groupVertices(level, sizesAt(bounce)));
         // Alone, a pixel's camera points have a sequence of their own.
         if (bounce > 0 || options_.shared) stratifyNumbers(groups.back(), level);
-        if (bounce > 0)
+        if (bounce > 0) {
             counts.shadowRays +=
                 lightVertices(estimator_, plan_, groups.back(), workspaces_, level);
+            onLevel();
+        }
         if (bouncesLeft(bounce) == 0) break;
         PathLevel next =
             nextLevel(context, options_.plain, groups.back().order, level, counts.pathRays);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "common/base/pool.h"
@@ -22,9 +23,11 @@ public:
 
     /// Light that reaches each of the receivers from other surfaces.
     ///
-    /// @param light  as many as receivers
-    void gather(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
-                BounceCounts& counts) const;
+    /// @param light    as many as receivers
+    /// @param onLevel  called when the vertices of a level are lit, the costliest first
+    void gather(
+        std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
+        BounceCounts& counts, const std::function<void()>& onLevel = [] {}) const;
 
     /// The same as it is predicted, without rays.
     ///

@@ -42,22 +42,23 @@ void renderBlocks(const FrameRequest& frame, const TileBlocks& blocks, RenderSta
     const BlockRenderer block(frame, renderer, workspaces);
     const Tiles all(frame.options);
     const RenderOptions& options = frame.options;
+    const int passes = (options.cameraRays + options.passRays - 1) / options.passRays;
     RayCounts counts;
     std::vector<FilmPlace> places;
     for (std::size_t b = 0; b < blocks.count(); ++b) {
         const auto tiles = blocks.block(b);
         std::vector<std::vector<PixelSum>> sums(tiles.size());
+        BlockProgress progress = BlockRenderer::progressOf(tiles, passes, sink.taken);
         for (int first = 0; first < options.cameraRays; first += options.passRays)
-            block.addCameraRays(
-                tiles, first, std::min(options.passRays, options.cameraRays - first), sums, stats);
-        std::size_t taken = 0;
+            block.addCameraRays(tiles, first,
+                                std::min(options.passRays, options.cameraRays - first), sums,
+                                progress, stats);
+        progress.finish();
         for (std::size_t i = 0; i < tiles.size(); ++i) {
             if (!tiles[i].index) continue;
             all.findPlaces(tiles[i].tile, places);
             sink.take({*tiles[i].index, places, averagesOf(renderer, sums[i], counts)});
-            ++taken;
         }
-        sink.taken(taken);
     }
     counts.addTo(stats);
 }

@@ -14,7 +14,7 @@ struct RenderedTile {
 /// Who has the tiles of a frame as they are done, in no stated order.
 struct TileSink {
     std::function<void(const RenderedTile&)> take;
-    /// Tiles were taken that took their time together: so many.
+    /// So many tiles more are done, or as good as: those of a block take their time together.
     std::function<void(std::size_t)> taken = [](std::size_t) {};
 };
 

@@ -64,9 +64,11 @@ Pixel renderPixel(const FrameRequest& frame, int x, int y, const CameraSampleObs
     std::vector<std::vector<PixelSum>> sums(blocks.block(block).size());
     const BlockRenderer tool(frame, renderer, workspaces);
     RenderStats stats;
+    BlockProgress untold;
     for (int first = 0; first < options.cameraRays; first += options.passRays)
         tool.addCameraRays(blocks.block(block), first,
-                           std::min(options.passRays, options.cameraRays - first), sums, stats);
+                           std::min(options.passRays, options.cameraRays - first), sums, untold,
+                           stats);
     std::vector<FilmPlace> places;
     all.findPlaces(tile, places);
     const auto place =

@@ -86,15 +86,15 @@ private:
             const auto tiles = blocks_.block(b);
             std::vector<std::vector<PixelSum>>& sums = blockSums_[b];
             sums.resize(tiles.size());
-            blockRenderer_.addCameraRays(tiles, first, count, sums, stats);
-            std::size_t taken = 0;
+            BlockProgress ofBlock =
+                BlockRenderer::progressOf(tiles, 1, [&](std::size_t more) { progress.add(more); });
+            blockRenderer_.addCameraRays(tiles, first, count, sums, ofBlock, stats);
+            ofBlock.finish();
             for (std::size_t i = 0; i < tiles.size(); ++i) {
                 if (!tiles[i].index) continue;
                 all.findPlaces(tiles[i].tile, places);
                 finish(*tiles[i].index, places, sums[i]);
-                ++taken;
             }
-            progress.add(taken);
         }
     }
 

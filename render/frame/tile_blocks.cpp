@@ -62,6 +62,15 @@ BlockRenderer::BlockRenderer(const FrameRequest& frame, const TileRenderer& rend
       workspaces_(workspaces),
       bounces_(frame.estimator, frame.plan.estimator.get(), bounceOptionsOf(frame.options)) {}
 
+BlockProgress BlockRenderer::progressOf(std::span<const TileBlocks::Tile> block, int passes,
+                                        std::function<void(std::size_t)> onTiles) {
+    const auto wanted =
+        std::ranges::count_if(block, [](const auto& tile) { return tile.index.has_value(); });
+    // Direct light and what bounces take about the same time.
+    const std::size_t work = 2 * block.size() * static_cast<std::size_t>(passes);
+    return {static_cast<std::size_t>(wanted), work, std::move(onTiles)};
+}
+
 int BlockRenderer::raysOf(const TileBlocks::Tile& tile, int first, int count) const {
     // What is planned tile by tile leaves out those that are not asked for.
     int rays = frame_.tileRays.empty() ? frame_.options.cameraRays : 0;
@@ -70,7 +79,8 @@ int BlockRenderer::raysOf(const TileBlocks::Tile& tile, int first, int count) co
 }
 
 void BlockRenderer::addCameraRays(std::span<const TileBlocks::Tile> block, int first, int count,
-                                  std::span<std::vector<PixelSum>> sums, RenderStats& stats) const {
+                                  std::span<std::vector<PixelSum>> sums, BlockProgress& progress,
+                                  RenderStats& stats) const {
     std::vector<std::size_t> tiles;
     for (const TileBlocks::Tile& tile : block) tiles.push_back(tile.tile);
     std::vector<std::vector<TileBatch>> batches(tiles.size());
@@ -82,15 +92,17 @@ void BlockRenderer::addCameraRays(std::span<const TileBlocks::Tile> block, int f
         if (rays > 0)
             renderer_.lightCameraRays(turn.places, first, rays, lighting, turn.scratch,
                                       turn.workspace, sums[turn.index], batches[turn.index]);
+        progress.add(1);
     });
-    gather(batches, stats);
+    gather(batches, progress, stats);
     forEachTile(frame_, tiles, workspaces_, stats, [&](const TileTurn& turn) {
         if (block[turn.index].index)
             renderer_.addBatches(batches[turn.index], turn.workspace, sums[turn.index]);
     });
 }
 
-void BlockRenderer::gather(std::span<std::vector<TileBatch>> batches, RenderStats& stats) const {
+void BlockRenderer::gather(std::span<std::vector<TileBatch>> batches, BlockProgress& progress,
+                           RenderStats& stats) const {
     if (frame_.options.bounces == 0) return;
     const TimeKeeper time(stats);
     std::vector<BounceReceiver> receivers;
@@ -103,7 +115,13 @@ void BlockRenderer::gather(std::span<std::vector<TileBatch>> batches, RenderStat
         for (BouncedLight& l : light) l.irradiance = l.predicted;
     } else {
         BounceCounts counts;
-        bounces_.gather(receivers, light, counts);
+        // Fewer paths go on from each level to the next: it is taken for half of what is left.
+        std::size_t left = batches.size();
+        bounces_.gather(receivers, light, counts, [&] {
+            progress.add(left / 2);
+            left -= left / 2;
+        });
+        progress.add(left);
         stats.bounces.add(counts);
     }
     auto next = light.begin();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "render/bounces/bounce_light.h"
+#include "render/frame/block_progress.h"
 #include "render/frame/tile_loop.h"
 
 namespace shadowcache {
@@ -52,14 +53,20 @@ public:
     /// Adds camera rays `first` to `first + count - 1` to the pixels of a block, as far as their
     /// tiles have so many.
     ///
-    /// @param sums  of the block's tiles
+    /// @param sums      of the block's tiles
+    /// @param progress  of the block
     void addCameraRays(std::span<const TileBlocks::Tile> block, int first, int count,
-                       std::span<std::vector<PixelSum>> sums, RenderStats& stats) const;
+                       std::span<std::vector<PixelSum>> sums, BlockProgress& progress,
+                       RenderStats& stats) const;
+    /// Tells how far `passes` calls for a block are.
+    static BlockProgress progressOf(std::span<const TileBlocks::Tile> block, int passes,
+                                    std::function<void(std::size_t)> onTiles);
 
 private:
     int raysOf(const TileBlocks::Tile& tile, int first, int count) const;
     /// Has light bounce to all places of the block's batches.
-    void gather(std::span<std::vector<TileBatch>> batches, RenderStats& stats) const;
+    void gather(std::span<std::vector<TileBatch>> batches, BlockProgress& progress,
+                RenderStats& stats) const;
 
     const FrameRequest& frame_;
     const TileRenderer& renderer_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "common/random/salts.h"
 #include "common/shot/view.h"
 #include "render/bounces/item_looks.h"
+#include "render/frame/frame_loop.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
 #include "render/frame/progressive.h"
@@ -309,6 +311,30 @@ TEST_F(RoomInParts, ReplaysItsPixels) {
     const Pixel pixel = renderPixel(frame, 41, 30, [&](const CameraSample&) { ++seen; });
     EXPECT_GE(seen, options().cameraRays);
     EXPECT_EQ(pixel.color, whole.pixels[30 * 70 + 41].color);
+}
+
+// All tiles are of one block: a first of them is taken after all have been lit.
+TEST_F(RoomInParts, TellsHowFarItsBlockIs) {
+    const EstimatorContext context{
+        world_.scene, world_.environment, &world_.cache.cache(), {}, &solved_->solve};
+    const auto estimator = findEstimator("cache").make(context, {});
+    FrameRequest frame{*estimator, camera(), 1, options()};
+    RenderStats stats;
+    frame.plan = planFrame(frame, stats);
+    const std::vector<std::size_t> tiles = Tiles(frame.options).touching(frame.options.region());
+    std::atomic<std::size_t> told{0}, reports{0};
+    std::size_t before = 0, taken = 0;
+    const auto take = [&](const RenderedTile&) {
+        if (++taken == 1) before = told;
+    };
+    renderTiles(frame, tiles, BlockExtent::wholeFrame, stats, {take, [&](std::size_t more) {
+                                                                   told += more;
+                                                                   ++reports;
+                                                               }});
+    EXPECT_EQ(taken, tiles.size());
+    EXPECT_EQ(told, tiles.size());
+    EXPECT_EQ(before, tiles.size());
+    EXPECT_GT(reports, tiles.size() / 2);
 }
 
 TEST_F(RoomInParts, AddsUpFromItsParts) {
