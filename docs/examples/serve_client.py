@@ -77,7 +77,7 @@ def view(angle):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], allow_abbrev=False)
     for name in ("set", "cache", "map", "picture"):
         parser.add_argument(name)
     parser.add_argument("--size", default="480x270")

@@ -263,6 +263,11 @@ def test_refusals(folder, arguments, message):
     assert ended.stderr.count("\n") == 1  # nothing was measured
 
 
+def test_options_have_one_name(folder):
+    ended = run(folder, "--spacing", "0.02")  # no short form of --spacings
+    assert ended.returncode == 2 and "unrecognized arguments: --spacing 0.02" in ended.stderr
+
+
 def test_a_bake_that_fails_says_why(folder):
     script = folder / "bake"
     script.write_text("#!/bin/sh\necho 'shadowcache-bake: the disk is full' >&2\nexit 1\n", encoding="utf-8")

@@ -175,7 +175,7 @@ TABLES = {"techniques": techniques, "pictures": picture_list, "table1": table1,
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
     parser.add_argument("--work", default=os.path.join(SOURCE, "out", "study"))
     parser.add_argument("--docs", default=os.path.join(SOURCE, "docs"))
     arguments = parser.parse_args()

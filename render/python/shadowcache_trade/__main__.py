@@ -18,7 +18,7 @@ INTERRUPTED = 75  # as the programs end
 
 
 def parser():
-    parse = argparse.ArgumentParser(prog="shadowcache_trade", description=__doc__,
+    parse = argparse.ArgumentParser(prog="shadowcache_trade", allow_abbrev=False, description=__doc__,
                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parse.add_argument("set", nargs="+", help="geometry files that make one set")
     parse.add_argument("--env", required=True, help="map: OpenEXR or Radiance HDR")
