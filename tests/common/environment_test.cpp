@@ -19,14 +19,13 @@ namespace {
 
 using test::environmentOf;
 
-using test::litMaps;
 using test::NamedMap;
 using test::Texels;
 using test::unturned;
 
-class EnvironmentMaps : public testing::TestWithParam<std::size_t> {
+class EnvironmentMaps : public testing::TestWithParam<std::string> {
 protected:
-    NamedMap named_ = litMaps()[GetParam()];
+    NamedMap named_ = test::litMap(GetParam());
     Environment environment_ = environmentOf(named_.map, named_.rotation);
 
     void expectPower();
@@ -38,8 +37,8 @@ protected:
     void expectPlaces(const Texels& texels);
 };
 
-INSTANTIATE_TEST_SUITE_P(Maps, EnvironmentMaps, testing::Range<std::size_t>(0, litMaps().size()),
-                         [](const auto& test) { return litMaps()[test.param].name; });
+INSTANTIATE_TEST_SUITE_P(Maps, EnvironmentMaps, testing::ValuesIn(test::litMapNames()),
+                         [](const auto& test) { return test.param; });
 
 /// The total luminance is that of the map.
 void EnvironmentMaps::expectPower() {
@@ -297,7 +296,7 @@ TEST(Environment, TakesItsLuminanceWeights) {
 }
 
 TEST(Environment, KnowsTheHighestLuminanceOfACone) {
-    const NamedMap named = litMaps()[0];
+    const NamedMap named = test::litMap("Noise");
     const Environment environment = environmentOf(named.map, named.rotation);
     std::mt19937_64 generator(8);
     std::normal_distribution<double> normal;

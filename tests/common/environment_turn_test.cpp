@@ -22,13 +22,6 @@ std::shared_ptr<const EnvironmentMap> mapOf(const Image& image) {
     return std::make_shared<const EnvironmentMap>(image, Rgb(0.2126f, 0.7152f, 0.0722f));
 }
 
-Image bundled(const std::string& name) {
-    for (const test::NamedMap& map : test::litMaps())
-        if (map.name == name) return map.map;
-    ADD_FAILURE() << name;
-    return {};
-}
-
 Turn mirrored(Turn turn) {
     turn.axis[0] = -turn.axis[0];
     return turn;
@@ -142,7 +135,7 @@ double pValue(const std::vector<double>& observed, std::vector<double> light, in
 // its mean is the same.
 TEST_P(Turned, SamplesFollowTheTurnedLight) {
     constexpr int kSamples = 400000;
-    const auto map = mapOf(bundled("courtyard"));
+    const auto map = mapOf(test::litMap("courtyard").map);
     const std::vector<double> observed = histogram(Environment(map, turn_), kSamples);
     const Environment plain(map);
     const auto after = [&](const Turn& more) {
@@ -160,7 +153,7 @@ TEST_P(Turned, SamplesFollowTheTurnedLight) {
 
 TEST_P(Turned, DensitiesAreThoseOfTheDraws) {
     for (const char* name : {"Noise", "sunrise", "Sun"}) {
-        const Environment environment(mapOf(bundled(name)), turn_, Rgb(2, 0.5f, 0));
+        const Environment environment(mapOf(test::litMap(name).map), turn_, Rgb(2, 0.5f, 0));
         double total = 0;
         for (std::size_t i = 0; i < environment.texelCount(); ++i) {
             const Environment::Texel texel = environment.texel(i);
@@ -194,7 +187,7 @@ std::array<Vec3d, 3> firstMoments(const Environment& environment) {
 
 // Ten texels of this map hold more than half of its light.
 TEST(TurnedSun, KeepsItsIntegralUnderEveryTurn) {
-    const auto map = mapOf(bundled("sunrise"));
+    const auto map = mapOf(test::litMap("sunrise").map);
     const Environment plain(map);
     Environment environment(map);
     std::mt19937_64 generator(3);
@@ -214,7 +207,7 @@ TEST(TurnedSun, KeepsItsIntegralUnderEveryTurn) {
 
 // Cells hold what belongs to them: their moments are those of their texels.
 TEST_P(Turned, MomentsAreSumsOverTexels) {
-    const Environment environment(mapOf(bundled("interior")), turn_, Rgb(1, 3, 0.25f));
+    const Environment environment(mapOf(test::litMap("interior").map), turn_, Rgb(1, 3, 0.25f));
     for (std::uint32_t c = 0; c < cellCount(Environment::kLevel); c += 41) {
         const CellMoments& m = environment.cells(Environment::kLevel, c / CellMoments::kSize);
         const std::uint32_t k = c % CellMoments::kSize;
@@ -244,7 +237,7 @@ TEST_P(Turned, MomentsAreSumsOverTexels) {
 }
 
 TEST(Gain, IsLinear) {
-    const auto map = mapOf(bundled("interior"));
+    const auto map = mapOf(test::litMap("interior").map);
     const Turn turn = turnByAngles({10, 20, 30});
     const Environment one(map, turn), four(map, turn, Rgb(4.0f));
     EXPECT_EQ(four.luminanceIntegral(), 4 * one.luminanceIntegral());
@@ -263,7 +256,7 @@ TEST(Gain, IsLinear) {
 // With its control: samples of the plain map do not follow the light of the tinted one.
 TEST(Gain, ATintIsFollowedByTheSamples) {
     constexpr int kSamples = 400000;
-    const auto map = mapOf(bundled("courtyard"));
+    const auto map = mapOf(test::litMap("courtyard").map);
     const Rgb tint(3, 1, 0);
     const Environment plain(map), tinted(map, {}, tint);
     const std::vector<double> light = lightOfTiles(plain, {}, tint);
@@ -280,7 +273,7 @@ TEST(Gain, OfZeroIsDark) {
 }
 
 TEST(TurnedAgain, IsTheSameAsANewOne) {
-    const auto map = mapOf(bundled("interior"));
+    const auto map = mapOf(test::litMap("interior").map);
     const Turn turn = mirrored(turnByAngles({50, 60, 70}));
     const Environment fresh(map, turn, Rgb(1, 2, 3));
     Environment again(map, turnByAngles({0, 5, 0}));

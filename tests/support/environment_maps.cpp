@@ -1,8 +1,10 @@
 #include "tests/support/environment_maps.h"
 
 #include <cmath>
+#include <functional>
 #include <unordered_set>
 
+#include "common/base/error.h"
 #include "common/image/radiance.h"
 #include "tests/support/test_scenes.h"
 
@@ -19,26 +21,52 @@ Image sunMap(int width, int height) {
     return map;
 }
 
-NamedMap bundledMap(const std::string& name) {
-    return {name, readRadiance(std::string(SHADOWCACHE_MAPS) + "/" + name + ".exr").image};
+Image bundledMap(const std::string& name) {
+    return readRadiance(std::string(SHADOWCACHE_MAPS) + "/" + name + ".exr").image;
+}
+
+/// How a map is made.
+struct MapRecipe {
+    std::string name;
+    std::function<Image()> make;
+    double rotation = 0;
+};
+
+std::vector<MapRecipe> recipes() {
+    const Rgb plain(0.5f, 1, 3), single(5, 6, 7);
+    return {{"Noise", [] { return noiseMap(200, 90, 2); }, 77.7},
+            {"Gradient",
+             [] {
+                 return gradientMap(64, 32, {0.3, 0.8, -0.2});
+             }},
+            {"OddSize", [] { return noiseMap(37, 61, 3); }, -123},
+            {"OneByOne",
+             [=] {
+                 return Image{1, 1, {plain}};
+             }},
+            {"AllEqual", [=] { return constantMap(plain); }, 20},
+            {"OneTexel", [=] { return oneTexelMap(64, 32, 11, 9, single); }},
+            {"OneTexelAtThePole", [=] { return oneTexelMap(64, 32, 11, 0, single); }},
+            {"OneSmallTexel", [=] { return oneTexelMap(1300, 650, 700, 300, single); }},
+            {"Sun", [] { return sunMap(512, 256); }},
+            {"CoarseSun", [] { return sunMap(8, 4); }},
+            {"courtyard", [] { return bundledMap("courtyard"); }},
+            {"interior", [] { return bundledMap("interior"); }},
+            {"sunrise", [] { return bundledMap("sunrise"); }}};
 }
 
 }  // namespace
 
-std::vector<NamedMap> litMaps() {
-    return {{"Noise", noiseMap(200, 90, 2), 77.7},
-            {"Gradient", gradientMap(64, 32, {0.3, 0.8, -0.2})},
-            {"OddSize", noiseMap(37, 61, 3), -123},
-            {"OneByOne", {1, 1, {Rgb(0.5f, 1, 3)}}},
-            {"AllEqual", constantMap(Rgb(0.5f, 1, 3)), 20},
-            {"OneTexel", oneTexelMap(64, 32, 11, 9, Rgb(5, 6, 7))},
-            {"OneTexelAtThePole", oneTexelMap(64, 32, 11, 0, Rgb(5, 6, 7))},
-            {"OneSmallTexel", oneTexelMap(1300, 650, 700, 300, Rgb(5, 6, 7))},
-            {"Sun", sunMap(512, 256)},
-            {"CoarseSun", sunMap(8, 4)},
-            bundledMap("courtyard"),
-            bundledMap("interior"),
-            bundledMap("sunrise")};
+std::vector<std::string> litMapNames() {
+    std::vector<std::string> names;
+    for (const MapRecipe& recipe : recipes()) names.push_back(recipe.name);
+    return names;
+}
+
+NamedMap litMap(const std::string& name) {
+    for (const MapRecipe& recipe : recipes())
+        if (recipe.name == name) return {name, recipe.make(), recipe.rotation};
+    throw Error(name + ": no such map");
 }
 
 Vec3d unturned(const Vec3d& w, double angle) {

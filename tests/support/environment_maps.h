@@ -16,7 +16,10 @@ struct NamedMap {
 };
 
 /// Every map that has any light: real ones, hostile ones, one texel lit, a sun of 1e9, all equal.
-std::vector<NamedMap> litMaps();
+/// Names alone, since each start of a test program asks for them and real maps take a while to read.
+std::vector<std::string> litMapNames();
+/// One of them.
+NamedMap litMap(const std::string& name);
 
 /// Direction before a rotation of the map by `angle` [rad]: counter-clockwise seen from above takes
 /// +Z to +X.
