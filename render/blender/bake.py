@@ -25,8 +25,11 @@ class Recipe:
             self.spacing = "%.9g" % settings.bake_spacing
         self.whole = settings.bake_scope == "SET"
 
+    def sampling(self):
+        return ["--level", str(self.level), "--rays", str(self.rays)]
+
     def options(self):
-        return ["--level", str(self.level), "--rays", str(self.rays), "--spacing", self.spacing]
+        return [*self.sampling(), "--spacing", self.spacing]
 
 
 class Views:
@@ -71,9 +74,8 @@ def bake(set_file, recipe, views, scene, folder, should_stop, on_progress):
     extend = (os.path.exists(set_file.cache) and before.get("options") == recipe.options()
               and before.get("set") == notes["id"] and not before.get("whole"))
     whole = recipe.whole or not views.serves()
-    options = recipe.options()
-    if extend:  # the spacing is the file's
-        options = [*options[:-2], "--extend", set_file.cache]
+    # What is extended has its own spacing.
+    options = [*recipe.sampling(), "--extend", set_file.cache] if extend else recipe.options()
     if not whole:
         options += shot_options(set_file, views, fps(scene))
     command = [programs.find("shadowcache-bake", folder), set_file.path, "-o", set_file.cache, *options,

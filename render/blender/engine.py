@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import passes, view, viewport
+from . import hybrid, passes, view, viewport
 from .child import Cancelled, Failed
 from .frame import Frame, Job
 from .programs import Missing
@@ -40,6 +40,7 @@ class ShadowcacheEngine(bpy.types.RenderEngine):
         except Cancelled:
             RESIDENT.close()
         except (Failed, Missing, OSError, ValueError) as error:
+            hybrid.hold(depsgraph.scene.original)
             self.report({"ERROR"}, str(error))
         finally:
             self.end_result(result)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a depsgraph to a picture: set, cache, light, camera, pixels."""
 
-from . import bake, passes, pixels, preferences, view, world, world_map
+from . import bake, hybrid, passes, pixels, preferences, view, world, world_map
 from .child import Cancelled, Gone
 from .folders import folder_of, set_file_of
 from .options import options_of
@@ -33,6 +33,7 @@ class Frame:
         self.programs = preferences.program_folder()
         self.left_out = []
         self.wanted = passes.wanted(depsgraph.view_layer)
+        self.is_hybrid = hybrid.is_on(self.scene.original)
 
     def _stopped(self):
         return self.engine.test_break()
@@ -82,12 +83,19 @@ class Frame:
         first = name not in self.job.exported
         self.job.exported.add(name)
         self.set_file.update(self.depsgraph, self._set_frame if first else None, self.settings.use_motion)
-        self.left_out += self.set_file.left_out() + passes.left_out(self.depsgraph.view_layer)
+        if self.is_hybrid:  # Cycles has what the set has not
+            hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out())
+        else:
+            self.left_out += self.set_file.left_out()
+        self.left_out += passes.left_out(self.depsgraph.view_layer)
         if self.scene.render.use_motion_blur:
             self.left_out.append("motion blur: all is where it is at the frame")
 
+    def _camera_object(self):
+        return self.engine.camera_override or self.scene.camera
+
     def _camera(self):
-        thing = self.engine.camera_override or self.scene.camera
+        thing = self._camera_object()
         return view.view_of(thing and thing.evaluated_get(self.depsgraph), self.scene)
 
     def _views(self):
@@ -151,10 +159,11 @@ class Frame:
         aovs, of_centre = passes.aovs_of(self.wanted)
         calls = self._calls("Render")
         if of_centre:
-            self.session.tell("options", options_of(self.scene, 1, 1, of_centre, PASS_RAYS))
+            self.session.tell("options", options_of(self.scene, 1, 1, of_centre, PASS_RAYS, self.is_hybrid))
             centre = self._picture(self.session.render(self.scene.frame_current, **calls))
         rays = None if self.settings.target_error else self.settings.camera_rays
-        self.session.tell("options", options_of(self.scene, rays, self.settings.samples, aovs, PASS_RAYS))
+        self.session.tell("options", options_of(self.scene, rays, self.settings.samples, aovs, PASS_RAYS,
+                                                self.is_hybrid))
         plain = calls["on_reply"]
 
         def on_reply(reply):

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import bake, engine, estimate, folders
+from . import bake, engine, estimate, folders, hybrid_operators
 
 
 class SHADOWCACHE_OT_free(bpy.types.Operator):
@@ -35,7 +35,7 @@ class SHADOWCACHE_OT_forget(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (SHADOWCACHE_OT_free, SHADOWCACHE_OT_forget, estimate.SHADOWCACHE_OT_estimate)
+CLASSES = (SHADOWCACHE_OT_free, SHADOWCACHE_OT_forget, estimate.SHADOWCACHE_OT_estimate, *hybrid_operators.CLASSES)
 
 
 def register():

@@ -5,7 +5,7 @@ import os
 
 import bpy
 
-from . import bake, engine, estimate, folders, preferences, programs
+from . import bake, engine, estimate, folders, hybrid, preferences, programs
 
 # Panels of Blender that are made for engines of its own kind and do not fit this one.
 UNFIT = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_simplify_viewport", "RENDER_PT_gpencil",
@@ -88,6 +88,24 @@ class SHADOWCACHE_PT_film(Panel, bpy.types.Panel):
         column.prop(settings, "filter_width")
 
 
+class SHADOWCACHE_PT_hybrid(Panel, bpy.types.Panel):
+    bl_label = "Hybrid"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def show(self, column, context, settings):
+        rest = settings.hybrid_rest
+        if not rest:
+            column.operator("shadowcache.hybrid")
+            return
+        for name in ("samples", "use_adaptive_sampling", "max_bounces"):
+            column.prop(rest.cycles, name)
+        if not hybrid.is_on(context.scene):
+            column.label(text="Off: its nodes are not used", icon="INFO")
+        row = column.row()
+        row.operator("shadowcache.hybrid", text="Update")
+        row.operator("shadowcache.hybrid_remove")
+
+
 class SHADOWCACHE_PT_left_out(Panel, bpy.types.Panel):
     bl_label = "Not Rendered"
     bl_options = {"DEFAULT_CLOSED"}
@@ -118,8 +136,8 @@ class SHADOWCACHE_PT_passes(Panel, bpy.types.Panel):
         column.prop(layer, "use_pass_environment")
 
 
-CLASSES = (SHADOWCACHE_PT_sampling, SHADOWCACHE_PT_bake, SHADOWCACHE_PT_film, SHADOWCACHE_PT_left_out,
-           SHADOWCACHE_PT_passes)
+CLASSES = (SHADOWCACHE_PT_sampling, SHADOWCACHE_PT_bake, SHADOWCACHE_PT_film, SHADOWCACHE_PT_hybrid,
+           SHADOWCACHE_PT_left_out, SHADOWCACHE_PT_passes)
 
 
 def shared_panels():

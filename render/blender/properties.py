@@ -47,6 +47,9 @@ class ShadowcacheSettings(bpy.types.PropertyGroup):
         name="Width", subtype="PIXEL", min=0.01, max=10, default=1.5, description="Of the pixel filter")
     viewport_rays: bpy.props.IntProperty(
         name="Viewport Rays", min=1, max=4096, default=64, description="Rays of a pixel until the viewport rests")
+    # Made and removed by the operators of the hybrid.
+    hybrid_rest: bpy.props.PointerProperty(type=bpy.types.Scene)
+    hybrid_lamps: bpy.props.PointerProperty(type=bpy.types.Scene)
 
 
 class ShadowcacheLayerSettings(bpy.types.PropertyGroup):

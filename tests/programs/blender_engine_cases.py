@@ -15,8 +15,8 @@ import numpy
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import blender_exr  # noqa: E402
-from blender_scene import (DIM, PROGRAMS, SIZE, WORK, apart, children, install, make_scene, make_world,  # noqa: E402
-                           preferences)
+from blender_scene import (DIM, PROGRAMS, SIZE, WORK, apart, children, error_of, install, make_scene,  # noqa: E402
+                           make_world, preferences)
 
 MOST_TILES = 0.011
 MOST_SECONDS = 1.0  # of a cancelled render
@@ -279,14 +279,6 @@ def stale():
     bpy.context.scene.shadowcache.stale = "BAKE"
     expect_same("baked again", planes(render("SHADOWCACHE"), "Combined"), planes(wanted, "Combined"))
     assert all(stamps()[n] != used[n] for n in used if n.endswith(".vdb")), "a stale cache was not baked again"
-
-
-def error_of(action):
-    try:
-        action()
-    except RuntimeError as error:
-        return str(error)
-    raise AssertionError("no error")
 
 
 def errors():

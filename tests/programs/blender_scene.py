@@ -119,6 +119,14 @@ def apart(found, wanted):
     return means, math.sqrt(((a - b) ** 2).mean()) / b.mean()
 
 
+def error_of(action):
+    try:
+        action()
+    except RuntimeError as error:
+        return str(error)
+    raise AssertionError("no error")
+
+
 def children():
     found = []
     for name in filter(str.isdigit, os.listdir("/proc")):

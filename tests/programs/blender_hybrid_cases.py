@@ -1,0 +1,257 @@
+"""Hybrids in a real Blender, as blender_hybrid.py starts it: ZIP PROGRAMS MAP WORK.
+
+The composed picture is compared with that of Cycles alone; one without the light of lamps, without masks, or under a
+turned map must be told apart.
+"""
+
+import os
+import sys
+import time
+
+import bpy
+import numpy
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import blender_exr  # noqa: E402
+from blender_scene import WORK, apart, error_of, install, make_scene, make_world  # noqa: E402
+
+MOST_MEAN, MOST_TILES = 0.01, 0.025  # Cycles with 512 rays a pixel and Cycles with others are 0.018 apart in tiles
+NAME = "Shadowcache Hybrid"
+TURN = (20, -35, 50)
+
+
+def principled(name, **inputs):
+    """Another shader for a material."""
+    tree = bpy.data.materials[name].node_tree
+    tree.nodes.clear()
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    for key, value in inputs.items():
+        shader.inputs[key.replace("_", " ")].default_value = value
+    tree.links.new(shader.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+
+
+def make_rich():
+    """A set that this engine has not all of: a metal floor, a lamp, an emitter, rough glass."""
+    make_scene()
+    make_world(turn=TURN)
+    principled("Plane", Base_Color=(0.5, 0.4, 0.3, 1), Roughness=0.35, Metallic=1)
+    principled("Cube.002", Base_Color=(0.9, 0.9, 1, 1), Roughness=0.4, Transmission=1)
+    bpy.data.materials["Cube"].node_tree.nodes["Emission"].inputs["Strength"].default_value = 2
+    lamp = bpy.data.lights.new("lamp", "AREA")
+    lamp.energy, lamp.size = 200, 4
+    thing = bpy.data.objects.new("lamp", lamp)
+    thing.location = (0, -3, 4)
+    scene = bpy.context.scene
+    scene.collection.objects.link(thing)
+    scene.cycles.max_bounces, scene.cycles.samples = 4, 512
+    scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
+    scene.shadowcache.bounces = 4
+
+
+def picture(prefix, path=None):
+    """RGBA of a layer, or of the compositor."""
+    found = blender_exr.read(path or bpy.context.scene.render.filepath)
+    return numpy.stack([found["%s.Combined.%s" % (prefix, c)] for c in "RGBA"]).astype(float)
+
+
+def by_cycles():
+    scene = bpy.context.scene
+    scene.render.engine, scene.render.use_compositing = "CYCLES", False
+    bpy.ops.render.render(write_still=True)
+    scene.render.engine, scene.render.use_compositing = "SHADOWCACHE", True
+    return picture(bpy.context.view_layer.name)
+
+
+def hybrid():
+    bpy.ops.render.render(write_still=True)
+    return picture("Composite")
+
+
+def own_nodes():
+    return [n for n in bpy.context.scene.node_tree.nodes if n.name.startswith(NAME)]
+
+
+def is_same(what, found, wanted):
+    means, rms = apart(found[:3], wanted[:3])
+    print("case %s: means %.4f, tiles %.4f" % (what, means, rms))
+    return means < MOST_MEAN and rms < MOST_TILES
+
+
+def light():
+    """All of Cycles' light is there once, and each part of the sum is seen to count."""
+    scene = bpy.context.scene
+    wanted = by_cycles()
+    assert bpy.ops.shadowcache.hybrid() == {"FINISHED"}
+    rest, lamps = scene.shadowcache.hybrid_rest, scene.shadowcache.hybrid_lamps
+    assert rest.name == "Scene Cycles" and rest.cycles.max_bounces == 4 and lamps.cycles.max_bounces == 0
+    rest.cycles.seed = lamps.cycles.seed = 7
+    assert is_same("all", hybrid(), wanted)
+    assert not sys.modules["shadowcache.engine"].LEFT_OUT[scene.name]
+    tree = scene.node_tree
+    group = next(n for n in own_nodes() if n.type == "GROUP")
+    for name in ("Masked", "Lamps DiffDir", "Lamps GlossDir", "Cycles GlossDir", "DiffDir", "GlossDir"):
+        link = group.inputs[name].links[0]
+        ends = link.from_socket, link.to_socket
+        tree.links.remove(link)
+        assert not is_same("control without %s" % name, hybrid(), wanted), name
+        tree.links.new(*ends)
+    make_world(turn=(*TURN[:2], TURN[2] + 5))
+    turned = hybrid()
+    assert not is_same("control, map turned by 5 degrees", turned, wanted)
+    assert is_same("map turned by 5 degrees, by both", turned, by_cycles())
+    make_world(turn=TURN)
+
+
+def film():
+    """The scenes of Cycles have the scene's camera, size, film and filter."""
+    scene = bpy.context.scene
+    scene.render.film_transparent = True
+    scene.render.resolution_x, scene.render.resolution_y = 48, 48
+    scene.shadowcache.filter, scene.shadowcache.filter_width = "gaussian", 3
+    before = scene.camera
+    scene.camera = before.copy()
+    scene.camera.location.x -= 1
+    scene.collection.objects.link(scene.camera)
+    found = hybrid()
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "GAUSSIAN", 3
+    wanted = by_cycles()
+    assert found.shape == wanted.shape == (4, 48, 48) and is_same("film", found, wanted)
+    difference = abs(found[3] - wanted[3])
+    print("case alpha: at most %.4f apart" % difference.max())
+    assert 0.2 < wanted[3].mean() < 0.98 and difference.max() < 0.05
+    bpy.data.objects.remove(scene.camera)
+    scene.camera = before
+    scene.render.film_transparent = False
+    scene.render.resolution_x, scene.render.resolution_y = 64, 36
+    scene.shadowcache.filter, scene.shadowcache.filter_width = "blackman-harris", 1.5
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", 1.5
+
+
+def animation():
+    """Each frame has what moves where it is, and the camera of its marker."""
+    scene = bpy.context.scene
+    thing, camera = bpy.data.objects["Cube.001"], scene.camera
+    other = camera.copy()
+    other.location.x += 1
+    scene.collection.objects.link(other)
+    for frame, z, of in ((1, 0.8, camera), (2, 1.8, other)):
+        thing.location.z = z
+        thing.keyframe_insert("location", frame=frame)
+        scene.timeline_markers.new(of.name, frame=frame).camera = of
+    path, scene.frame_end = scene.render.filepath, 2
+    scene.render.filepath = os.path.join(WORK, "hybrid.####")
+    bpy.ops.render.render(animation=True)
+    scene.render.filepath = path
+    frames = []
+    for frame in (1, 2):
+        scene.frame_set(frame)
+        frames.append(by_cycles())
+        found = picture("Composite", os.path.join(WORK, "hybrid.%04d.exr" % frame))
+        assert is_same("frame %d" % frame, found, frames[-1])
+    assert not is_same("control, another frame", *frames)
+    scene.frame_set(1)
+    scene.timeline_markers.clear()
+    scene.camera = camera
+    thing.animation_data_clear()
+    bpy.data.objects.remove(other)
+
+
+def wires(tree):
+    return sorted((link.from_node.name, link.from_socket.name, link.to_node.name) for link in tree.links)
+
+
+def nodes():
+    """Again and again there is one hybrid; nodes of the user stay, and have the render's picture in the end."""
+    scene = bpy.context.scene
+    bpy.ops.shadowcache.hybrid_remove()
+    tree = scene.node_tree
+    assert not own_nodes() and NAME not in bpy.data.node_groups and list(bpy.data.scenes) == [scene]
+    gamma = tree.nodes.new("CompositorNodeGamma")
+    tree.links.new(tree.nodes["Render Layers"].outputs["Image"], gamma.inputs["Image"])
+    tree.links.new(gamma.outputs["Image"], tree.nodes["Composite"].inputs["Image"])
+    before = wires(tree)
+    bpy.ops.shadowcache.hybrid()
+    made = wires(tree)
+    assert (NAME, "Image", "Gamma") in made and ("Gamma", "Image", "Composite") in made, made
+    assert ("Render Layers", "Image", "Gamma") not in made
+    bpy.ops.shadowcache.hybrid()
+    assert wires(tree) == made and len(own_nodes()) == 5 and len(bpy.data.scenes) == 3
+    assert [g.name for g in bpy.data.node_groups] == [NAME]
+    bpy.data.objects["lamp"].hide_render = True
+    strength = bpy.data.materials["Cube"].node_tree.nodes["Emission"]
+    bpy.data.materials["Cube"].node_tree.nodes.remove(strength)
+    principled("Cube")
+    bpy.ops.shadowcache.hybrid()
+    assert len(own_nodes()) == 4 and len(bpy.data.scenes) == 2, "a scene of lamps without lamps"
+    bpy.ops.shadowcache.hybrid_remove()
+    assert wires(tree) == before
+    bpy.ops.shadowcache.hybrid_remove()
+
+
+def refusals():
+    """Each says what is wrong: when a hybrid is made, and when it is rendered."""
+    scene, press = bpy.context.scene, bpy.ops.shadowcache.hybrid
+
+    def expect(words, action=press):
+        found = error_of(action)
+        assert words in found, found
+
+    layer = scene.view_layers.new("second")
+    expect("view layer second: expected one")
+    scene.view_layers.remove(layer)
+    scene.render.use_motion_blur = True
+    expect("motion blur")
+    scene.render.use_motion_blur = False
+    thing = bpy.data.objects["Cube.001"]
+    thing.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings.type = "HAIR"
+    expect("object Cube.001: hair")
+    thing.modifiers.clear()
+    thing.visible_shadow = False
+    expect("object Cube.001: casts no shadow")
+    thing.visible_shadow = True
+    tree = thing.active_material.node_tree
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    expect("material Cube.001: Transparent BSDF")
+    tree.nodes.remove(tree.nodes["Material Output"].inputs["Surface"].links[0].from_node)
+    fog = tree.nodes.new("ShaderNodeVolumePrincipled")
+    tree.links.new(fog.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+    expect("material Cube.001: no surface")
+    principled("Cube.001", Base_Color=(0.5, 0.5, 0.5, 1))
+    assert not scene.shadowcache.hybrid_rest and not own_nodes(), "what is refused is made"
+
+    press()
+    shader = next(n for n in tree.nodes if n.type == "BSDF_PRINCIPLED")
+    shader.inputs["Clearcoat"].default_value = 1
+    start = time.monotonic()
+    scene.shadowcache.hybrid_rest.cycles.samples = 100000
+    expect("press Update, for Cube.001", hybrid)
+    assert time.monotonic() - start < 5, "Cycles renders what is refused"
+    scene.shadowcache.hybrid_rest.cycles.samples = 1
+    press()
+    hybrid()
+    bpy.data.objects["lamp"].hide_render = False
+    expect("press Update, for light lamp", hybrid)
+    bpy.data.objects["lamp"].hide_render = True
+    bpy.context.view_layer.use_pass_diffuse_direct = False
+    expect("press Update, for use_pass_diffuse_direct", hybrid)
+    bpy.context.view_layer.use_pass_diffuse_direct = True
+    bpy.data.scenes.remove(scene.shadowcache.hybrid_rest)
+    expect("press Update, for its scene", hybrid)
+    press()
+    hybrid()
+
+
+def main():
+    install()
+    make_rich()
+    bpy.context.scene.render.engine = "SHADOWCACHE"
+    bpy.context.scene.render.filepath = os.path.join(WORK, "hybrid.exr")
+    for case in (light, film, animation, nodes, refusals):
+        start = time.monotonic()
+        case()
+        print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))
+    print("all cases passed")
+
+
+main()
