@@ -109,10 +109,11 @@ def mesh_digest(mesh):
     return digest_of(texts, *arrays)
 
 
-def content_digest(depsgraph):
-    """Of the meshes and materials that are shown, instance by instance; not of where they are."""
+def content_digest(depsgraph, report):
+    """Of the meshes and materials that are shown, instance by instance; not of where they are. Adds to the report
+    what of the objects is not exported."""
     meshes, materials, known, found = {}, {}, {}, []
-    for shown in walk(depsgraph, Report()):
+    for shown in walk(depsgraph, report):
         if shown.kind != "MESH":
             continue
         if shown.key not in known:
@@ -144,8 +145,11 @@ def current_places(depsgraph):
 
 
 class State:
-    """What is shown in the current frame, and where it is."""
+    """What is shown in the current frame, and where it is; what of the objects is left out, which an export does not
+    change: the set is the same with a lamp as without."""
 
     def __init__(self, depsgraph):
-        self.content = content_digest(depsgraph)
+        report = Report()
+        self.content = content_digest(depsgraph, report)
+        self.left_out = report.entries()
         self.places = current_places(depsgraph)

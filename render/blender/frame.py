@@ -82,11 +82,11 @@ class Frame:
         name = self.set_file.path
         first = name not in self.job.exported
         self.job.exported.add(name)
-        self.set_file.update(self.depsgraph, self._set_frame if first else None, self.settings.use_motion)
+        state = self.set_file.update(self.depsgraph, self._set_frame if first else None, self.settings.use_motion)
         if self.is_hybrid:  # Cycles has what the set has not
-            hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out())
+            hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out(state))
         else:
-            self.left_out += self.set_file.left_out()
+            self.left_out += self.set_file.left_out(state)
         self.left_out += passes.left_out(self.depsgraph.view_layer)
         if self.scene.render.use_motion_blur:
             self.left_out.append("motion blur: all is where it is at the frame")

@@ -22,8 +22,8 @@ class SHADOWCACHE_OT_hybrid(bpy.types.Operator):
 
         def look(depsgraph, set_frame):
             set_file = folders.set_file_of(scene, layer.name)
-            set_file.update(depsgraph, set_frame, scene.shadowcache.use_motion)
-            return hybrid_check.needs_of(depsgraph, set_file.left_out())
+            state = set_file.update(depsgraph, set_frame, scene.shadowcache.use_motion)
+            return hybrid_check.needs_of(depsgraph, set_file.left_out(state))
 
         try:
             hybrid.make(scene, layer, with_render_depsgraph(look))

@@ -44,17 +44,18 @@ class SetFile:
             return held[""] == state.places
         return bool(motion) and notes["fps"] == fps(scene) and held.get(str(scene.frame_current)) == state.places
 
-    def left_out(self):
-        """What the file cannot express."""
-        return self.read_notes().get("left_out", [])
+    def left_out(self, state):
+        """What the file cannot express, and what it does not hold of a state."""
+        return list(dict.fromkeys(state.left_out + self.read_notes().get("left_out", [])))
 
     def update(self, depsgraph, set_frame, motion=True):
         """Exports the set unless the file holds it as it is in the current frame. set_frame(frame) as of
         blender_export.export; None: the export is of this frame alone. motion: whether a file in which things move
-        will do."""
+        will do. Returns the state."""
         state = fingerprint.State(depsgraph)
         if not self.holds(state, depsgraph.scene, motion):
             self.export(depsgraph, state, set_frame if motion else None)
+        return state
 
     def export(self, depsgraph, state, set_frame=None):
         """Writes the set, whose state in the current frame is known."""
@@ -69,7 +70,8 @@ class SetFile:
         if found.tracks():
             held = {str(f): fingerprint.places_digest(found.places(i), rows) for i, f in enumerate(found.frames)}
         notes.update(content=state.content, places=held, id=fingerprint.digest_of(state.content, sorted(held.items())),
-                     fps=fps(depsgraph.scene), left_out=report.entries())
+                     fps=fps(depsgraph.scene),
+                     left_out=[entry for entry in report.entries() if entry not in state.left_out])
         self.write_notes(notes)
 
 

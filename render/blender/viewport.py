@@ -120,7 +120,7 @@ class Viewport:
             if not own.holds(state, depsgraph.scene):
                 own.export(depsgraph, state)
             self._set_file = own
-        self._set_left_out = self._set_file.left_out()
+        self._set_left_out = self._set_file.left_out(state)
 
     def _wish(self, engine, context, depsgraph):
         scene, space, region = depsgraph.scene, context.space_data, context.region
