@@ -48,6 +48,10 @@ def of_scene(depsgraph):
     """What is wrong with the scene itself."""
     scene = depsgraph.scene
     found = ["view layer %s: expected one" % name for name in other_layers(depsgraph)]
+    if depsgraph.view_layer.material_override:
+        found.append("view layer %s: material override" % depsgraph.view_layer.name)
+    found += ["collection %s: indirect only" % c.name for c in layer_collections(depsgraph.view_layer.layer_collection)
+              if c.indirect_only]
     if scene.render.use_motion_blur:
         found.append("motion blur")
     if scene.render.use_multiview:
@@ -60,6 +64,12 @@ def of_scene(depsgraph):
         if output and source(output.inputs["Volume"]):
             found.append("world %s: Volume" % scene.world.name)
     return found
+
+
+def layer_collections(root):
+    yield root
+    for child in root.children:
+        yield from layer_collections(child)
 
 
 def is_about(entry, material):
