@@ -25,9 +25,10 @@ FILTERS = {"blackman-harris": "BLACKMAN_HARRIS", "gaussian": "GAUSSIAN", "box": 
 
 
 def scenes_of(scene):
-    """By REST and LAMPS; None where there is none."""
+    """By REST and LAMPS; None where there is none. A copy of a scene has none of its own."""
     settings = scene.shadowcache
-    return {REST: settings.hybrid_rest, LAMPS: settings.hybrid_lamps}
+    both = {REST: settings.hybrid_rest, LAMPS: settings.hybrid_lamps}
+    return {word: other if other and other.background_set == scene else None for word, other in both.items()}
 
 
 def is_on(scene):
@@ -40,12 +41,14 @@ def make(scene, layer, needs):
     """Scenes and nodes, or brings them up to date."""
     if not hasattr(scene, "cycles"):
         raise ValueError("Cycles is not there: enable it in Preferences > Add-ons")
-    settings = scene.shadowcache
-    settings.hybrid_rest = settings.hybrid_rest or new_scene(scene, REST)
+    settings, there = scene.shadowcache, scenes_of(scene)
+    settings.hybrid_rest = there[REST] or new_scene(scene, REST)
     if needs.emitters:
-        settings.hybrid_lamps = settings.hybrid_lamps or new_scene(scene, LAMPS)
-    elif settings.hybrid_lamps:
-        bpy.data.scenes.remove(settings.hybrid_lamps)
+        settings.hybrid_lamps = there[LAMPS] or new_scene(scene, LAMPS)
+    else:
+        settings.hybrid_lamps = None
+        if there[LAMPS]:
+            bpy.data.scenes.remove(there[LAMPS])
     for of in (layer, *layers_of(scene)):
         for flag in FLAGS:
             setattr(of, flag, True)
@@ -80,8 +83,8 @@ def layers_of(scene):
 
 def follow(scene, camera=None):
     """Gives the scenes of Cycles what they must have of the scene; the set, they have."""
-    settings = scene.shadowcache
-    for word, other in scenes_of(scene).items():
+    settings, there = scene.shadowcache, scenes_of(scene)
+    for word, other in there.items():
         if not other:
             continue
         wanted = {(other, name): getattr(scene, name) for name in OF_SCENE}
@@ -93,8 +96,8 @@ def follow(scene, camera=None):
         wanted[other.view_layers[0], "use"] = True
         wanted[other.cycles, "use_denoising"] = False  # Combined alone would be denoised, and passes taken from it
         wanted[other.cycles, "film_exposure"] = 1
-        if word == LAMPS and settings.hybrid_rest:
-            wanted.update({(other.cycles, name): getattr(settings.hybrid_rest.cycles, name) for name in OF_CYCLES})
+        if word == LAMPS and there[REST]:
+            wanted.update({(other.cycles, name): getattr(there[REST].cycles, name) for name in OF_CYCLES})
         for (owner, name), value in wanted.items():
             if getattr(owner, name) != value:
                 setattr(owner, name, value)
@@ -112,10 +115,10 @@ def prepare(depsgraph, camera, entries):
     needs = hybrid_check.needs_of(depsgraph, entries)
     missing = [flag for of in (depsgraph.view_layer, *layers_of(scene)) for flag in FLAGS if not getattr(of, flag)]
     missing += set(needs.masked) - hybrid_nodes.masked(scene.node_tree)
-    settings = scene.shadowcache
-    if not settings.hybrid_rest:
+    there = scenes_of(scene)
+    if not there[REST]:
         missing.append("its scene")
-    if needs.emitters and not settings.hybrid_lamps:
+    if needs.emitters and not there[LAMPS]:
         missing += needs.emitters
     if scene.render.use_single_layer:
         raise ValueError("a hybrid would be wrong: Render Single Layer leaves Cycles out")

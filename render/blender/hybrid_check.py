@@ -15,6 +15,8 @@ from .blender_export.shown import other_layers
 
 # Nodes through which light goes straight, which an exported stand-in would stop.
 SEE_THROUGH = {"BSDF_TRANSPARENT", "HOLDOUT", "SCRIPT"}
+# Rays by which Cycles finds the sky beside its shadow rays.
+RAYS = {"visible_diffuse": "diffuse", "visible_glossy": "glossy"}
 # Entries of the export on other frames: each frame is exported with what it shows.
 OF_OTHER_FRAMES = (": its animation", ": its vertices move; it is as in frame", ": it is not there in frame")
 
@@ -52,6 +54,8 @@ def of_scene(depsgraph):
         found.append("view layer %s: material override" % depsgraph.view_layer.name)
     found += ["collection %s: indirect only" % c.name for c in layer_collections(depsgraph.view_layer.layer_collection)
               if c.indirect_only]
+    found += ["object %s: hidden from %s rays" % (item.name, words) for item in depsgraph.ids
+              if isinstance(item, bpy.types.Object) for flag, words in RAYS.items() if not getattr(item, flag)]
     if scene.render.use_motion_blur:
         found.append("motion blur")
     if scene.render.use_multiview:

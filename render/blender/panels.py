@@ -93,7 +93,7 @@ class SHADOWCACHE_PT_hybrid(Panel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def show(self, column, context, settings):
-        rest = settings.hybrid_rest
+        rest = hybrid.scenes_of(context.scene)[hybrid.REST]
         if not rest:
             column.operator("shadowcache.hybrid")
             return

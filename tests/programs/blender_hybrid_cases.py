@@ -211,11 +211,14 @@ def refusals():
     thing.modifiers.clear()
     thing.visible_shadow = False
     expect("object Cube.001: casts no shadow")
-    thing.visible_shadow = True
+    thing.visible_shadow, thing.visible_glossy = True, False
+    expect("object Cube.001: hidden from glossy rays")
+    thing.visible_glossy = True
     tree = thing.active_material.node_tree
-    tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    clear = tree.nodes.new("ShaderNodeBsdfTransparent")
+    tree.links.new(clear.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     expect("material Cube.001: Transparent BSDF")
-    tree.nodes.remove(tree.nodes["Material Output"].inputs["Surface"].links[0].from_node)
+    tree.nodes.remove(clear)
     fog = tree.nodes.new("ShaderNodeVolumePrincipled")
     tree.links.new(fog.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
     expect("material Cube.001: no surface")
@@ -229,15 +232,26 @@ def refusals():
     scene.shadowcache.hybrid_rest.cycles.samples = 100000
     expect("press Update, for Cube.001", hybrid)
     assert time.monotonic() - start < 5, "Cycles renders what is refused"
-    scene.shadowcache.hybrid_rest.cycles.samples = 1
+    rest = scene.shadowcache.hybrid_rest.cycles
+    rest.samples, rest.sample_clamp_indirect = 16, 0
     press()
-    hybrid()
+    plain = hybrid()[:3].mean()
     bpy.data.objects["lamp"].hide_render = False
     expect("press Update, for light lamp", hybrid)
     bpy.data.objects["lamp"].hide_render = True
     bpy.context.view_layer.use_pass_diffuse_direct = False
     expect("press Update, for use_pass_diffuse_direct", hybrid)
     bpy.context.view_layer.use_pass_diffuse_direct = True
+    make_world(turn=TURN, strength=3)
+    assert abs(hybrid()[:3].mean() / plain - 3) < 0.02, "Cycles renders nothing after an error"
+    other = scene.copy()
+    bpy.context.window.scene = other
+    expect("press Update, for its scene", bpy.ops.render.render)
+    press()
+    assert other.shadowcache.hybrid_rest.background_set == other != scene == scene.shadowcache.hybrid_rest.background_set
+    bpy.ops.shadowcache.hybrid_remove()
+    assert scene.shadowcache.hybrid_rest
+    bpy.context.window.scene = scene
     bpy.data.scenes.remove(scene.shadowcache.hybrid_rest)
     expect("press Update, for its scene", hybrid)
     press()
