@@ -94,14 +94,14 @@ def make(scene, layer, rest, lamps, masks):
               (LAMPS, lamps, lamps and lamps.view_layers[0].name))
     for i, (prefix, of, name) in enumerate(places):
         if of:
-            passes = add(tree, "CompositorNodeRLayers", " %s" % of.name, -400, 300 - 450 * i)
+            passes = add(tree, "CompositorNodeRLayers", " %s" % of.name, -400, 400 - 300 * i)
             passes.scene, passes.layer = of, name
             for socket in sockets(prefix):
                 tree.links.new(passes.outputs[socket[len(prefix):]], node.inputs[socket])
             if of == rest:
                 tree.links.new(passes.outputs["Image"], node.inputs["Cycles"])
     if masks:
-        matte = add(tree, "CompositorNodeCryptomatteV2", " Masked", -250, -250)
+        matte = add(tree, "CompositorNodeCryptomatteV2", " Masked", -400, -500)
         matte.scene, matte.matte_id = rest, ",".join(masks)
         tree.links.new(matte.outputs["Matte"], node.inputs["Masked"])
     for link in pictures(tree, scene):
@@ -117,8 +117,9 @@ def add(tree, kind, words, x, y):
     """A node that belongs to the hybrid, below those of the user."""
     node = tree.nodes.new(kind)
     node.name = node.label = NAME + words
+    node.show_preview = False  # lower
     lowest = min((n.location.y for n in tree.nodes if n not in own_nodes(tree)), default=0)
-    node.location = x, lowest - 700 + y
+    node.location = x, lowest - 850 + y
     return node
 
 
