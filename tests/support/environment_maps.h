@@ -16,7 +16,8 @@ struct NamedMap {
 };
 
 /// Every map that has any light: real ones, hostile ones, one texel lit, a sun of 1e9, all equal.
-/// Names alone, since each start of a test program asks for them and real maps take a while to read.
+/// Names alone, since each start of a test program asks for them and real maps take a while to
+/// read.
 std::vector<std::string> litMapNames();
 /// One of them.
 NamedMap litMap(const std::string& name);
