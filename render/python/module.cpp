@@ -241,6 +241,7 @@ static void define(pybind11::module_& module) {
 
 /// As PYBIND11_MODULE, which waits for ever where the first import is another interpreter's:
 /// pybind11 2.10 asks for the main interpreter's lock then, with its own held.
+// NOLINTNEXTLINE(readability-identifier-naming): the name that Python wants
 extern "C" PYBIND11_EXPORT PyObject* PyInit_shadowcache() {
     if (PyInterpreterState_Get() != PyInterpreterState_Main()) {
         PyErr_SetString(
