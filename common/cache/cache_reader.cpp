@@ -15,8 +15,8 @@
 
 #include "common/base/error.h"
 #include "common/cache/cache_grids.h"
+#include "common/cache/cache_header_file.h"
 #include "common/cache/cache_items.h"
-#include "common/cache/cache_metadata.h"
 #include "common/cache/grid_leaves.h"
 #include "common/cache/open_cache.h"
 #include "common/cache/vdb_archive.h"

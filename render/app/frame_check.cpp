@@ -7,7 +7,7 @@
 
 #include "common/base/error.h"
 #include "render/app/frame_metadata.h"
-#include "render/app/stale_cache.h"
+#include "render/app/job_cache.h"
 
 namespace shadowcache {
 

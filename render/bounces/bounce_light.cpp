@@ -8,6 +8,7 @@
 #include "common/base/tuned.h"
 #include "render/bounces/exchange.h"
 #include "render/bounces/path_steps.h"
+#include "render/bounces/russian_roulette.h"
 #include "render/bounces/vertex_light.h"
 
 namespace shadowcache {

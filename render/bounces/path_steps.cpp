@@ -7,7 +7,7 @@
 #include "common/base/parallel.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/random/salts.h"
-#include "render/bounces/vertex_light.h"
+#include "render/bounces/russian_roulette.h"
 #include "render/estimators/hemisphere.h"
 #include "render/estimators/set_place.h"
 

@@ -12,25 +12,8 @@ namespace shadowcache {
 
 namespace {
 
-/// Chance that a vertex's direct light is estimated where it is predicted.
-SHADOWCACHE_TUNED(float, kDirectChance, 0.5f);
-
-/// Chance that a vertex sends a diffuse ray where its irradiance is predicted.
-SHADOWCACHE_TUNED(float, kBounceChance, 0.6f);
-
-/// Least and, of paths without end, highest chance by Russian roulette.
-constexpr float kLeastChance = 0.05f, kMostChance = 0.95f;
-
 /// Vertices that are lit together.
 SHADOWCACHE_TUNED(std::size_t, kBatchVertices, 4096);
-
-float highest(const Rgb& color) {
-    return std::max({color.x, color.y, color.z});
-}
-
-float roulette(float reflectance, bool unlimited) {
-    return std::clamp(reflectance, kLeastChance, unlimited ? kMostChance : 1.0f);
-}
 
 /// One batch of vertices that are lit together.
 class LitBatch {
@@ -101,47 +84,6 @@ private:
 };
 
 }  // namespace
-
-float chanceOf(const PathVertex& vertex, std::uint64_t choice) {
-    return static_cast<float>(toUnit(hashWords(vertex.seed, RenderSalt::bounceSends, choice)));
-}
-
-LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe) {
-    const auto number = [&](std::uint64_t dimension) {
-        // Rounding must not reach 1.
-        return static_cast<float>(
-                   toUnit(hashWords(vertex.seed, RenderSalt::bounceLobe, dimension))) *
-               0x1.fffffep-1f;
-    };
-    LobeRay ray;
-    ray.direction = lobe.sample(number(0), number(1));
-    const float density = lobe.density(ray.direction);
-    if (density > 0 && ray.direction.dot(vertex.geometricNormal) > 0)
-        ray.share = lobe.value(ray.direction) * (1 / density);
-    return ray;
-}
-
-void decide(int bouncesLeft, PathLevel& level) {
-    const bool unlimited = bouncesLeft == kUnlimitedBounces;
-    parallelFor(level.vertices.size(), kBatchVertices, [&](const Chunk& chunk) {
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            PathVertex& v = level.vertices[i];
-            const float reflectance = highest(v.albedo);
-            if (reflectance <= 0 && v.lobe < 0) continue;
-            const bool solved = v.item != kNoItem;
-            v.directChance = solved ? kDirectChance : 1;
-            v.isLit = chanceOf(v, 0) < v.directChance;
-            if (bouncesLeft == 0) continue;
-            if (reflectance > 0)
-                v.diffuseChance = solved ? kBounceChance : roulette(reflectance, unlimited);
-            v.sendsDiffuse = chanceOf(v, 1) < v.diffuseChance;
-            if (v.lobe < 0) continue;
-            const LobeRay ray = lobeRayOf(v, level.lobes[static_cast<std::size_t>(v.lobe)]);
-            if (ray.share != Rgb(0, 0, 0)) v.lobeChance = roulette(highest(ray.share), unlimited);
-            v.sendsLobe = chanceOf(v, 2) < v.lobeChance;
-        }
-    });
-}
 
 std::uint64_t lightVertices(const Estimator& estimator, const EstimatorPlan* plan,
                             const VertexGroups& groups, Pool<Workspace>& workspaces,

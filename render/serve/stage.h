@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/shot/gltf_shot.h"
-#include "render/library/cache_of_set.h"
+#include "render/library/stale_cache.h"
 #include "render/serve/requests.h"
 
 namespace shadowcache {

@@ -1,10 +1,10 @@
-#include "render/app/stale_cache.h"
+#include "render/app/job_cache.h"
 
 #include <cstdio>
 #include <utility>
 
 #include "common/cache/cache_items.h"
-#include "render/library/cache_of_set.h"
+#include "render/library/stale_cache.h"
 
 namespace shadowcache {
 

@@ -1,4 +1,4 @@
-#include "common/cache/cache_metadata.h"
+#include "common/cache/cache_header_file.h"
 
 #include <fmt/core.h>
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+
+#include "render/bounces/path_vertex.h"
+
+namespace shadowcache {
+
+/// A ray by a vertex's lobe, as the vertex's seed decides it.
+struct LobeRay {
+    Vec3f direction{0};
+    Rgb share{0, 0, 0};  ///< reflected part of the radiance that it finds; 0: it finds none
+};
+LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe);
+
+/// Number in [0, 1) that decides a choice of a vertex; choices have numbers of their own.
+float chanceOf(const PathVertex& vertex, std::uint64_t choice);
+
+/// Decides which vertices send rays and which are lit, from their seeds, albedos and lobes alone.
+///
+/// Where a vertex has an item, whose irradiance is predicted, rays only correct that.
+///
+/// @param bouncesLeft  surfaces that light may still have met before these; kUnlimitedBounces
+void decide(int bouncesLeft, PathLevel& level);
+
+}  // namespace shadowcache
