@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -248,13 +249,25 @@ protected:
     }
     ~RoomInParts() override { setThreadCount(0); }
 
-    Film film(const RenderOptions& options) const {
+    /// A frame with its plan, and the estimator that it refers to.
+    struct Planned {
+        std::unique_ptr<Estimator> estimator;
+        FrameRequest frame;
+    };
+
+    Planned planned(const RenderOptions& options) const {
         const EstimatorContext context{
             world_.scene, world_.environment, &world_.cache.cache(), {}, &solved_->solve};
-        const auto estimator = findEstimator("cache").make(context, {});
+        auto estimator = findEstimator("cache").make(context, {});
         FrameRequest frame{*estimator, camera(), 1, options};
         RenderStats stats;
         frame.plan = planFrame(frame, stats);
+        return {std::move(estimator), std::move(frame)};
+    }
+
+    Film film(const RenderOptions& options) const {
+        const auto [estimator, frame] = planned(options);
+        RenderStats stats;
         if (!passes_) return render(frame, stats);
         return renderProgressive(frame, stats, {}).film;
     }
@@ -301,12 +314,7 @@ TEST_F(RoomInParts, HasTheSameBits) {
 
 TEST_F(RoomInParts, ReplaysItsPixels) {
     const Film whole = film(options());
-    const EstimatorContext context{
-        world_.scene, world_.environment, &world_.cache.cache(), {}, &solved_->solve};
-    const auto estimator = findEstimator("cache").make(context, {});
-    FrameRequest frame{*estimator, camera(), 1, options()};
-    RenderStats stats;
-    frame.plan = planFrame(frame, stats);
+    const auto [estimator, frame] = planned(options());
     int seen = 0;
     const Pixel pixel = renderPixel(frame, 41, 30, [&](const CameraSample&) { ++seen; });
     EXPECT_GE(seen, options().cameraRays);
@@ -315,12 +323,8 @@ TEST_F(RoomInParts, ReplaysItsPixels) {
 
 // All tiles are of one block: a first of them is taken after all have been lit.
 TEST_F(RoomInParts, TellsHowFarItsBlockIs) {
-    const EstimatorContext context{
-        world_.scene, world_.environment, &world_.cache.cache(), {}, &solved_->solve};
-    const auto estimator = findEstimator("cache").make(context, {});
-    FrameRequest frame{*estimator, camera(), 1, options()};
+    const auto [estimator, frame] = planned(options());
     RenderStats stats;
-    frame.plan = planFrame(frame, stats);
     const std::vector<std::size_t> tiles = Tiles(frame.options).touching(frame.options.region());
     std::atomic<std::size_t> told{0}, reports{0};
     std::size_t before = 0, taken = 0;
