@@ -1,9 +1,9 @@
-#include "common/cache/cache_header.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>
+
+#include "common/cache/cache_header.h"
 
 namespace shadowcache {
 
