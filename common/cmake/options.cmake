@@ -40,8 +40,8 @@ if(SHADOWCACHE_SANITIZE)
     target_compile_options(shadowcache_options INTERFACE
         -fsanitize=${SHADOWCACHE_SANITIZE} -fno-omit-frame-pointer
         "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-stringop-overflow;-Wno-array-bounds>")
-    # Half of GCC's time is in four checks that others make: the address sanitizer sees null pointers and
-    # objects that are too small or of another type, the fuzzers' clang sees addresses out of line.
+    # Slow to compile, and mostly checked elsewhere: the address sanitizer sees null pointers and what is
+    # outside of an object; the fuzzers' clang sees misaligned addresses and wrong types where they go.
     target_compile_options(shadowcache_options INTERFACE
         $<$<CXX_COMPILER_ID:GNU>:-fno-sanitize=null,alignment,object-size,vptr>)
     target_link_options(shadowcache_options INTERFACE -fsanitize=${SHADOWCACHE_SANITIZE})
