@@ -84,7 +84,8 @@ def nodes_of(tree, depth=0):
 def material_digest(material):
     if material is None:
         return ""
-    return digest_of(material.name, material.use_nodes, tuple(material.diffuse_color), material.blend_method,
+    cycles = getattr(material, "cycles", None)
+    return digest_of(material.name, bool(cycles and cycles.use_transparent_shadow), material.use_nodes, tuple(material.diffuse_color), material.blend_method,
                      material.alpha_threshold, material.use_backface_culling,
                      nodes_of(material.node_tree) if material.use_nodes else "")
 

@@ -155,6 +155,9 @@ class MaterialWriter:
         pbr = self.entry["pbrMetallicRoughness"] = {
             "baseColorFactor": [*unit(colour.factor), 1 if solid else unit(alpha.factor)[0]]}
         if not solid:
+            cycles = getattr(self.material, "cycles", None)  # an add-on that may be off
+            if cycles and not cycles.use_transparent_shadow:
+                self.leave_out("Alpha: Transparent Shadows is off; here shadows have its holes")
             mask = self.material.blend_method == "CLIP"
             self.entry["alphaMode"] = "MASK" if mask else "BLEND"
             if mask:

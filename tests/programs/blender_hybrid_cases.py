@@ -222,6 +222,10 @@ def refusals():
     fog = tree.nodes.new("ShaderNodeVolumePrincipled")
     tree.links.new(fog.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
     expect("material Cube.001: no surface")
+    principled("Cube.001", Base_Color=(0.5, 0.5, 0.5, 1), Alpha=0.5)
+    thing.active_material.cycles.use_transparent_shadow = False
+    expect("material Cube.001: Alpha: Transparent Shadows is off")
+    thing.active_material.cycles.use_transparent_shadow = True
     principled("Cube.001", Base_Color=(0.5, 0.5, 0.5, 1))
     assert not scene.shadowcache.hybrid_rest and not own_nodes(), "what is refused is made"
 
