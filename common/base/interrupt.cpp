@@ -45,9 +45,13 @@ void installInterruptHandler() {
     std::signal(SIGTERM, noteInterrupt);
 }
 
+bool mustEnd(const Watch* watch) noexcept {
+    return interrupted.load(std::memory_order_relaxed) ||
+           (watch && watch->stop.load(std::memory_order_relaxed));
+}
+
 void throwIfInterrupted() {
-    if (interrupted.load(std::memory_order_relaxed)) throw Interrupted();
-    throwIfStopped();
+    if (mustEnd(currentWatch())) throw Interrupted();
 }
 
 }  // namespace shadowcache

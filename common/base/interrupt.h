@@ -9,8 +9,13 @@ namespace shadowcache {
 /// kTryAgain. A second signal kills it.
 void installInterruptHandler();
 
-/// @throws Interrupted once a signal, or who watches the call, has asked for the end. Cheap; long
-/// loops call it often.
+/// Whether a signal, or who watches a call, has asked for the end.
+///
+/// @param watch  of the call, which may go on in threads of a library; null: nobody watches
+bool mustEnd(const Watch* watch) noexcept;
+
+/// @throws Interrupted once a signal, or who watches this thread, has asked for the end. Cheap;
+/// long loops call it often.
 void throwIfInterrupted();
 
 }  // namespace shadowcache

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/interrupt.h"
 #include "common/base/parallel.h"
 #include "common/cache/hit_code.h"
 #include "common/cache/open_cache.h"
@@ -27,11 +28,13 @@ std::optional<Transport> readTransport(const ShadowCache& cache, const ItemTable
     std::vector<std::uint16_t> codes;
     codes.reserve(items.size() * static_cast<std::size_t>(rays));
     OpenCache::of(cache).visitLeaves(true, [&](const openvdb::Coord&, const LeafView& leaf) {
+        throwIfInterrupted();
         codes.insert(codes.end(), leaf.hits,
                      leaf.hits + std::size_t{leaf.items} * leaf.hitsPerItem);
     });
     Transport transport{rays, std::vector<std::uint32_t>(codes.size())};
     parallelFor(items.size(), kItemsPerChunk, [&](const Chunk& chunk) {
+        throwIfInterrupted();
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const ItemTable::Item& item = items.item(static_cast<std::uint32_t>(i));
             const HitRays ways(item.voxel, item.patch, item.normal, rays);

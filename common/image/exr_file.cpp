@@ -8,11 +8,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <fstream>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/interrupt.h"
+#include "common/base/progress.h"
 #include "common/image/exr_header.h"
 
 namespace shadowcache {
@@ -89,10 +91,13 @@ void readChannels(Imf::MultiPartInputFile& file, int part, const std::vector<std
     input.setFrameBuffer(frame);
     // The lines of the largest blocks that are compressed as one.
     constexpr int kLines = 256;
-    for (int left = window.size().y + 1; left > 0; left -= kLines) {
+    const int height = window.size().y + 1;
+    Progress progress("read", static_cast<std::uint64_t>(height));
+    for (int left = height; left > 0; left -= kLines) {
         throwIfInterrupted();
         const int first = window.max.y - (left - 1);
         input.readPixels(first, window.max.y - std::max(0, left - kLines));
+        progress.add(static_cast<std::uint64_t>(std::min(left, kLines)));
     }
 }
 

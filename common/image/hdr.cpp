@@ -12,6 +12,7 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/interrupt.h"
+#include "common/base/progress.h"
 #include "common/image/hdr_header.h"
 #include "common/image/size_limits.h"
 
@@ -124,6 +125,7 @@ Image readHdr(const std::filesystem::path& path) {
     std::vector<Rgbe> line(header.byColumns ? header.height : header.width);
     ScanLines scanLines(std::string_view(content).substr(header.bytes));
     const Decoder decode(header);
+    Progress progress("read", lines);
     for (std::size_t i = 0; i < lines; ++i) {
         throwIfInterrupted();
         if (!scanLines.read(line))
@@ -136,6 +138,7 @@ Image readHdr(const std::filesystem::path& path) {
             const std::size_t y = header.fromBottom ? header.height - 1 - down : down;
             image.pixels[y * header.width + x] = decode(line[k]);
         }
+        progress.add(1);
     }
     return image;
 }

@@ -6,12 +6,16 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/base/interrupt.h"
 #include "common/base/number_text.h"
+#include "common/base/parallel.h"
 #include "common/image/exr_radiance.h"
 #include "common/image/hdr.h"
 
@@ -23,33 +27,60 @@ constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01";
 
 constexpr float kGreatestHalf = 65504.0f;
 
+constexpr std::size_t kTexelsPerChunk = std::size_t{1} << 16;
+
+/// A part of `texels` for each chunk of a parallel loop, which ends where it is asked to.
+template <class Part, class Visit>
+std::vector<Part> partsOf(std::span<Rgb> texels, const Visit& visit) {
+    std::vector<Part> parts(texels.size() / kTexelsPerChunk + 1);
+    parallelFor(texels.size(), kTexelsPerChunk, [&](const Chunk& chunk) {
+        throwIfInterrupted();
+        for (Rgb& texel : texels.subspan(chunk.begin, chunk.end - chunk.begin))
+            visit(texel, parts[chunk.index]);
+    });
+    return parts;
+}
+
 /// What +Inf stands for: a sun too bright for the numbers of its file, so the greatest of a half,
 /// or of the file's own where they go higher.
-float brightest(const Image& image) {
-    float greatest = kGreatestHalf;
-    for (const Rgb& pixel : image.pixels)
+float brightest(std::span<Rgb> texels) {
+    const std::vector<float> greatest = partsOf<float>(texels, [](const Rgb& texel, float& most) {
         for (int k = 0; k < 3; ++k)
-            if (std::isfinite(pixel[k])) greatest = std::max(greatest, pixel[k]);
-    return greatest;
+            if (std::isfinite(texel[k])) most = std::max(most, texel[k]);
+    });
+    return std::max(kGreatestHalf, std::ranges::max(greatest));
+}
+
+/// Texels that were mended.
+struct Mended {
+    std::size_t notANumber = 0, negative = 0, infinite = 0;
+};
+
+void mend(Rgb& texel, float infinity, Mended& mended) {
+    if (std::isnan(texel.x) || std::isnan(texel.y) || std::isnan(texel.z)) {
+        texel = Rgb(0.0f);
+        ++mended.notANumber;
+        return;
+    }
+    bool negative = false, infinite = false;
+    for (int k = 0; k < 3; ++k) {
+        negative = negative || texel[k] < 0.0f;
+        infinite = infinite || texel[k] > std::numeric_limits<float>::max();
+        texel[k] = std::clamp(texel[k], 0.0f, infinity);
+    }
+    mended.negative += negative ? 1 : 0;
+    mended.infinite += infinite ? 1 : 0;
 }
 
 /// Makes every texel usable as radiance and counts what was not.
 void mend(RadianceImage& result) {
-    const float infinity = brightest(result.image);
-    for (Rgb& pixel : result.image.pixels) {
-        if (std::isnan(pixel.x) || std::isnan(pixel.y) || std::isnan(pixel.z)) {
-            pixel = Rgb(0.0f);
-            ++result.notANumber;
-            continue;
-        }
-        bool negative = false, infinite = false;
-        for (int k = 0; k < 3; ++k) {
-            negative = negative || pixel[k] < 0.0f;
-            infinite = infinite || pixel[k] > std::numeric_limits<float>::max();
-            pixel[k] = std::clamp(pixel[k], 0.0f, infinity);
-        }
-        result.negative += negative ? 1 : 0;
-        result.infinite += infinite ? 1 : 0;
+    const std::span<Rgb> texels = result.image.pixels;
+    const float infinity = brightest(texels);
+    for (const Mended& part : partsOf<Mended>(
+             texels, [&](Rgb&texel, Mended&mended) { mend(texel, infinity, mended); })) {
+        result.notANumber += part.notANumber;
+        result.negative += part.negative;
+        result.infinite += part.infinite;
     }
     if (result.notANumber + result.negative > 0)
         result.notes.push_back(fmt::format("{} texels not a number and {} negative, set to 0",

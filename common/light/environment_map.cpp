@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "common/base/error.h"
+#include "common/base/interrupt.h"
 #include "common/base/parallel.h"
+#include "common/base/progress.h"
 #include "common/light/light_steps.h"
 #include "common/math/cell_finder.h"
 
@@ -23,6 +25,7 @@ constexpr std::size_t kMinHeight = 512;
 /// The next finer one would take four times the time of a turn.
 constexpr int kGrainLevel = 7;
 constexpr double kTwoPi = 2 * kPi;
+constexpr std::size_t kPasses = 4;
 constexpr std::size_t kRowsPerChunk = 8;
 constexpr std::size_t kGrainsPerChunk = 1024;
 
@@ -107,7 +110,9 @@ TexelIntegrals integrateTexel(const RowFactors& r, const ColumnFactors& c) {
 EnvironmentMap::EnvironmentMap(const Image& map, const Rgb& luminanceWeights)
     : luminanceWeights_(luminanceWeights) {
     if (map.width < 1 || map.height < 1) throw Error("environment map: it has no texels");
-    copyTexels(map);
+    chooseSize(map);
+    Progress progress("map tables", kPasses * width_ * height_);
+    copyTexels(map, progress);
     rowCos_.resize(height_ + 1);
     for (std::size_t y = 0; y <= height_; ++y)
         rowCos_[y] = static_cast<float>(std::cos(kPi * share(y, height_)));
@@ -118,46 +123,57 @@ EnvironmentMap::EnvironmentMap(const Image& map, const Rgb& luminanceWeights)
         columnCos_[x] = static_cast<float>(std::cos(longitude));
         columnSin_[x] = static_cast<float>(std::sin(longitude));
     }
-    nameGrains();
-    sortTexels();
-    integrate();
+    nameGrains(progress);
+    sortTexels(progress);
+    integrate(progress);
 }
 
-void EnvironmentMap::copyTexels(const Image& map) {
-    const auto mapWidth = static_cast<std::size_t>(map.width);
-    const auto mapHeight = static_cast<std::size_t>(map.height);
-    const std::size_t repeatX = (kMinWidth + mapWidth - 1) / mapWidth;
-    const std::size_t repeatY = (kMinHeight + mapHeight - 1) / mapHeight;
-    width_ = mapWidth * repeatX;
-    height_ = mapHeight * repeatY;
+void EnvironmentMap::chooseSize(const Image& map) {
+    const auto repeated = [](int side, std::size_t least) {
+        const auto texels = static_cast<std::size_t>(side);
+        return texels * ((least + texels - 1) / texels);
+    };
+    width_ = repeated(map.width, kMinWidth);
+    height_ = repeated(map.height, kMinHeight);
     if (width_ * height_ > std::size_t{1} << 31)
         throw Error(fmt::format("environment map: {}x{} texels, at most 2^31 are supported",
                                 map.width, map.height));
+}
+
+void EnvironmentMap::copyTexels(const Image& map, Progress& progress) {
+    const auto mapWidth = static_cast<std::size_t>(map.width);
+    const std::size_t repeatX = width_ / mapWidth;
+    const std::size_t repeatY = height_ / static_cast<std::size_t>(map.height);
     map_.resize(width_ * height_);
     parallelFor(height_, kRowsPerChunk, [&](const Chunk& rows) {
+        throwIfInterrupted();
         for (std::size_t y = rows.begin; y < rows.end; ++y)
             for (std::size_t x = 0; x < width_; ++x)
                 map_[y * width_ + x] = {map.pixels[(y / repeatY) * mapWidth + x / repeatX], 0};
+        progress.add((rows.end - rows.begin) * width_);
     });
 }
 
-void EnvironmentMap::nameGrains() {
+void EnvironmentMap::nameGrains(Progress& progress) {
     const CellFinder finder(kGrainLevel);
     const MapFactors factors(width_, height_);
     grainOf_.resize(map_.size());
     parallelFor(height_, kRowsPerChunk, [&](const Chunk& rows) {
+        throwIfInterrupted();
         std::uint32_t cell = 0;
         for (std::size_t y = rows.begin; y < rows.end; ++y)
             for (std::size_t x = 0; x < width_; ++x) {
                 cell = finder.find(factors.center(y, x), cell);
                 grainOf_[y * width_ + x] = cell;
             }
+        progress.add((rows.end - rows.begin) * width_);
     });
 }
 
-void EnvironmentMap::sortTexels() {
+void EnvironmentMap::sortTexels(Progress& progress) {
     std::vector<std::uint32_t> count(cellCount(kGrainLevel), 0);
     for (const std::uint32_t cell : grainOf_) ++count[cell];
+    throwIfInterrupted();
     firstTexel_.assign(1, 0);
     std::vector<std::uint32_t> grain(count.size(), 0);
     for (std::size_t c = 0; c < count.size(); ++c) {
@@ -167,9 +183,13 @@ void EnvironmentMap::sortTexels() {
     }
     texels_.resize(map_.size());
     std::vector<std::uint32_t> next(firstTexel_.begin(), firstTexel_.end() - 1);
-    for (std::size_t i = 0; i < map_.size(); ++i) {
-        grainOf_[i] = grain[grainOf_[i]];
-        texels_[next[grainOf_[i]]++] = static_cast<std::uint32_t>(i);
+    for (std::size_t y = 0; y < height_; ++y) {
+        throwIfInterrupted();
+        for (std::size_t i = y * width_; i < (y + 1) * width_; ++i) {
+            grainOf_[i] = grain[grainOf_[i]];
+            texels_[next[grainOf_[i]]++] = static_cast<std::uint32_t>(i);
+        }
+        progress.add(width_);
     }
 }
 
@@ -227,15 +247,17 @@ private:
     std::vector<Vec3f> directions_;
 };
 
-void EnvironmentMap::integrate() {
+void EnvironmentMap::integrate(Progress& progress) {
     const MapFactors factors(width_, height_);
     const std::size_t count = firstTexel_.size() - 1;
     grains_.resize(count);
     integrals_.resize(count);
     texelBegin_.resize(texels_.size());
     parallelFor(count, kGrainsPerChunk, [&](const Chunk& chunk) {
+        throwIfInterrupted();
         GrainSum sum(*this, factors);
         for (std::size_t g = chunk.begin; g < chunk.end; ++g) sum.integrate(g);
+        progress.add(firstTexel_[chunk.end] - firstTexel_[chunk.begin]);
     });
 }
 

@@ -10,6 +10,8 @@
 
 namespace shadowcache {
 
+class Progress;
+
 /// Tables of a lat-long map that hold however it is turned. The map is cut into grains: texels with
 /// centres in the same small cell of the direction mesh. All directions are in the map's own frame:
 /// +Y is up, longitude 0 (image centre) is +Z, +pi/2 is +X. Immutable, thread-safe.
@@ -17,7 +19,7 @@ class EnvironmentMap {
 public:
     /// @param map               width, height >= 1, finite and non-negative
     /// @param luminanceWeights  sum to 1
-    /// @throws Error for an empty map or one of over 2^31 texels
+    /// @throws Error for an empty map or one of over 2^31 texels; Interrupted
     EnvironmentMap(const Image& map, const Rgb& luminanceWeights);
 
     const Rgb& luminanceWeights() const { return luminanceWeights_; }
@@ -28,6 +30,10 @@ public:
     struct Texel {
         Rgb radiance;
         float density;  ///< with which its grain's light is drawn [1/sr]
+
+        Texel() noexcept {}  ///< leaves it unset, as a large map is not to be written twice
+        Texel(const Rgb& radianceAlong, float densityOf)
+            : radiance(radianceAlong), density(densityOf) {}
     };
     const Texel& texel(std::uint32_t index) const { return map_[index]; }
     /// Index of the texel along a unit direction.
@@ -67,6 +73,12 @@ public:
     /// Index of the texel of a lit grain that owns one of the 2^32 steps of its light.
     std::uint32_t texelAtStep(std::uint32_t grain, std::uint32_t step) const noexcept;
     void prefetch(std::uint32_t grain) const { __builtin_prefetch(&firstTexel_[grain]); }
+    void prefetchIntegrals(std::uint32_t grain) const {
+        constexpr std::uintptr_t kLine = 64;
+        const auto* bytes = reinterpret_cast<const char*>(&integrals_[grain]);
+        for (std::uintptr_t i = 0; i < sizeof(Integrals); i += kLine) __builtin_prefetch(bytes + i);
+        __builtin_prefetch(&grains_[grain]);
+    }
     void prefetchTexel(std::uint32_t index) const { __builtin_prefetch(&map_[index]); }
 
     /// Upper bound of weights . radiance over the directions within `angle` [rad] of the unit
@@ -74,10 +86,12 @@ public:
     float greatest(const Vec3d& axis, double angle, const Rgb& weights) const noexcept;
 
 private:
-    void copyTexels(const Image& map);
-    void nameGrains();
-    void sortTexels();
-    void integrate();
+    void chooseSize(const Image& map);
+    // Passes over all texels; each of them counts once in the progress.
+    void copyTexels(const Image& map, Progress& progress);
+    void nameGrains(Progress& progress);
+    void sortTexels(Progress& progress);
+    void integrate(Progress& progress);
     class GrainSum;
 
     std::size_t width_ = 0, height_ = 0;

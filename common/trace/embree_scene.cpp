@@ -5,7 +5,7 @@
 
 #include "common/base/error.h"
 #include "common/base/hash.h"
-#include "common/base/watch.h"
+#include "common/base/interrupt.h"
 #include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -58,14 +58,13 @@ void EmbreeScene::release() noexcept {
 }
 
 void EmbreeScene::commit(RTCScene scene) {
-    Watch* watch = currentWatch();
-    const auto goOn = [](void* watcher, double) {
-        return !static_cast<const Watch*>(watcher)->stop.load(std::memory_order_relaxed);
+    const auto goOn = [](void* watch, double) {
+        return !mustEnd(static_cast<const Watch*>(watch));
     };
-    if (watch) rtcSetSceneProgressMonitorFunction(scene, goOn, watch);
+    rtcSetSceneProgressMonitorFunction(scene, goOn, currentWatch());
     rtcCommitScene(scene);
-    if (watch) rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
-    throwIfStopped();
+    rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+    throwIfInterrupted();
 }
 
 void EmbreeScene::throwOnError() const {
