@@ -3,12 +3,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <span>
 
 #include "common/base/error.h"
 #include "common/base/hash.h"
+#include "common/base/interrupt.h"
+#include "common/base/parallel.h"
 #include "common/cache/hit_code.h"
 #include "common/cache/lookup_weight.h"
 #include "common/cache/open_cache.h"
@@ -22,6 +25,8 @@ constexpr float kLeastOfPart = 1e-6f;
 
 /// Exposure of items that no ray got away from: they count where nothing else does.
 constexpr float kLeastExposure = 1e-3f;
+
+constexpr std::size_t kItemsPerChunk = 1024;
 
 /// Voxels have coordinates below this, which leaves room for those around them.
 constexpr double kMostVoxel = 2e9;
@@ -62,18 +67,35 @@ ItemTable::ItemTable(const ShadowCache& cache) : spacing_(cache.header().spacing
     items_.reserve(cache.itemCount());
     const bool hits = cache.header().hits > 0;
     OpenCache::of(cache).visitLeaves(hits, [&](const openvdb::Coord& origin, const LeafView& leaf) {
+        throwIfInterrupted();
         std::uint32_t i = 0;
         for (openvdb::Index v = 0; v < kLeafVoxels; ++v) {
             const openvdb::Coord voxel = origin + PointLeaf::offsetToLocalCoord(v);
             for (; i < leaf.voxelEnd[v]; ++i)
                 items_.push_back({{voxel.x(), voxel.y(), voxel.z()},
                                   leaf.patch[i],
+                                  false,
                                   leaf.position[i],
                                   leaf.normal[i],
                                   hits ? exposureOf(leaf, i) : 1});
         }
     });
     index();
+    look(cache);
+}
+
+void ItemTable::look(const ShadowCache& cache) {
+    parallelFor(items_.size(), kItemsPerChunk, [&](const Chunk& chunk) {
+        throwIfInterrupted();
+        ShadowCache::Reader reader(cache);
+        std::array<ItemView, ShadowCache::kMaxItems> found;
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            const auto number = static_cast<std::uint32_t>(i);
+            const int count = reader.lookUp(position(number), normal(number), found);
+            const auto views = std::span(found).first(static_cast<std::size_t>(count));
+            items_[i].found = std::ranges::find(views, i, &ItemView::number) != views.end();
+        }
+    });
 }
 
 void ItemTable::index() {

@@ -35,6 +35,10 @@ public:
     /// nobody sees and the sky does not light. 1 without hits.
     float exposure(std::uint32_t item) const { return items_[item].exposure; }
 
+    /// Whether a lookup at the item's own place, for its own normal, finds it. Others have parts or
+    /// a nearer layer in their place, and are asked for by nobody.
+    bool isFound(std::uint32_t item) const { return items_[item].found; }
+
     /// The item that would weigh most in a lookup at a place (ShadowCache::Reader::lookUp)
     /// that counts items as far as they are exposed, or kNoItem if a lookup would find none. Of
     /// equal ones the first.
@@ -56,6 +60,7 @@ public:
     struct Item {
         Vec3i voxel;
         std::int16_t patch;  ///< PatchCode, packed
+        bool found;          ///< as isFound()
         Vec3f position;      ///< from the voxel's centre, in spacings
         Vec3f normal;
         float exposure;  ///< of its surface, above 0, up to 1
@@ -67,6 +72,7 @@ public:
 private:
     std::uint32_t slotOf(const Vec3i& voxel) const noexcept;
     void index();
+    void look(const ShadowCache& cache);
 
     template <class Weigh>
     std::uint32_t heaviest(const Vec3d& place, int low, int high,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -206,12 +208,36 @@ struct ShadowCache::Reader::Impl {
         return leaf ? &cache.leaves[leaf->transientData()] : nullptr;
     }
 
+    /// The leaf that holds an item.
+    const LeafView& leafOf(std::uint64_t number) {
+        if (paged) return *paged->find(cache.paged->origin(cache.paged->leafWith(number)));
+        if (number < last->firstItem || number >= last->firstItem + last->items)
+            last = &*std::prev(
+                std::ranges::upper_bound(cache.leaves, number, std::less(), &LeafView::firstItem));
+        return *last;
+    }
+
     void collect(const Vec3d& position, const Vec3f& normal, float leastOfPart, FoundItems& found);
 
     const ShadowCache::Impl& cache;
     std::optional<PagedLeaves::Reader> paged;          ///< with a budget
     std::optional<PointGrid::ConstAccessor> accessor;  ///< without
+    const LeafView* last = cache.leaves.data();        ///< that leafOf() found, without
 };
+
+namespace {
+
+ItemView viewOfItem(const LeafView& leaf, std::uint32_t i, float weight) {
+    const auto first = static_cast<std::uint32_t>(leaf.firstBlock[i]);
+    return {leaf.n.row(i),          leaf.d.row(i),
+            leaf.blockKeys + first, leaf.blockN.row(first),
+            leaf.blockD.row(first), leaf.blockN.step,
+            leaf.blockD.step,       static_cast<std::uint32_t>(leaf.blockCount[i]),
+            leaf.normal[i],         weight,
+            leaf.firstItem + i};
+}
+
+}  // namespace
 
 ShadowCache::Reader::Reader(const ShadowCache& cache)
     : impl_(std::make_unique<Impl>(*cache.impl_)) {}
@@ -251,17 +277,18 @@ void ShadowCache::Reader::Impl::collect(const Vec3d& position, const Vec3f& norm
                                    ? nearOf(trilinear)
                                    : std::max(partWeight(code, fromMiddle), leastOfPart);
             if (near == 0) continue;
-            const auto firstBlock = static_cast<std::uint32_t>(view.firstBlock[i]);
             const Vec3f toItem = view.position[i] - fromMiddle;
             const float weight = itemWeight(near, agreement, toItem, normal);
-            found.add({view.n.row(i), view.d.row(i), view.blockKeys + firstBlock,
-                       view.blockN.row(firstBlock), view.blockD.row(firstBlock), view.blockN.step,
-                       view.blockD.step, static_cast<std::uint32_t>(view.blockCount[i]),
-                       view.normal[i], weight, view.firstItem + i},
-                      {code, std::abs(toItem.dot(view.normal[i]))});
+            found.add(viewOfItem(view, i, weight), {code, std::abs(toItem.dot(view.normal[i]))});
         }
         if (found.count - before > 1) keepNearestLayers(found, before);
     }
+}
+
+ItemView ShadowCache::Reader::item(std::uint64_t number) {
+    if (impl_->paged) impl_->paged->beginLookup();
+    const LeafView& leaf = impl_->leafOf(number);
+    return viewOfItem(leaf, static_cast<std::uint32_t>(number - leaf.firstItem), 1);
 }
 
 int ShadowCache::Reader::lookUp(const Vec3d& position, const Vec3f& normal,

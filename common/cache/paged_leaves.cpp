@@ -1,6 +1,7 @@
 #include "common/cache/paged_leaves.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "common/base/error.h"
 #include "common/cache/cache_grids.h"
@@ -52,6 +53,11 @@ PagedLeaves::PagedLeaves(const std::filesystem::path& path, const CacheHeader& h
     const std::uint64_t overhead = leaves_.capacity() * sizeof(Leaf) +
                                    blockLeaves_.capacity() * sizeof(LeafPlace) + index_.memUsage();
     pages_ = std::make_unique<CachePages>(std::move(file), std::move(pages), budget, overhead);
+}
+
+std::size_t PagedLeaves::leafWith(std::uint64_t item) const {
+    const auto next = std::ranges::upper_bound(leaves_, item, std::less(), &Leaf::firstItem);
+    return static_cast<std::size_t>(next - leaves_.begin()) - 1;
 }
 
 PagedLeaves::Reader::Reader(const PagedLeaves& leaves, bool hits)

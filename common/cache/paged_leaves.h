@@ -27,6 +27,8 @@ public:
     std::size_t size() const { return leaves_.size(); }
     /// First voxel of a leaf, in the file's order.
     const openvdb::Coord& origin(std::size_t leaf) const { return leaves_[leaf].items.origin; }
+    /// The leaf that holds an item, by number.
+    std::size_t leafWith(std::uint64_t item) const;
     /// Use of the budget.
     MemoryUse use() const { return pages_->use(); }
 

@@ -103,6 +103,10 @@ public:
         /// @throws Error naming the file if there is a budget and the file cannot be read any more
         int lookUp(const Vec3d& position, const Vec3f& normal, std::span<ItemView> out);
 
+        /// An item by its number, below itemCount(); its weight is 1. Fast where numbers ascend.
+        /// Valid, and throws, as what lookUp() finds.
+        ItemView item(std::uint64_t number);
+
     private:
         struct Impl;
         std::unique_ptr<Impl> impl_;

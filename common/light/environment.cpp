@@ -17,6 +17,8 @@ namespace {
 using Integrals = EnvironmentMap::Integrals;
 
 constexpr std::size_t kGrainsPerChunk = 8192;
+/// Grains between the one that is summed and the one whose integrals are fetched.
+constexpr std::uint32_t kPrefetch = 8;
 /// The cells below one of this level are summed together.
 constexpr int kTreeLevel = 1;
 
@@ -181,6 +183,7 @@ void Environment::sumCell(std::uint32_t cell, const IntegralTurn& turn, std::vec
     sums.luminance = 0;
     sums.reach = sums.radius = 0;
     for (std::uint32_t k = first; k < end; ++k) {
+        if (k + kPrefetch < grains_.size()) map_->prefetchIntegrals(grains_[k + kPrefetch]);
         const EnvironmentMap::Grain& grain = map_->grains()[grains_[k]];
         const float distance = (grain.center - axis).length2();
         // The arc above a chord c < 0.1 is at most c + c^3 / 23.

@@ -55,7 +55,7 @@ public:
     /// @throws Error as EnvironmentMap
     Environment(const Image& map, double rotationDegrees, const Rgb& luminanceWeights);
 
-    /// Turns the map anew: some 20 ms, whatever the number of texels (docs/numerics.md). Nobody may
+    /// Turns the map anew: some 10 ms, whatever the number of texels (docs/numerics.md). Nobody may
     /// use the environment meanwhile, and tables made of it hold no longer.
     void turn(const Turn& turn, const Rgb& gain);
 

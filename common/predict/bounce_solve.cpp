@@ -1,9 +1,10 @@
 #include "common/predict/bounce_solve.h"
 
 #include <algorithm>
-#include <array>
 
+#include "common/base/interrupt.h"
 #include "common/base/parallel.h"
+#include "common/base/progress.h"
 #include "common/predict/cache_preview.h"
 
 namespace shadowcache {
@@ -26,20 +27,18 @@ std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
                           const Environment& environment, float leastExposure) {
     const CachePreview preview(environment, cache.header().tiers());
     std::vector<Rgb> direct(items.size(), Rgb(0, 0, 0));
+    Progress progress("predict light", std::max<std::size_t>(1, items.size()));
     parallelFor(items.size(), kChunk, [&](const Chunk& chunk) {
+        throwIfInterrupted();
         ShadowCache::Reader reader(cache);
-        std::array<ItemView, ShadowCache::kMaxItems> found;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const auto number = static_cast<std::uint32_t>(i);
-            const Vec3f& normal = items.normal(number);
-            const int count = reader.lookUp(items.position(number), normal, found);
-            const auto views = std::span(found).first(static_cast<std::size_t>(count));
-            const auto self = std::ranges::find(views, std::uint64_t{number}, &ItemView::number);
-            if (self == views.end()) continue;
+            if (!items.isFound(number)) continue;
             const float exposure = items.exposure(number);
-            direct[i] =
-                preview.irradiance(*self, normal) * (exposure < leastExposure ? 1 : 1 / exposure);
+            direct[i] = preview.irradiance(reader.item(i), items.normal(number)) *
+                        (exposure < leastExposure ? 1 : 1 / exposure);
         }
+        progress.add(chunk.end - chunk.begin);
     });
     return direct;
 }
@@ -54,6 +53,7 @@ BounceSolve::BounceSolve(const ShadowCache& cache, const ItemTable& items,
     const int most = bounces < 0 ? kMostSolved : std::min(bounces, kMostSolved);
     const auto rays = static_cast<std::size_t>(transport.raysPerItem);
     for (int b = 1; b <= most; ++b) {
+        throwIfInterrupted();
         const std::vector<Rgb>&before = irradiance_.back(), &direct = irradiance_.front();
         std::vector<Rgb> next(items.size());
         const double added = parallelSum(items.size(), kChunk, [&](const Chunk& chunk) {

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/cache/checksums.h"
+#include "common/cache/item_table.h"
 #include "common/random/sequence.h"
 #include "tests/support/plain_set.h"
 
@@ -51,6 +53,32 @@ void expectSameLookups(const ShadowCache& a, const ShadowCache& b, int places) {
     EXPECT_GT(found, places / 2);
 }
 
+/// Numbers lead to what lookups find under them, in a cache that is whole and in one that is not.
+void expectSameByNumber(const ShadowCache& whole, const ShadowCache& paged) {
+    const std::uint32_t cells = whole.header().tiers().baseCells();
+    ShadowCache::Reader looker(whole), one(whole), two(paged);
+    const ItemTable table(whole);
+    std::array<ItemView, ShadowCache::kMaxItems> found;
+    std::size_t seen = 0, unlikeTheNext = 0;
+    for (std::uint32_t i = 0; i < table.size(); ++i) {
+        const std::uint32_t number = i % 3 ? i : static_cast<std::uint32_t>(table.size()) - 1 - i;
+        const std::vector<int> content = contentOf(one.item(number), cells);
+        EXPECT_EQ(one.item(number).number, number);
+        EXPECT_EQ(one.item(number).normal, table.normal(number));
+        ASSERT_EQ(contentOf(two.item(number), cells), content);
+        unlikeTheNext += contentOf(one.item((number + 1) % table.size()), cells) != content;
+        const int count = looker.lookUp(table.position(number), table.normal(number), found);
+        const auto views = std::span(found).first(static_cast<std::size_t>(count));
+        const auto self = std::ranges::find(views, std::uint64_t{number}, &ItemView::number);
+        ASSERT_EQ(self != views.end(), table.isFound(number));
+        if (self == views.end()) continue;
+        ++seen;
+        ASSERT_EQ(contentOf(*self, cells), content);
+    }
+    EXPECT_GT(seen, table.size() / 2);
+    EXPECT_GT(unlikeTheNext, table.size() / 4) << "control";
+}
+
 TEST(MemoryBudget, FindsTheSameItemsAtEveryLevel) {
     for (int level = 0; level <= kMaxCacheLevel; ++level)
         for (const bool adaptive : {true, false}) {
@@ -64,6 +92,7 @@ TEST(MemoryBudget, FindsTheSameItemsAtEveryLevel) {
             const auto path = writePlain(folder, options);
             const ShadowCache whole(path), paged(path, 1);
             expectSameLookups(whole, paged, 300);
+            expectSameByNumber(whole, paged);
             EXPECT_GT(paged.memoryUse().loads, 0u);
         }
 }
