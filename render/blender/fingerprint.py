@@ -9,6 +9,7 @@ import hashlib
 import bpy
 import numpy
 
+from .blender_export import versions
 from .blender_export.report import Report
 from .blender_export.shown import materials_of, walk, world_matrices
 from .blender_export.triangles import read
@@ -84,9 +85,9 @@ def nodes_of(tree, depth=0):
 def material_digest(material):
     if material is None:
         return ""
-    cycles = getattr(material, "cycles", None)
-    return digest_of(material.name, bool(cycles and cycles.use_transparent_shadow), material.use_nodes, tuple(material.diffuse_color), material.blend_method,
-                     material.alpha_threshold, material.use_backface_culling,
+    return digest_of(material.name, bool(versions.setting_of(material, "use_transparent_shadow")), material.use_nodes,
+                     tuple(material.diffuse_color), material.blend_method, material.alpha_threshold,
+                     material.use_backface_culling,
                      nodes_of(material.node_tree) if material.use_nodes else "")
 
 
@@ -94,12 +95,11 @@ def mesh_digest(mesh):
     arrays = [read(mesh.vertices, "co", 3, numpy.float32), read(mesh.loops, "vertex_index", 1, numpy.int32)]
     for name, kind in (("loop_total", numpy.int32), ("material_index", numpy.int32), ("use_smooth", bool)):
         arrays.append(read(mesh.polygons, name, 1, kind))
-    if mesh.use_auto_smooth:
+    if versions.splits_normals(mesh):
         arrays += [read(mesh.edges, "use_edge_sharp", 1, bool), read(mesh.edges, "vertices", 2, numpy.int32)]
         if mesh.has_custom_normals:
-            mesh.calc_normals_split()
-            arrays.append(read(mesh.loops, "normal", 3, numpy.float32))
-    texts = [mesh.name, mesh.use_auto_smooth, mesh.auto_smooth_angle]
+            arrays.append(versions.corner_normals(mesh))
+    texts = [mesh.name, versions.splits_normals(mesh), versions.smooth_angle(mesh)]
     for layer in mesh.uv_layers:
         texts += [layer.name, layer.active_render]
         arrays.append(read(layer.data, "uv", 2, numpy.float32))

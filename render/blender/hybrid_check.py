@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import bpy
 
 from . import world
+from .blender_export import versions
 from .blender_export.node_values import source
 from .blender_export.shown import other_layers
 
@@ -95,7 +96,7 @@ def has_exported_shadow(material, entry):
     output = material.node_tree.get_output_node("CYCLES")
     if not output or not source(output.inputs["Surface"]) or source(output.inputs["Volume"]):
         return False
-    if source(output.inputs["Displacement"]) and material.cycles.displacement_method != "BUMP":
+    if source(output.inputs["Displacement"]) and versions.setting_of(material, "displacement_method") != "BUMP":
         return False
     nodes = list(nodes_of(material))
     if any(node.type in SEE_THROUGH for node in nodes):
@@ -115,7 +116,7 @@ def emits(material):
         if node.type in ("EMISSION", "SCRIPT"):
             return True
         if node.type == "BSDF_PRINCIPLED":
-            colour, strength = node.inputs["Emission"], node.inputs["Emission Strength"]
+            colour, strength = versions.principled_input(node, "Emission"), node.inputs["Emission Strength"]
             if (source(strength) or strength.default_value) and (source(colour) or any(colour.default_value[:3])):
                 return True
     return False

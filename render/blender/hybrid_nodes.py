@@ -10,6 +10,8 @@ The bracket counts where no material of the pixel is masked.
 
 import bpy
 
+from .blender_export.versions import add_socket
+
 NAME = "Shadowcache Hybrid"   # of the group, and of what belongs to it in a tree
 PARTS = (("Diff", "DiffDir", "DiffCol"), ("Gloss", "GlossDir", "GlossCol"))
 BLACK = (0, 0, 0, 1)
@@ -31,9 +33,9 @@ def group():
         return found
     found = bpy.data.node_groups.new(NAME, "CompositorNodeTree")
     for name in INPUTS:
-        found.inputs.new("NodeSocketColor", name).default_value = BLACK
-    found.inputs.new("NodeSocketFloat", "Masked")
-    found.outputs.new("NodeSocketColor", "Image")
+        add_socket(found, "NodeSocketColor", name).default_value = BLACK
+    add_socket(found, "NodeSocketFloat", "Masked")
+    add_socket(found, "NodeSocketColor", "Image", is_output=True)
     build(found)
     return found
 

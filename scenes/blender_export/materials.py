@@ -5,9 +5,9 @@ Opacity counts as in Cycles, whatever a material's blend mode is; Alpha Clip mak
 the depsgraph evaluated it: drivers and keys have their values of the frame.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from . import node_values
+from . import node_values, versions
 from .node_values import Value, colour_of, number_of, placement, source
 from .pictures import ONE
 
@@ -61,7 +61,7 @@ class MaterialWriter:
         elif shader.type == "BSDF_DIFFUSE":
             self._write_base(colour_of(shader.inputs["Color"]), Value((1,)))
             self._write_gloss(Value((0,)), Value((1,)))
-            self._write_specular(Value((0,)), 0, None)
+            self._write_specular(Value((0,)))
             self._write_normal(shader)
         else:
             self._write_plain((0, 0, 0))
@@ -88,21 +88,29 @@ class MaterialWriter:
     def _write_plain(self, colour):
         """A Lambertian surface."""
         self.entry["pbrMetallicRoughness"] = {"baseColorFactor": [*unit(colour[:3]), 1], "metallicFactor": 0}
-        self._write_specular(Value((0,)), 0, None)
+        self._write_specular(Value((0,)))
 
     def _write_principled(self, shader):
         inputs = shader.inputs
         base = colour_of(inputs["Base Color"])
         self._write_base(base, number_of(inputs["Alpha"]))
         self._write_gloss(number_of(inputs["Metallic"]), number_of(inputs["Roughness"]))
-        self._write_specular(number_of(inputs["Specular"]), inputs["Specular Tint"].default_value, base)
-        self._write_emission(inputs["Emission"], inputs["Emission Strength"])
+        self._write_specular(self._specular_of(shader), self._tint_of(shader, base))
+        self._write_emission(versions.principled_input(shader, "Emission"), inputs["Emission Strength"])
         self._write_normal(shader)
         for name in WITHOUT:
-            if source(inputs[name]) or inputs[name].default_value:
+            socket = versions.principled_input(shader, name)
+            if source(socket) or socket.default_value:
                 self.leave_out(name)
         if inputs["Anisotropic"].default_value or source(inputs["Anisotropic"]):
             self.leave_out("Anisotropic")
+
+    def _specular_of(self, shader):
+        value = number_of(versions.principled_input(shader, "Specular"))
+        if versions.has_own_index(shader) and source(shader.inputs["IOR"]):
+            self.leave_out("IOR: node %s" % source(shader.inputs["IOR"]).node.bl_label)
+        scale = versions.specular_scale(shader)
+        return value if scale == 1 else replace(value, factor=(value.factor[0] * scale,))
 
     def _known(self, value, socket):
         if value.unknown:
@@ -155,8 +163,7 @@ class MaterialWriter:
         pbr = self.entry["pbrMetallicRoughness"] = {
             "baseColorFactor": [*unit(colour.factor), 1 if solid else unit(alpha.factor)[0]]}
         if not solid:
-            cycles = getattr(self.material, "cycles", None)  # an add-on that may be off
-            if cycles and not cycles.use_transparent_shadow:
+            if versions.setting_of(self.material, "use_transparent_shadow") is False:
                 self.leave_out("Alpha: Transparent Shadows is off; here shadows have its holes")
             mask = self.material.blend_method == "CLIP"
             self.entry["alphaMode"] = "MASK" if mask else "BLEND"
@@ -189,19 +196,31 @@ class MaterialWriter:
             if info:
                 pbr["metallicRoughnessTexture"] = info
 
-    def _write_specular(self, specular, tint, base):
+    def _tint_of(self, shader, base):
+        """Factors of Principled's reflectance: a share of the base's hue; from 4.0 on a colour."""
+        socket, none = shader.inputs["Specular Tint"], (1, 1, 1)
+        if versions.has_own_index(shader):
+            tint = colour_of(socket)
+            if tint.image or tint.colours is not None or tint.unknown:
+                self.leave_out("Specular Tint")
+                return none
+            return tuple(tint.factor)
+        tint = socket.default_value
+        if not tint:
+            return none
+        if base.image or base.colours is not None:
+            self.leave_out("Specular Tint")
+            return none
+        light = 0.2126 * base.factor[0] + 0.7152 * base.factor[1] + 0.0722 * base.factor[2]
+        return tuple(1 - tint + tint * (c / light if light else 1) for c in base.factor)
+
+    def _write_specular(self, specular, tint=(1, 1, 1)):
         """Principled's reflectance at normal incidence is 0.08 times Specular; glTF's is 0.04 times a colour."""
         self._known(specular, "Specular")
         strength = 2 * specular.factor[0]
-        if strength == 1 and not tint and not specular.image:
+        colour = [strength * factor for factor in tint]
+        if colour == [1, 1, 1] and not specular.image:
             return
-        colour = [strength] * 3
-        if tint and base:
-            if base.image or base.colours is not None:
-                self.leave_out("Specular Tint")
-            else:
-                light = 0.2126 * base.factor[0] + 0.7152 * base.factor[1] + 0.0722 * base.factor[2]
-                colour = [strength * (1 - tint + tint * (c / light if light else 1)) for c in base.factor]
         extension = {"specularFactor": 0} if strength == 0 else {"specularColorFactor": colour}
         if specular.image:
             info = self._texture((*[(specular.image.image, specular.channel)] * 3, None), True, specular.image)

@@ -5,6 +5,7 @@ import hashlib
 import numpy
 
 from .triangles import MeshArrays, read, share
+from .versions import corner_normals
 
 
 def y_up(vectors):
@@ -20,14 +21,6 @@ def material_numbers(mesh):
     if attribute is None:
         return numpy.zeros(len(mesh.polygons), numpy.int32)
     return read(attribute.data, "value", 1, numpy.int32)
-
-
-def corner_normals(mesh):
-    """Of the loops, where Blender splits normals or the file sets them; else None."""
-    if not mesh.use_auto_smooth:
-        return None
-    mesh.calc_normals_split()
-    return read(mesh.loops, "normal", 3, numpy.float32)
 
 
 def texture_places(mesh, name):

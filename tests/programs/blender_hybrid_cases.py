@@ -262,12 +262,43 @@ def refusals():
     hybrid()
 
 
+def state():
+    """What a hybrid makes, and changes."""
+    scene, layer = bpy.context.scene, bpy.context.view_layer
+    return (sorted(s.name for s in bpy.data.scenes), sorted(g.name for g in bpy.data.node_groups), wires(scene.node_tree),
+            bool(scene.shadowcache.hybrid_rest), [layer.use_pass_diffuse_direct, layer.use_pass_glossy_color])
+
+
+def undo():
+    """A step back there is no hybrid, a step on there is the same one again; so it is where it was removed."""
+    bpy.ops.shadowcache.hybrid_remove()
+    layer = bpy.context.view_layer
+    layer.use_pass_diffuse_direct = layer.use_pass_glossy_color = False
+    bpy.context.scene.cycles.samples = 16
+    bpy.ops.ed.undo_push(message="before")
+    before = state()
+    bpy.ops.shadowcache.hybrid("EXEC_DEFAULT", True)  # as a user presses it
+    made, wanted = state(), hybrid()
+    assert made != before
+    bpy.ops.ed.undo()
+    assert state() == before, state()
+    bpy.ops.render.render()
+    bpy.ops.ed.redo()
+    assert state() == made and (hybrid() == wanted).all()
+    bpy.ops.shadowcache.hybrid_remove("EXEC_DEFAULT", True)
+    removed = state()
+    bpy.ops.ed.undo()
+    assert state() == made != removed and (hybrid() == wanted).all()
+    bpy.ops.ed.redo()
+    assert state() == removed
+
+
 def main():
     install()
     make_rich()
     bpy.context.scene.render.engine = "SHADOWCACHE"
     bpy.context.scene.render.filepath = os.path.join(WORK, "hybrid.exr")
-    for case in (light, film, animation, nodes, refusals):
+    for case in (light, film, animation, nodes, refusals, undo):
         start = time.monotonic()
         case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))
