@@ -18,7 +18,7 @@ using Integrals = EnvironmentMap::Integrals;
 
 constexpr std::size_t kGrainsPerChunk = 8192;
 /// Grains between the one that is summed and the one whose integrals are fetched.
-constexpr std::uint32_t kPrefetch = 8;
+constexpr std::uint32_t kPrefetch = 16;
 /// The cells below one of this level are summed together.
 constexpr int kTreeLevel = 1;
 

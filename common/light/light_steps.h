@@ -30,7 +30,8 @@ inline void divideSteps(std::span<const double> light, double total, std::uint32
     for (std::size_t i = 0; i < light.size(); ++i) {
         begin[i] = static_cast<std::uint32_t>(sum);
         if (!(light[i] > 0)) continue;
-        sum += 1 + static_cast<std::uint64_t>(scale * light[i]);
+        // By way of signed numbers, for which processors have an instruction.
+        sum += 1 + static_cast<std::uint64_t>(static_cast<std::int64_t>(scale * light[i]));
         end = i + 1;
     }
     for (std::size_t i = end; i < light.size(); ++i) begin[i] = kNoStep;

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How small a first picture is, so that it is there at once."""
 
-TARGET = 0.1         # seconds that a first picture may take to render
+TARGET = 0.06        # seconds that a first picture may take to render: with what it takes to show it, 15 a second
 SMALLEST, LARGEST = 1 / 16, 1 / 2
 MOST_STEP = 2        # of one picture to the next
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 
 #include "common/base/process.h"
 #include "common/image/exr.h"
@@ -43,7 +44,8 @@ std::filesystem::path wideMap(const Settings& settings, int width) {
 
 void mapTurns(const Settings& settings) {
     JsonFile json;
-    std::printf("%6s %9s %9s %12s %12s\n", "width", "read", "tabulate", "turn, best", "turn, mean");
+    std::printf("%6s %9s %9s %12s %12s %15s\n", "width", "read", "tabulate", "turn, best",
+                "turn, mean", "processor time");
     for (const int width : {1024, 2048, 4096, 8192}) {
         const auto path = wideMap(settings, width);
         const double start = secondsNow();
@@ -54,6 +56,7 @@ void mapTurns(const Settings& settings) {
         const double tabulate = secondsNow() - start - read;
         Environment environment(map);
         double best = 1e9, sum = 0;
+        const std::clock_t spent = std::clock();
         for (int i = 1; i <= kTurns; ++i) {
             const double before = secondsNow();
             environment.turn(turnByAngles({3.0 * i, 7.0 * i, 11.0 * i}), Rgb(1.0f));
@@ -61,8 +64,9 @@ void mapTurns(const Settings& settings) {
             best = std::min(best, seconds);
             sum += seconds;
         }
-        std::printf("%6d %7.3f s %7.3f s %9.2f ms %9.2f ms\n", width, read, tabulate, 1e3 * best,
-                    1e3 * sum / kTurns);
+        const double processor = static_cast<double>(std::clock() - spent) / CLOCKS_PER_SEC;
+        std::printf("%6d %7.3f s %7.3f s %9.2f ms %9.2f ms %12.2f ms\n", width, read, tabulate,
+                    1e3 * best, 1e3 * sum / kTurns, 1e3 * processor / kTurns);
         std::fflush(stdout);
         const std::string key = "width" + std::to_string(width);
         json.set(key + ".read", read);
