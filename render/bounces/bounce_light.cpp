@@ -9,6 +9,7 @@
 #include "render/bounces/exchange.h"
 #include "render/bounces/path_steps.h"
 #include "render/bounces/russian_roulette.h"
+#include "render/bounces/vertex_items.h"
 #include "render/bounces/vertex_light.h"
 
 namespace shadowcache {
@@ -59,6 +60,8 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
                          BounceCounts& counts, const std::function<void()>& onLevel) const {
     const EstimatorContext& context = estimator_.context();
     std::vector<PathLevel> levels{firstLevel(receivers, context.environment.luminanceWeights())};
+    if (context.solve) startWithIndirect(receivers, levels.front());
+    decideFirst(receivers, levels.front());
     std::vector<VertexGroups> groups;
     for (int bounce = 0; !levels.back().vertices.empty(); ++bounce) {
         throwIfInterrupted();
@@ -96,6 +99,20 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
         light[i].glossy = levels.front().vertices[i].mirrored;
     }
     clampLight(receivers, light);
+}
+
+void BounceLight::startWithIndirect(std::span<const BounceReceiver> receivers,
+                                    PathLevel& level) const {
+    const EstimatorContext& context = estimator_.context();
+    std::vector<std::uint32_t> rarer;
+    for (std::size_t i = 0; i < receivers.size(); ++i)
+        if (receivers[i].diffuse && receivers[i].point->sampleFraction < 1)
+            rarer.push_back(static_cast<std::uint32_t>(i));
+    findItems(context.solve->items(), context.scene.mesh().origin, rarer, level);
+    forEachIndex(rarer.size(), [&](std::size_t i) {
+        PathVertex& v = level.vertices[rarer[i]];
+        if (v.item != kNoItem) v.irradiance = context.solve->indirect(v.item, options_.most);
+    });
 }
 
 void BounceLight::startWithPrediction(int bouncesLeft, PathLevel& level) const {

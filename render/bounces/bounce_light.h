@@ -35,6 +35,8 @@ public:
     void predict(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;
 
 private:
+    /// Starts camera points that do not all send rays with what is predicted to bounce to them.
+    void startWithIndirect(std::span<const BounceReceiver> receivers, PathLevel& level) const;
     /// Starts the vertices of a level with what is predicted of their irradiance.
     void startWithPrediction(int bouncesLeft, PathLevel& level) const;
     /// Adds what the rays of a level found to its vertices, in place of what was predicted of it.

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <compare>
 
 #include "common/base/parallel.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/random/salts.h"
 #include "render/bounces/russian_roulette.h"
+#include "render/bounces/vertex_items.h"
 #include "render/estimators/hemisphere.h"
 #include "render/estimators/set_place.h"
 
@@ -117,41 +117,6 @@ private:
     std::vector<PathRay> rays_;
 };
 
-/// The voxels that are looked up together have this many bits of their coordinates in common.
-constexpr int kVoxelBits = 3;
-
-/// Sets the items of some vertices. Lookups go from place to place of the set, each of which is in
-/// the processor's cache then: rays that leave together meet places that are far apart.
-void findItems(const ItemTable& items, const Vec3d& origin, std::span<const std::uint32_t> vertices,
-               PathLevel& level) {
-    struct Lookup {
-        std::uint64_t place;
-        std::uint32_t vertex;
-        auto operator<=>(const Lookup&) const = default;
-    };
-    std::vector<Lookup> lookups(vertices.size());
-    const auto positionOf = [&](const PathVertex& v) { return origin + Vec3d(v.target); };
-    parallelFor(vertices.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const Vec3d at = positionOf(level.vertices[vertices[i]]) / items.spacing();
-            std::uint64_t place = 0;
-            for (int k = 0; k < 3; ++k) {
-                // Beyond 2^20 places repeat, which costs time alone.
-                const auto voxel = static_cast<std::int64_t>(std::clamp(at[k], -1e15, 1e15));
-                place = place << 21 | (static_cast<std::uint64_t>(voxel >> kVoxelBits) & 0x1fffff);
-            }
-            lookups[i] = {place, vertices[i]};
-        }
-    });
-    std::ranges::sort(lookups);
-    parallelFor(lookups.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            PathVertex& v = level.vertices[lookups[i].vertex];
-            v.item = items.itemAt(positionOf(v), v.geometricNormal);
-        }
-    });
-}
-
 }  // namespace
 
 PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& luminanceWeights) {
@@ -171,16 +136,9 @@ PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& lumin
         v.errorScale = point.errorScale *
                        std::max(receiver.diffuseAlbedo.dot(luminanceWeights), 1e-6f) *
                        static_cast<float>(1 / kPi);
-        const bool sends = chanceOf(v, 0) < point.sampleFraction;
-        if (receiver.diffuse) {
-            v.diffuseChance = point.sampleFraction;
-            v.sendsDiffuse = sends;
-        }
         if (receiver.lobe) {
             v.lobe = static_cast<std::int32_t>(level.lobes.size());
             level.lobes.push_back(*receiver.lobe);
-            v.lobeChance = point.sampleFraction;
-            v.sendsLobe = sends;
         }
         const std::uint64_t sequence = hashWords(point.seed, RenderSalt::bounceSequence);
         for (int k = 0; k < 2; ++k) {

@@ -7,8 +7,7 @@
 
 namespace shadowcache {
 
-/// The first level: what camera rays met. The diffuse rays of a pixel have numbers of one sequence;
-/// a ray is sent with the probability of the point's fraction.
+/// The first level: what camera rays met. The diffuse rays of a pixel have numbers of one sequence.
 PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& luminanceWeights);
 
 /// Sends the rays that the vertices of a level decided to send, and makes the next level of what

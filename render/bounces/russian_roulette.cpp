@@ -1,12 +1,12 @@
 #include "render/bounces/russian_roulette.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/hash.h"
 #include "common/base/parallel.h"
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
-#include "render/bounces/bounce_task.h"
 
 namespace shadowcache {
 
@@ -26,6 +26,13 @@ constexpr std::size_t kChunk = 4096;
 
 float highest(const Rgb& color) {
     return std::max({color.x, color.y, color.z});
+}
+
+/// Whether a camera ray is the one of its run that sends.
+bool isSender(const ShadingPoint& point, std::uint32_t run) {
+    const std::uint64_t drawn =
+        hashWords(point.seed, RenderSalt::bounceSends, point.cameraRay / run) % run;
+    return point.cameraRay % run == drawn;
 }
 
 float roulette(float reflectance, bool unlimited) {
@@ -51,6 +58,24 @@ LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe) {
     if (density > 0 && ray.direction.dot(vertex.geometricNormal) > 0)
         ray.share = lobe.value(ray.direction) * (1 / density);
     return ray;
+}
+
+void decideFirst(std::span<const BounceReceiver> receivers, PathLevel& level) {
+    parallelFor(level.vertices.size(), kChunk, [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            const ShadingPoint& point = *receivers[i].point;
+            PathVertex& v = level.vertices[i];
+            const auto run = static_cast<std::uint32_t>(std::lround(1 / point.sampleFraction));
+            const bool sends = isSender(point, run);
+            if (receivers[i].diffuse) {
+                v.diffuseChance = point.sampleFraction;
+                v.sendsDiffuse = sends;
+            }
+            if (v.lobe < 0) continue;
+            v.lobeChance = point.sampleFraction;
+            v.sendsLobe = sends;
+        }
+    });
 }
 
 void decide(int bouncesLeft, PathLevel& level) {

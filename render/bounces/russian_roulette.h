@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
+#include "render/bounces/bounce_task.h"
 #include "render/bounces/path_vertex.h"
 
 namespace shadowcache {
@@ -15,6 +17,11 @@ LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe);
 
 /// Number in [0, 1) that decides a choice of a vertex; choices have numbers of their own.
 float chanceOf(const PathVertex& vertex, std::uint64_t choice);
+
+/// Decides which of a frame's camera points, the vertices of the first level, send rays. All do,
+/// but of those that extra camera rays of a pixel met, in each run of as many rays as there are for
+/// one that was asked for, one.
+void decideFirst(std::span<const BounceReceiver> receivers, PathLevel& level);
 
 /// Decides which vertices send rays and which are lit, from their seeds, albedos and lobes alone.
 ///
