@@ -31,6 +31,11 @@ public:
 
     const ItemTable& items() const { return items_; }
 
+    /// Bytes of memory that it takes.
+    std::size_t memoryBytes() const {
+        return irradiance_.size() * irradiance_.front().capacity() * sizeof(Rgb);
+    }
+
     /// Irradiance of an item with the light of up to `bounces` bounces; below 0: of all.
     /// [radiance sr]
     const Rgb& irradiance(std::uint32_t item, int bounces) const {

@@ -9,6 +9,6 @@ namespace shadowcache {
 void addMemoryUse(JsonFile& out, const MemoryUse& use);
 
 /// Prints what a budget came to, if there was one, and warns if it was not kept.
-void printMemoryUse(const MemoryUse& use);
+void printMemoryUse(const MemoryUse& use, std::size_t bounceBytes);
 
 }  // namespace shadowcache

@@ -274,7 +274,7 @@ private:
         if (job_.render.preview) std::printf(" (biased: filtered)");
         if (error_) std::printf(", relMSE %.3g", error_->mean);
         std::printf(" -> %s\n", outputName(job_).c_str());
-        if (cache_) printMemoryUse(cache_->memoryUse());
+        if (cache_) printMemoryUse(cache_->memoryUse(), shot_ ? shot_->bounceBytes() : 0);
     }
 
     const RenderJob& job_;

@@ -20,6 +20,12 @@ Shot::Shot(const Scene& scene, const ShadowCache* cache, const EstimatorEntry& e
         items_.reset();
 }
 
+std::size_t Shot::bounceBytes() const {
+    if (!transport_) return 0;
+    return items_->memoryBytes() + transport_->memoryBytes() +
+           looks_.capacity() * sizeof looks_[0] + (solve_ ? solve_->memoryBytes() : 0);
+}
+
 void Shot::setEnvironment(const Environment& environment) {
     estimator_.reset();
     solve_.reset();

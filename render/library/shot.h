@@ -39,6 +39,9 @@ public:
     /// which is unbiased but noisier.
     bool missesTransport() const { return missesTransport_; }
 
+    /// Bytes of memory for what the cache knows of the light that bounces, which is held whole.
+    std::size_t bounceBytes() const;
+
     /// Lights the shot by another environment. Solves the light that bounces under it, as far as
     /// the cache knows it.
     ///

@@ -1,6 +1,6 @@
 """A camera move through the room of the bundled courtyard, in the morning, with four bounces: sheet.py BUILD WORK SHEET.png
 
-Bakes the shot, renders its 24 frames of 960 x 540 pixels with 16 camera rays of 4 shadow rays, and three of them again with other
+Bakes the shot, renders its 24 frames of 960 x 540 pixels with 8 camera rays of 4 shadow rays, and three of them again with other
 seeds; has Cycles render these three, twice, with the samples that take as long. Prints seconds of the processor, relMSE of
 a picture by the difference of the two, and the means; writes all frames, and parts of the three as they are, ours above those of
 Cycles. Needs blender on PATH, NumPy, matplotlib and OpenImageIO of Debian's Python.
@@ -22,7 +22,7 @@ MAP, TURN, EXPOSURE = os.path.join(ROOT, "scenes/maps/sunrise.exr"), 120, 4  # d
 FRAMES, SHOWN = 24, (1, 12, 24)
 WIDTH, HEIGHT = 960, 540
 FOV = 60  # degrees, vertical
-BOUNCES, RAYS = 4, (16, 4)
+BOUNCES, RAYS = 4, (8, 4)
 PILOT = 8  # samples of Cycles, to find how long one takes
 COLUMNS = 6
 PART = (480, 270)

@@ -52,7 +52,16 @@ TEST_F(BouncesCli, ArePredictedByTheTransportInTheCache) {
     const auto predicted = runWell(
         "render", still("--cache set.vdb --preview --samples 0 --bounces 4 -o preview.exr"));
     EXPECT_NE(predicted.out.find(" 0.0 M shadow rays in"), std::string::npos) << predicted.out;
-    runWell("render", still("--cache set.vdb --preview --samples 0 --bounces 0 -o direct.exr"));
+    EXPECT_EQ(predicted.out.find("of bounces in"), std::string::npos) << "without --memory";
+    const auto direct = runWell("render", still("--cache set.vdb --preview --samples 0 --bounces 0 "
+                                                "--memory 1G -o direct.exr"));
+    EXPECT_EQ(direct.out.find("of bounces in"), std::string::npos) << direct.out;
+    const auto inPages =
+        runWell("render", still("--cache set.vdb --preview --samples 0 --memory 1G "
+                                "--bounces 4 -o pages.exr"));
+    EXPECT_NE(inPages.out.find("; what it knows of bounces in 0."), std::string::npos)
+        << inPages.out;
+    EXPECT_EQ(light("pages.exr"), light("preview.exr"));
     EXPECT_GT(light("preview.exr"), 1.005 * light("direct.exr"));
     runWell("bake", "set.obj -o bare.vdb --spacing 0.25 --level 3 --no-transport");
     const auto unpredicted =
