@@ -31,7 +31,7 @@ float highest(const Rgb& color) {
 /// Whether a camera ray is the one of its run that sends.
 bool isSender(const ShadingPoint& point, std::uint32_t run) {
     const std::uint64_t drawn =
-        hashWords(point.seed, RenderSalt::bounceSends, point.cameraRay / run) % run;
+        hashWords(point.seed, RenderSalt::bounceSender, point.cameraRay / run) % run;
     return point.cameraRay % run == drawn;
 }
 
