@@ -13,10 +13,10 @@ import sys
 
 import bpy
 import numpy
-from mathutils import Matrix
+from mathutils import Vector
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../render/python/shadowcache_trade"))
-from in_blender import choose_settings, render  # noqa: E402
+from in_blender import axes_of, choose_settings, render  # noqa: E402
 
 
 def to_blender(vectors):
@@ -67,15 +67,14 @@ def add_camera(path, frame):
     with open(path, encoding="utf-8") as file:
         track = json.load(file)["cam"]
     pose = track["frames"][frame - 1]
-    back, up = -to_blender(pose["forward"]), to_blender(pose["up"])
-    axes = numpy.identity(4)
-    axes[:3] = numpy.column_stack([numpy.cross(up, back), up, back, to_blender(pose["origin"])])
+    axes = axes_of(Vector(to_blender(pose["forward"])), Vector(to_blender(pose["up"])))
+    axes.translation = to_blender(pose["origin"])
     camera = bpy.data.cameras.new("camera")
     camera.sensor_fit = "VERTICAL"
     camera.angle = track["yfov"]
     camera.clip_start = 1e-4
     thing = bpy.data.objects.new("camera", camera)
-    thing.matrix_world = Matrix(axes.tolist())
+    thing.matrix_world = axes
     bpy.context.scene.collection.objects.link(thing)
     bpy.context.scene.camera = thing
 

@@ -136,9 +136,15 @@ def times(tree, output, factor):
     return node.outputs[0]
 
 
+def axes_of(forward, up):
+    """Right, up and back of a camera, the columns of a rotation; `forward` and `up` have any length, and any angle but 0."""
+    forward = forward.normalized()
+    right = forward.cross(up).normalized()
+    return Matrix((right, right.cross(forward), -forward)).transposed().to_4x4()
+
+
 def add_camera(pose):
-    back, up = -(Y_UP @ Vector(pose["forward"])), Y_UP @ Vector(pose["up"])
-    axes = Matrix((up.cross(back), up, back)).transposed().to_4x4()
+    axes = axes_of(Y_UP @ Vector(pose["forward"]), Y_UP @ Vector(pose["up"]))
     axes.translation = Y_UP @ Vector(pose["origin"])
     camera = bpy.data.cameras.new("measured")
     camera.sensor_fit = "VERTICAL"
