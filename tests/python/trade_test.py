@@ -19,6 +19,7 @@ import pytest
 
 import shadowcache
 from shadowcache_trade import __main__ as program
+from shadowcache_trade import cycles
 from shadowcache_trade.cycles import SAMPLES, Rival, obstacle, rival_of
 from shadowcache_trade.cycles import render as render_in_cycles
 from shadowcache_trade.ladder import Choice, Error, Frame, Point, choose, combine, ladder, price
@@ -182,6 +183,22 @@ def test_cycles_renders_the_same_picture_and_the_control_does_not(folder, tmp_pa
     # So has one with another number of bounces.
     shot.bounces = 4
     assert "differs by +" in rival_of(shot, ours).reason
+
+
+@pytest.mark.skipif(not shutil.which("blender"), reason="Blender is not installed")
+def test_cycles_gets_an_upright_camera_from_a_pose_of_any_length_and_angle(folder, tmp_path, monkeypatch):
+    shot = shot_of(folder, tmp_path)
+    (wanted,), _, _ = render_in_cycles(shot, [(4, 1)])
+    plain = cycles.request_of
+
+    def raw(*arguments):
+        request = plain(*arguments)
+        request["camera"].update(TRACK["cam"]["frames"][0])
+        return request
+
+    monkeypatch.setattr(cycles, "request_of", raw)
+    (found,), _, _ = render_in_cycles(shot, [(4, 1)])
+    assert np.isclose(found, wanted, rtol=1e-3, atol=1e-3).mean() > 0.99
 
 
 def test_what_cycles_cannot_render_is_named(folder, tmp_path):
