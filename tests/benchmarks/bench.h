@@ -30,7 +30,7 @@ struct Settings {
     int width = 240, height = 135;
     int samples = 64;
     int repeats = 3;
-    bool full = false;  ///< efficiency, delivered: all maps, two frames; scaling: up to 10^7 items
+    bool full = false;  ///< all maps, two frames; scaling: up to 10^7 items
     std::vector<std::string> splits{"16x4", "64x1", "16x1", "4x1"};  ///< delivered: K x N
     int seeds = 0;     ///< delivered: renders to average over; 0: 2, with `full` 4
     bool crop = true;  ///< delivered: parts of large pictures, too

@@ -10,6 +10,7 @@
 #include "common/base/parallel.h"
 #include "render/bounces/item_looks.h"
 #include "tests/benchmarks/antialiased.h"
+#include "tests/benchmarks/geometric_means.h"
 #include "tests/benchmarks/in_cycles.h"
 
 namespace shadowcache::bench {
@@ -21,7 +22,7 @@ constexpr Split kBruteForce{64, 1};
 
 /// Renders of the reference, whose mean it is, and the split of each. It is what errors are
 /// relative to; its own noise counts in the error of the preview alone.
-constexpr int kReferenceRenders = 8;
+constexpr int kReferenceRenders = 4;
 constexpr Split kReferenceSplit{16, 4};
 
 double processorSeconds() {
@@ -135,7 +136,18 @@ void report(const std::string& key, const Result& result, const Result& cycles,
     json.set(key + ".times_brute_force_by_p99", byP99);
 }
 
-void compare(const Settings& settings, const Frame& bare, JsonFile& json) {
+/// Over all pictures, by set and split.
+struct Summary {
+    GeometricMeans overCycles, overBruteForce;
+
+    void add(const std::string& name, const Result& result, const Result& cycles,
+             const Result& bruteForce) {
+        overCycles.add(name, result.efficiency() / cycles.efficiency());
+        overBruteForce.add(name, result.efficiency() / bruteForce.efficiency());
+    }
+};
+
+void compare(const Settings& settings, const Frame& bare, JsonFile& json, Summary& summary) {
     const Solves solves(bare);
     EstimatorContext context = bare.context;
     context.solve = &solves.solve();
@@ -154,9 +166,10 @@ void compare(const Settings& settings, const Frame& bare, JsonFile& json) {
     report(frame.key() + ".brute_force", bruteForce, cycles, bruteForce, json);
     for (const std::string& text : settings.splits) {
         const Split split = parseSplit(text);
-        report(frame.key() + "." + split.name(),
-               measure(frame, "cache", optionsOf(split), pairs, reference, solves.seconds()),
-               cycles, bruteForce, json);
+        const Result cache =
+            measure(frame, "cache", optionsOf(split), pairs, reference, solves.seconds());
+        report(frame.key() + "." + split.name(), cache, cycles, bruteForce, json);
+        summary.add(frame.set.name + " " + split.name(), cache, cycles, bruteForce);
     }
     report(frame.key() + ".preview", measurePreview(frame, reference, solves.seconds()), cycles,
            bruteForce, json);
@@ -164,12 +177,16 @@ void compare(const Settings& settings, const Frame& bare, JsonFile& json) {
 
 }  // namespace
 
-void bounces(const Settings& settings) {
+void bounces(const Settings& chosen) {
+    const Settings settings = chosen.full ? fullMatrix(chosen) : chosen;
     JsonFile json;
+    Summary summary;
     std::printf("seconds: of the processor, over the threads, the solve included\n");
     std::printf("%-44s %9s %9s %9s %9s %8s %8s %8s %8s %8s\n", "picture, 4 bounces", "relMSE",
                 "p99", "p99.9", "max", "seconds", "light", "x Cycles", "x brute", "by p99");
-    forEachFrame(settings, [&](const Frame& frame) { compare(settings, frame, json); });
+    forEachFrame(settings, [&](const Frame& frame) { compare(settings, frame, json, summary); });
+    summary.overCycles.print("efficiency over Cycles", "over_cycles", json);
+    summary.overBruteForce.print("efficiency over brute force", "over_brute_force", json);
     if (!settings.json.empty()) json.write(settings.json);
 }
 

@@ -25,7 +25,8 @@ int main(int argc, char** argv) try {
         ->delimiter(',')
         ->capture_default_str();
     app.add_option("--seeds", settings.seeds,
-                   "delivered, break-even, gloss: renders to average over; 0: 2, with --full 4, or "
+                   "delivered, bounces, break-even, gloss: renders to average over; 0: 2, with "
+                   "--full 4, or "
                    "1 for gloss")
         ->capture_default_str();
     app.add_flag("!--no-crop", settings.crop, "delivered: no parts of large pictures");
@@ -35,8 +36,8 @@ int main(int argc, char** argv) try {
     app.add_option("--json", settings.json, "Write the table as JSON");
     app.add_flag(
         "--full", settings.full,
-        "efficiency, delivered: six maps and two frames; scaling: up to ten million items and "
-        "triangles");
+        "efficiency, delivered, bounces: six maps and two frames; scaling: up to ten million items "
+        "and triangles");
     void (*chosen)(const bench::Settings&) = nullptr;
     const auto add = [&](const char* name, const char* summary, auto benchmark) {
         app.add_subcommand(name, summary)->callback([&chosen, benchmark] { chosen = benchmark; });
