@@ -52,7 +52,7 @@ enum class RenderSalt : std::uint64_t {
     glossShare = 95,      ///< rounds the samples of their regions
     spreadRays = 96,      ///< camera rays that decide how many a pixel gets
     bounceFirst = 97,     ///< a camera point's seed for the light that bounces to it
-    bounceSends = 98,     ///< whether a vertex of a path sends rays and is lit; third word: which
+    bounceSends = 98,     ///< whether a vertex of a path sends rays; third word: which
     bounceSequence = 99,  ///< a pixel's seed for the first diffuse rays of its paths
     bounceGroup = 100,    ///< a group's seed for the diffuse rays of its vertices
     bounceShuffle = 101,  ///< which vertices of a cluster make a group

@@ -60,14 +60,14 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
                          BounceCounts& counts, const std::function<void()>& onLevel) const {
     const EstimatorContext& context = estimator_.context();
     std::vector<PathLevel> levels{firstLevel(receivers, context.environment.luminanceWeights())};
-    if (context.solve) startWithIndirect(receivers, levels.front());
+    if (context.solve) startRare(receivers, levels.front());
     decideFirst(receivers, levels.front());
     std::vector<VertexGroups> groups;
     for (int bounce = 0; !levels.back().vertices.empty(); ++bounce) {
         throwIfInterrupted();
         PathLevel& level = levels.back();
         if (bounce > 0) {
-            startWithPrediction(bouncesLeft(bounce), level);
+            startWithIndirect(bouncesLeft(bounce), level);
             decide(bouncesLeft(bounce), level);
         }
         groups.push_back(groupVertices(level, sizesAt(bounce)));
@@ -92,7 +92,7 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
         const std::size_t bounce = levels.size() - 1;
         std::vector<Rgb> found(level.vertices.size());
         counts.sharedRays += exchange(context.scene, groups[bounce], level, next, found);
-        addBounced(found, next, bouncesLeft(static_cast<int>(bounce)), level);
+        addBounced(found, next, level);
     }
     for (std::size_t i = 0; i < receivers.size(); ++i) {
         light[i].irradiance = levels.front().vertices[i].irradiance;
@@ -101,39 +101,40 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
     clampLight(receivers, light);
 }
 
-void BounceLight::startWithIndirect(std::span<const BounceReceiver> receivers,
-                                    PathLevel& level) const {
+void BounceLight::startRare(std::span<const BounceReceiver> receivers, PathLevel& level) const {
     const EstimatorContext& context = estimator_.context();
-    std::vector<std::uint32_t> rarer;
-    for (std::size_t i = 0; i < receivers.size(); ++i)
-        if (receivers[i].diffuse && receivers[i].point->sampleFraction < 1)
-            rarer.push_back(static_cast<std::uint32_t>(i));
-    findItems(context.solve->items(), context.scene.mesh().origin, rarer, level);
-    forEachIndex(rarer.size(), [&](std::size_t i) {
-        PathVertex& v = level.vertices[rarer[i]];
-        if (v.item != kNoItem) v.irradiance = context.solve->indirect(v.item, options_.most);
+    parallelFor(receivers.size(), kChunk, [&](const Chunk& chunk) {
+        ShadowCache::Reader reader(*context.cache);
+        std::array<ItemView, ShadowCache::kMaxItems> items;
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            const ShadingPoint& point = *receivers[i].point;
+            if (!receivers[i].diffuse || point.sampleFraction >= 1) continue;
+            const int found = reader.lookUp(point.position, point.geometricNormal, items);
+            PathVertex& v = level.vertices[i];
+            v.predicted = context.solve->indirect(
+                std::span(items).first(static_cast<std::size_t>(found)), options_.most);
+            v.irradiance = v.predicted;
+        }
     });
 }
 
-void BounceLight::startWithPrediction(int bouncesLeft, PathLevel& level) const {
+void BounceLight::startWithIndirect(int bouncesLeft, PathLevel& level) const {
     const BounceSolve* solve = estimator_.context().solve;
     if (!solve) return;
     forEachIndex(level.vertices.size(), [&](std::size_t i) {
         PathVertex& v = level.vertices[i];
-        if (v.item != kNoItem && v.albedo != Rgb(0, 0, 0))
-            v.irradiance = solve->irradiance(v.item, bouncesLeft);
+        if (v.item == kNoItem) return;
+        v.predicted = solve->indirect(v.item, bouncesLeft);
+        v.irradiance = v.predicted;
     });
 }
 
-void BounceLight::addBounced(std::span<const Rgb> found, const PathLevel& next, int bouncesLeft,
+void BounceLight::addBounced(std::span<const Rgb> found, const PathLevel& next,
                              PathLevel& level) const {
-    const BounceSolve* solve = estimator_.context().solve;
     forEachIndex(level.vertices.size(), [&](std::size_t i) {
         PathVertex& v = level.vertices[i];
         if (v.sendsDiffuse) {
-            const Rgb known =
-                v.item == kNoItem ? Rgb(0, 0, 0) : solve->indirect(v.item, bouncesLeft);
-            v.irradiance += (found[i] - known) * (1 / v.diffuseChance);
+            v.irradiance += (found[i] - v.predicted) * (1 / v.diffuseChance);
         }
         if (v.lobeChild == kNoVertex) return;
         const PathVertex& met = next.vertices[static_cast<std::size_t>(v.lobeChild)];

@@ -36,12 +36,11 @@ public:
 
 private:
     /// Starts camera points that do not all send rays with what is predicted to bounce to them.
-    void startWithIndirect(std::span<const BounceReceiver> receivers, PathLevel& level) const;
-    /// Starts the vertices of a level with what is predicted of their irradiance.
-    void startWithPrediction(int bouncesLeft, PathLevel& level) const;
+    void startRare(std::span<const BounceReceiver> receivers, PathLevel& level) const;
+    /// Starts the vertices of a level that have items with what is predicted to bounce to them.
+    void startWithIndirect(int bouncesLeft, PathLevel& level) const;
     /// Adds what the rays of a level found to its vertices, in place of what was predicted of it.
-    void addBounced(std::span<const Rgb> found, const PathLevel& next, int bouncesLeft,
-                    PathLevel& level) const;
+    void addBounced(std::span<const Rgb> found, const PathLevel& next, PathLevel& level) const;
     int bouncesLeft(int bounce) const;
     GroupSizes sizesAt(int bounce) const;
     void clampLight(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;

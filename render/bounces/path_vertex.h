@@ -31,11 +31,12 @@ struct PathVertex {
     std::int32_t lobeChild = kNoVertex;     ///< and its lobe's ray
     float diffuseChance = 0;                ///< with which it sends a diffuse ray; 0: it may not
     float lobeChance = 0;                   ///< and a ray of its lobe
-    float directChance = 0;                 ///< with which its direct light is estimated
-    bool sendsDiffuse = false, sendsLobe = false, isLit = false;  ///< what was decided by these
-    float numbers[2] = {0, 0};  ///< in [0, 1): direction of the diffuse ray
-    Rgb irradiance{0, 0, 0};    ///< what is known of it, from all bounces that are left
-    Rgb mirrored{0, 0, 0};      ///< radiance that its lobe sends to where it was met from
+    bool sendsDiffuse = false, sendsLobe = false;  ///< what was decided by these
+    bool isLit = false;                            ///< its direct light is estimated
+    float numbers[2] = {0, 0};                     ///< in [0, 1): direction of the diffuse ray
+    Rgb predicted{0, 0, 0};                        ///< irradiance that bounces are predicted to add
+    Rgb irradiance{0, 0, 0};  ///< what is known of it, from all bounces that are left
+    Rgb mirrored{0, 0, 0};    ///< radiance that its lobe sends to where it was met from
 
     /// Radiance that it sends to all sides.
     Rgb diffuseRadiance() const {

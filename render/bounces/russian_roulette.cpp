@@ -12,9 +12,6 @@ namespace shadowcache {
 
 namespace {
 
-/// Chance that a vertex's direct light is estimated where it is predicted.
-SHADOWCACHE_TUNED(float, kDirectChance, 0.5f);
-
 /// Chance that a vertex sends a diffuse ray where its irradiance is predicted.
 SHADOWCACHE_TUNED(float, kBounceChance, 0.6f);
 
@@ -85,12 +82,11 @@ void decide(int bouncesLeft, PathLevel& level) {
             PathVertex& v = level.vertices[i];
             const float reflectance = highest(v.albedo);
             if (reflectance <= 0 && v.lobe < 0) continue;
-            const bool solved = v.item != kNoItem;
-            v.directChance = solved ? kDirectChance : 1;
-            v.isLit = chanceOf(v, 0) < v.directChance;
+            v.isLit = true;
             if (bouncesLeft == 0) continue;
             if (reflectance > 0)
-                v.diffuseChance = solved ? kBounceChance : roulette(reflectance, unlimited);
+                v.diffuseChance =
+                    v.item != kNoItem ? kBounceChance : roulette(reflectance, unlimited);
             v.sendsDiffuse = chanceOf(v, 1) < v.diffuseChance;
             if (v.lobe < 0) continue;
             const LobeRay ray = lobeRayOf(v, level.lobes[static_cast<std::size_t>(v.lobe)]);

@@ -30,9 +30,9 @@ public:
                        .pixel = static_cast<std::uint32_t>(points_.size())};
         const float counts = context.environment.luminance(v.albedo) * v.weight;
         if (v.errorScale > 0)
-            slot.errorScale = std::min(
-                static_cast<float>(kPi) * v.errorScale * v.directChance / std::max(counts, 1e-6f),
-                std::numeric_limits<float>::max());
+            slot.errorScale =
+                std::min(static_cast<float>(kPi) * v.errorScale / std::max(counts, 1e-6f),
+                         std::numeric_limits<float>::max());
         numbers_.push_back(number);
         points_.push_back({place, slot});
     }
@@ -46,9 +46,7 @@ public:
         std::uint64_t rays = 0;
         for (std::size_t i = 0; i < points_.size(); ++i) {
             PathVertex& v = level_.vertices[numbers_[i]];
-            const Rgb known = v.item == kNoItem ? Rgb(0, 0, 0)
-                                                : estimator_.context().solve->irradiance(v.item, 0);
-            v.irradiance += (estimates[i].irradiance - known) * (1 / v.directChance);
+            v.irradiance += estimates[i].irradiance;
             rays += estimates[i].rays + estimates[i].reused;
         }
         return rays + lightLobes(batch, workspace);
@@ -70,7 +68,7 @@ private:
         std::uint64_t rays = 0;
         for (std::size_t i = 0; i < glossy.size(); ++i) {
             PathVertex& v = level_.vertices[of[i]];
-            v.mirrored += estimates[i].radiance * (1 / v.directChance);
+            v.mirrored += estimates[i].radiance;
             rays += estimates[i].rays;
         }
         return rays;

@@ -6,9 +6,8 @@
 
 namespace shadowcache {
 
-/// Estimates the direct light of the vertices that are to be lit, with one sample each: adds what
-/// it is more than what `solve` predicts to their irradiance, and what their lobes reflect of it to
-/// `mirrored`, over the chance that it is estimated.
+/// Estimates the direct light of the vertices that are to be lit, with one sample each: adds it to
+/// their irradiance, and what their lobes reflect of it to `mirrored`.
 ///
 /// @return shadow rays
 std::uint64_t lightVertices(const Estimator& estimator, const EstimatorPlan* plan,
