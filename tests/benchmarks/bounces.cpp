@@ -40,7 +40,7 @@ RenderOptions optionsOf(const Split& split) {
 /// A set's transport, and what bounces under one map.
 class Solves {
 public:
-    Solves(const Frame& frame)
+    explicit Solves(const Frame& frame)
         : items_(*frame.context.cache),
           transport_(readTransport(*frame.context.cache, items_).value()),
           looks_(looksOf(frame.context.scene, items_, PlainLook{})) {
