@@ -26,8 +26,7 @@ int main(int argc, char** argv) try {
         ->capture_default_str();
     app.add_option("--seeds", settings.seeds,
                    "delivered, bounces, break-even, gloss: renders to average over; 0: 2, with "
-                   "--full 4, or "
-                   "1 for gloss")
+                   "--full 4, or 1 for gloss")
         ->capture_default_str();
     app.add_flag("!--no-crop", settings.crop, "delivered: no parts of large pictures");
     app.add_option("--spacing", settings.bake.spacing, "Spacing of the bake");

@@ -72,7 +72,7 @@ def stops(server):
     requests = [("load", {"set": ["set.glb"], "cache": "set.vdb"}, MOST_OF_LOADING),
                 ("environment", {"map": MAP}, MOST_OF_LOADING), ("render", {"pixels": "pixels"}, MOST_SECONDS)]
     for request, fields, most in requests:
-        waits, stopped = [], 0
+        worst, stopped = 0, 0
         start = time.monotonic()
         server.ask("options", spp=1, bounces=0)
         server.ask(request, **fields)
@@ -86,12 +86,10 @@ def stops(server):
             asked = time.monotonic()
             server.send("stop")
             kind = server.wait(number)["reply"]
-            waits.append(time.monotonic() - asked)
+            worst = max(worst, time.monotonic() - asked)
             stopped += kind == "stopped"
-        # The machine may be busy with other things at a moment, not at most of them.
-        most_waits, worst = sorted(waits)[7], max(waits)
-        print("%s takes %.2f s; %d of 10 stopped, 8 within %.3f s, all within %.3f s" % (request, whole, stopped, most_waits, worst))
-        assert most_waits < most and worst < MOST_SECONDS, "%s: stopped after %.2f s, %.2f s" % (request, most_waits, worst)
+        print("%s takes %.2f s; %d of 10 stopped, within %.3f s" % (request, whole, stopped, worst))
+        assert worst < most, "%s: stopped after %.2f s" % (request, worst)
         assert stopped >= 5, "%s: stopped %d times of 10" % (request, stopped)
         server.ask("options", spp=1, bounces=0)
         server.ask(request, **fields)
@@ -101,7 +99,6 @@ def ctrl_c():
     """Ends the command line while a map that was read is turned into tables."""
     command = [RENDER, "set.glb", "--env", MAP, "--camera", "camera.json", "--size", "16x9", "--bounces", "0",
                "--spp", "65536", "--progress", "json", "-o", "never.exr"]
-    waits = []
     for delay in (0, 0.05, 0.1):
         process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         while json.loads(process.stderr.readline())["task"] != "read":
@@ -111,10 +108,10 @@ def ctrl_c():
         process.send_signal(signal.SIGINT)
         said = process.stderr.read()
         assert process.wait(10) == 75 and "interrupted" in said, (process.returncode, said)
-        waits.append(time.monotonic() - asked)
-        print("Ctrl-C after %.2f s of tables: %.3f s" % (delay, waits[-1]))
+        seconds = time.monotonic() - asked
+        print("Ctrl-C after %.2f s of tables: %.3f s" % (delay, seconds))
+        assert seconds < MOST_OF_LOADING, "Ctrl-C: %.2f s" % seconds
         assert "frame 1" not in said, "the map was ready before"
-    assert sorted(waits)[1] < MOST_OF_LOADING and max(waits) < MOST_SECONDS, waits
     assert not (WORK / "never.exr").exists()
 
 
