@@ -1,7 +1,6 @@
 // Error and time of the pictures that are delivered: antialiased, with few samples a camera ray.
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <map>
 
