@@ -12,11 +12,11 @@ namespace shadowcache {
 
 namespace {
 
-/// Chance that a vertex sends a diffuse ray where its irradiance is predicted.
+/// Least chance that a vertex sends a diffuse ray where its irradiance is predicted.
 SHADOWCACHE_TUNED(float, kBounceChance, 0.6f);
 
 /// Least and, of paths without end, highest chance by Russian roulette.
-constexpr float kLeastChance = 0.05f, kMostChance = 0.95f;
+constexpr float kLeastChance = 0.05f, kMostChance = 0.99f;
 
 /// Vertices that a thread takes at a time.
 constexpr std::size_t kChunk = 4096;
@@ -84,9 +84,11 @@ void decide(int bouncesLeft, PathLevel& level) {
             if (reflectance <= 0 && v.lobe < 0) continue;
             v.isLit = true;
             if (bouncesLeft == 0) continue;
+            // With a chance q, the second moment of what paths correct grows by albedo^2 / q a
+            // bounce in a closed room: q must not be below the albedo.
             if (reflectance > 0)
-                v.diffuseChance =
-                    v.item != kNoItem ? kBounceChance : roulette(reflectance, unlimited);
+                v.diffuseChance = std::max(v.item != kNoItem ? kBounceChance : 0.0f,
+                                           roulette(reflectance, unlimited));
             v.sendsDiffuse = chanceOf(v, 1) < v.diffuseChance;
             if (v.lobe < 0) continue;
             const LobeRay ray = lobeRayOf(v, level.lobes[static_cast<std::size_t>(v.lobe)]);

@@ -5,10 +5,12 @@
 
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/base/hash.h"
+#include "common/cache/transport.h"
 #include "render/bounces/bounce_light.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
@@ -69,6 +71,12 @@ protected:
     std::vector<double> estimates(float albedo, int bounces, int seeds, int count) const {
         const Environment environment = test::environmentOf(test::constantMap(Rgb(1.0f)));
         const KnownLight direct({*scene_, environment, nullptr}, static_cast<float>(kPi * hole()));
+        return estimates(direct, albedo, bounces, seeds, count);
+    }
+
+    /// The same with direct light by an estimator.
+    std::vector<double> estimates(const Estimator& direct, float albedo, int bounces, int seeds,
+                                  int count) const {
         BounceOptions options{.most = bounces};
         options.plain.albedo = Rgb(albedo);
         const BounceLight light(direct, nullptr, options);
@@ -104,6 +112,9 @@ protected:
     std::optional<Scene> scene_;
 };
 
+/// Deviation of the mean of 150 places, as a share of it, that noise of single samples may have.
+constexpr double kMostSpread = 0.12;
+
 struct Bounces {
     float albedo;
     int most;
@@ -123,6 +134,41 @@ TEST_F(Sphere, HasTheLightOfTheSeries) {
         const double truth = Sphere::truth(static_cast<double>(c.albedo), c.most);
         EXPECT_GT(test::meanPValue(found, truth), level);
         EXPECT_LT(test::meanPValue(found, 1.02 * truth), level) << "2 % more is accepted";
+    }
+}
+
+/// p-value that the estimates scatter around the truth with a deviation of `share` of it, or less.
+double steadinessPValue(std::span<const double> means, double truth, double share) {
+    double squares = 0;
+    for (const double mean : means) squares += std::pow((mean / truth - 1) / share, 2);
+    return test::chiSquaredTail(squares, static_cast<double>(means.size()));
+}
+
+// Many bounces between bright walls make the whole picture uncertain, not its pixels: paths that
+// correct a prediction must not become rarer and heavier with each bounce.
+TEST_F(Sphere, IsSteadyWhereItIsPredicted) {
+    const test::World world(mesh_, test::constantMap(Rgb(1.0f)), {.spacing = 0.2});
+    const ItemTable items(world.cache.cache());
+    const Transport transport = readTransport(world.cache.cache(), items).value();
+    const Bounces cases[] = {{0.5f, 4},   {0.5f, kUnlimitedBounces}, {0.9f, 4},
+                             {0.9f, 64},  {0.9f, kUnlimitedBounces}, {0.99f, 4},
+                             {0.99f, 64}, {0.99f, kUnlimitedBounces}};
+    const double level = test::significance(2 * std::size(cases));
+    for (const Bounces& c : cases) {
+        SCOPED_TRACE(fmt::format("{:f}, {}", c.albedo, c.most));
+        const std::vector<ItemLook> looks(items.size(), ItemLook{Rgb(c.albedo), Rgb(0.0f)});
+        const BounceSolve solve(world.cache.cache(), items, transport, world.environment, looks,
+                                c.most);
+        EstimatorContext context = world.context();
+        context.solve = &solve;
+        const auto estimator = findEstimator("cache").make(context, {});
+        const std::vector<double> found = estimates(*estimator, c.albedo, c.most, 16, 150);
+        const double truth = Sphere::truth(static_cast<double>(c.albedo), c.most);
+        EXPECT_GT(test::meanPValue(found, truth), level);
+        EXPECT_LT(test::meanPValue(found, 1.25 * truth), level) << "25 % more is accepted";
+        // With a chance of 3/5 whatever the albedo, 64 bounces have 45 % and 430 %.
+        EXPECT_GT(steadinessPValue(found, truth, kMostSpread), level);
+        EXPECT_LT(steadinessPValue(found, truth, kMostSpread / 5), level) << "any would do";
     }
 }
 
