@@ -113,24 +113,19 @@ void owenSobol(std::uint32_t first, int dimension, std::uint64_t seed,
     }
 }
 
-void fillSequence(Sequence sequence, int dimension, std::uint64_t seed, std::uint32_t first,
-                  std::uint32_t total, std::span<std::uint32_t> out) noexcept {
-    if (sequence == Sequence::sobol) return owenSobol(first, dimension, seed, out);
-    if (sequence == Sequence::random) {
-        for (std::size_t i = 0; i < out.size(); ++i)
-            out[i] = static_cast<std::uint32_t>(
-                hashWords(seed, RenderSalt::randomWord + dimension, first + i) >> 32);
-        return;
-    }
-    const auto random =
-        static_cast<std::uint32_t>(hashWords(seed, RenderSalt::larcherWord + dimension) >> 32);
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        const std::uint32_t point = first + static_cast<std::uint32_t>(i);
-        const std::uint32_t word =
-            dimension % 2 == 0 ? static_cast<std::uint32_t>((std::uint64_t{point} << 32) / total)
-                               : larcherPillichshammer(point);
-        out[i] = sequence == Sequence::larcherXor ? word ^ random : word + random;
-    }
+void Sequence::fill(std::uint32_t first, int dimension, std::uint64_t seed,
+                    std::span<std::uint32_t> out) const noexcept {
+    if (words)
+        words(*this, first, dimension, seed, out);
+    else
+        owenSobol(first, dimension, seed, out);
+}
+
+void randomWords(const Sequence&, std::uint32_t first, int dimension, std::uint64_t seed,
+                 std::span<std::uint32_t> out) noexcept {
+    for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] = static_cast<std::uint32_t>(
+            hashWords(seed, RenderSalt::randomWord + dimension, first + i) >> 32);
 }
 
 }  // namespace shadowcache

@@ -111,8 +111,8 @@ RenderJob jobOf(const Arguments& arguments) {
     job.render.plain.albedo =
         Rgb(grey ? Vec3d(parseNumbers("--albedo", arguments.albedo, 1, "one value, or R,G,B")[0])
                  : parseVector("--albedo", arguments.albedo, "one value, or R,G,B"));
-    job.render.bounces = arguments.bounces.empty() ? estimatorOf(job).standardBounces()
-                                                   : parseBounces(arguments.bounces);
+    job.render.bounces =
+        arguments.bounces.empty() ? kStandardBounces : parseBounces(arguments.bounces);
     if (!arguments.material.empty()) job.render.plain.gloss = parseMaterial(arguments.material);
     if (!arguments.material.empty() && !job.mesh.gloss)
         throw Error(
@@ -120,12 +120,6 @@ RenderJob jobOf(const Arguments& arguments) {
             "expected one of them");
     if (!arguments.debug.empty())
         job.debugPixel = parsePair("--debug", arguments.debug, "a pixel, X,Y");
-    const auto [pixelWidth, pixelHeight] =
-        parsePair("--pixel-map", arguments.pixelMap, "WxH, as in 200x100");
-    job.estimatorOptions.pixel.width = pixelWidth;
-    job.estimatorOptions.pixel.height = pixelHeight;
-    job.estimatorOptions.paper.minLevel =
-        std::min(job.estimatorOptions.paper.minLevel, job.estimatorOptions.paper.maxLevel);
     return job;
 }
 

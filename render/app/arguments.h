@@ -14,7 +14,7 @@ struct Arguments {
     RenderJob job;
     ShotArguments shot;
     std::string shotFrames, albedo = "0.5", material, memory, crop, bounces;
-    std::string eye, target, debug, pixelMap = "200x100";
+    std::string eye, target, debug;
     bool preview = false;
     std::optional<int> spp;                  ///< shadow rays a pixel
     std::optional<int> cameraRays, samples;  ///< in place of `spp`

@@ -20,7 +20,6 @@ using std::string_view_literals::operator""sv;
 constexpr Named<bool> kNormals[] = {{"shading", true}, {"geometric", false}};
 constexpr Named<bool> kSurfaces[] = {{"glossy", true}, {"diffuse", false}};
 constexpr Named<bool> kBudgets[] = {{"uniform", false}, {"adaptive", true}};
-constexpr Named<bool> kConvolutions[] = {{"table", false}, {"exact", true}};
 
 // Groups of what a shot needs, which --help shows, and of all else.
 constexpr const char* kSet = "Set and light";
@@ -81,8 +80,7 @@ void defineQuality(CLI::App& app, Arguments& arguments) {
         ->group(kQuality);
     app.add_option("--bounces", arguments.bounces,
                    "Surfaces that light may meet before the one that is seen: a number, or "
-                   "unlimited; 0: direct light alone [4; 0 with biased estimators and "
-                   "paper-image]")
+                   "unlimited; 0: direct light alone [4]")
         ->type_name("B")
         ->group(kQuality);
     app.add_flag("--preview", arguments.preview,
@@ -184,8 +182,7 @@ void defineSampling(CLI::App& app, Arguments& arguments) {
     RenderJob& job = arguments.job;
     std::string names, choices;
     for (const EstimatorEntry& entry : estimatorTable()) {
-        names += std::string("\n  ") + entry.name + ": " + entry.summary +
-                 (entry.bias ? " (biased)" : "");
+        names += std::string("\n  ") + entry.name + ": " + entry.summary;
         choices += (choices.empty() ? "" : ",") + std::string(entry.name);
     }
     app.add_option("--estimator", job.estimator,
@@ -226,51 +223,8 @@ void defineSampling(CLI::App& app, Arguments& arguments) {
         ->group(kSampling);
     addSeedOption(app, job.render.seed, "Seed of all random numbers")->group(kSampling);
     addChoice(app, "--sequence", job.sequence, kSequences,
-              "Sample sequence: sobol (Owen-scrambled), random, larcher-xor or larcher-shift "
-              "(Larcher-Pillichshammer points, randomised)")
+              "Sample sequence: sobol (Owen-scrambled) or random")
         ->group(kSampling);
-}
-
-void defineStudy(CLI::App& app, Arguments& arguments) {
-    EstimatorOptions& options = arguments.job.estimatorOptions;
-    const std::string paper = "Estimators `paper` and `paper-image`";
-    app.add_option("--triangles", options.paper.triangles,
-                   "Triangles M of the map's triangulation, 20 to 100000")
-        ->capture_default_str()
-        ->group(paper);
-    app.add_option("--alpha", options.paper.alpha, "Weight of the cached visibility, 0 to below 1")
-        ->capture_default_str()
-        ->group(paper);
-    app.add_option("--threshold", options.paper.threshold,
-                   "Minimum number of pooled rays for a region to be used")
-        ->capture_default_str()
-        ->group(paper);
-    app.add_option("--max-level", options.paper.maxLevel, "Finest level of the triangles, 0 to 7")
-        ->capture_default_str()
-        ->group(paper);
-    app.add_option("--order", options.paper.order,
-                   "Importance within a triangle: 0 constant, 1 linear")
-        ->capture_default_str()
-        ->group(paper);
-    app.add_option("--beta", options.paper.beta,
-                   "Fraction of samples drawn uniformly over the hemisphere, 0 to 1")
-        ->capture_default_str()
-        ->group(paper);
-    addChoice(app, "--convolution", options.paper.exactConvolution, kConvolutions,
-              "table: interpolated between 32 x 64 normals; exact: computed at each normal")
-        ->group(paper);
-    app.add_option("--cache-level", options.paper.cacheLevel,
-                   "Finest direction level of the counts used, 0 to 7")
-        ->capture_default_str()
-        ->group(paper);
-    const std::string others = "Estimators `lights` and `pixel`";
-    app.add_option("--lights", options.lights.lights, "Directional lights K, 1 to 10000")
-        ->capture_default_str()
-        ->group(others);
-    app.add_option("--pixel-map", arguments.pixelMap,
-                   "Size of the low-resolution map: WxH, 8x4 to 4096x2048")
-        ->capture_default_str()
-        ->group(others);
 }
 
 void defineRun(CLI::App& app, Arguments& arguments) {
@@ -362,7 +316,6 @@ std::optional<int> parseArguments(int argc, char** argv, Arguments& arguments) {
     definePicture(app, arguments);
     defineSampling(app, arguments);
     defineRun(app, arguments);
-    defineStudy(app, arguments);
     app.footer(kExamples);
     // Its requests name the set.
     if (std::any_of(argv, argv + argc, [](const char* word) { return "--serve"sv == word; }))

@@ -33,23 +33,17 @@ const char* textOf(FrameState state) {
 /// The state of the job's frames, by their place in the job.
 class FrameStates {
 public:
-    FrameStates(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
-                InputHashes& inputs)
-        : job_(job),
-          entry_(entry),
-          plan_(plan),
-          inputs_(inputs),
-          fingerprint_(cacheFingerprint(job)) {}
+    FrameStates(const RenderJob& job, const LightPlan& plan, InputHashes& inputs)
+        : job_(job), plan_(plan), inputs_(inputs), fingerprint_(cacheFingerprint(job)) {}
 
     FrameState operator[](std::size_t i) const {
         const int frame = job_.frames[i];
-        return stateOfFrame(
-            job_, frameMetadata(job_, entry_, fingerprint_, plan_.at(i), frame, inputs_), frame);
+        return stateOfFrame(job_, frameMetadata(job_, fingerprint_, plan_.at(i), frame, inputs_),
+                            frame);
     }
 
 private:
     const RenderJob& job_;
-    const EstimatorEntry& entry_;
     const LightPlan& plan_;
     InputHashes& inputs_;
     const std::optional<std::uint64_t> fingerprint_;
@@ -70,17 +64,15 @@ FrameState stateOfFrame(const RenderJob& job, const Metadata& metadata, int fram
     return state == FrameState::done && !all ? FrameState::missing : state;
 }
 
-bool allFramesDone(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
-                   InputHashes& inputs) {
-    const FrameStates states(job, entry, plan, inputs);
+bool allFramesDone(const RenderJob& job, const LightPlan& plan, InputHashes& inputs) {
+    const FrameStates states(job, plan, inputs);
     for (std::size_t i = 0; i < job.frames.size(); ++i)
         if (states[i] != FrameState::done) return false;
     return true;
 }
 
-void checkFrames(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
-                 InputHashes& inputs) {
-    const FrameStates states(job, entry, plan, inputs);
+void checkFrames(const RenderJob& job, const LightPlan& plan, InputHashes& inputs) {
+    const FrameStates states(job, plan, inputs);
     const std::size_t count = job.frames.size();
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < count; ++i) {

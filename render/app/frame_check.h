@@ -15,13 +15,11 @@ namespace shadowcache {
 FrameState stateOfFrame(const RenderJob& job, const Metadata& metadata, int frame);
 
 /// Whether every frame exists as the job would render it. @throws Error
-bool allFramesDone(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
-                   InputHashes& inputs);
+bool allFramesDone(const RenderJob& job, const LightPlan& plan, InputHashes& inputs);
 
 /// --check: prints how many frames are done.
 ///
 /// @throws Error naming each frame that is missing, incomplete or of other settings
-void checkFrames(const RenderJob& job, const EstimatorEntry& entry, const LightPlan& plan,
-                 InputHashes& inputs);
+void checkFrames(const RenderJob& job, const LightPlan& plan, InputHashes& inputs);
 
 }  // namespace shadowcache

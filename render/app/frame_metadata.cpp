@@ -28,16 +28,15 @@ std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPla
     return inputs;
 }
 
-std::string biasOf(const RenderJob& job, const EstimatorEntry& entry) {
+std::string biasOf(const RenderJob& job) {
     if (job.render.preview) return "preview: what rays add to the prediction is filtered";
     if (job.render.bounces != 0 && job.render.clampIndirect > 0)
         return "clamp-indirect: bright light that bounces is cut";
-    return biasOf(entry, job.render.samples);
+    return biasOf(job.render.samples);
 }
 
-Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
-                       std::optional<std::uint64_t> fingerprint, const LightPlan::Light& light,
-                       int frame, InputHashes& inputs) {
+Metadata frameMetadata(const RenderJob& job, std::optional<std::uint64_t> fingerprint,
+                       const LightPlan::Light& light, int frame, InputHashes& inputs) {
     Metadata metadata{{"shadowcache:version", kVersion}};
     for (const auto& [name, value] : job.settings)
         if (name != "env" && name != "env-rotate" && name != "env-gain" && name != "spp" &&
@@ -52,7 +51,7 @@ Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
     metadata.emplace_back("shadowcache:env", light.environment);
     metadata.emplace_back("shadowcache:env-rotate", light.rotation.text());
     metadata.emplace_back("shadowcache:env-gain", gainText(light.gain));
-    metadata.emplace_back("shadowcache:bias", biasOf(job, entry));
+    metadata.emplace_back("shadowcache:bias", biasOf(job));
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
     metadata.emplace_back("shadowcache:inputs", inputs.of(inputsOf(job, light)));
     if (fingerprint) {

@@ -19,13 +19,12 @@ namespace shadowcache {
 std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPlan::Light& light);
 
 /// How a job's pictures are biased: "none", or the cause.
-std::string biasOf(const RenderJob& job, const EstimatorEntry& entry);
+std::string biasOf(const RenderJob& job);
 
 /// All metadata of a frame's file but the time it took.
 ///
 /// @param fingerprint  of the cache's set; none without a cache
-Metadata frameMetadata(const RenderJob& job, const EstimatorEntry& entry,
-                       std::optional<std::uint64_t> fingerprint, const LightPlan::Light& light,
-                       int frame, InputHashes& inputs);
+Metadata frameMetadata(const RenderJob& job, std::optional<std::uint64_t> fingerprint,
+                       const LightPlan::Light& light, int frame, InputHashes& inputs);
 
 }  // namespace shadowcache

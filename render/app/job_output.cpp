@@ -96,7 +96,7 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
     JsonFile out;
     out.set("version", std::string(kVersion));
     out.set("estimator", std::string(entry.name));
-    out.set("bias", biasOf(job, entry));
+    out.set("bias", biasOf(job));
     out.set("triangles", std::uint64_t{mesh.triangles.size()});
     const Box3d bounds = placedBounds(mesh);
     const Vec3d least = bounds.min + mesh.origin, most = bounds.max + mesh.origin;

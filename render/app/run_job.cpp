@@ -49,7 +49,6 @@ constexpr double kFewWithoutItems = 1e-3;
 /// @return the estimator asked for
 const EstimatorEntry& validate(const RenderJob& job) {
     validate(job.render);
-    validate(job.estimatorOptions);
     requireRange("threads", job.threads, 0, kMaxThreads);
     requireRange("fps", job.fps, 1e-3, 1e6);
     requireRange("time-limit", job.timeLimit, 0.0, 1e9);
@@ -61,7 +60,6 @@ const EstimatorEntry& validate(const RenderJob& job) {
     }
     const EstimatorEntry& entry = estimatorOf(job);
     requireFit(entry, !job.cache.empty(), job.render);
-    if (job.progressive) requirePasses(job.sequence);
     validateOutputs(job, entry);
     return entry;
 }
@@ -90,7 +88,7 @@ public:
     void run() {
         const double start = secondsNow();
         plan_.requireFiles();
-        if (job_.check) return checkFrames(job_, entry_, plan_, inputs_);
+        if (job_.check) return checkFrames(job_, plan_, inputs_);
         refuseToOverwriteInputs(job_, plan_);
         if (nothingLeft()) {
             skipped_ = job_.frames.size();
@@ -133,16 +131,13 @@ private:
     void frame(const CameraSource& camera, std::size_t i) {
         throwIfInterrupted();
         const int frame = job_.frames[i];
-        Metadata metadata = frameMetadata(
-            job_, entry_, cache_ ? std::optional(cache_->header().fingerprint) : std::nullopt,
-            plan_.at(i), frame, inputs_);
+        Metadata metadata =
+            frameMetadata(job_, cache_ ? std::optional(cache_->header().fingerprint) : std::nullopt,
+                          plan_.at(i), frame, inputs_);
         if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
         if (light_.load(plan_.at(i))) shot_->setEnvironment(light_.environment());
         const Estimator& estimator = shot_->estimator();
-        if (job_.debugPixel && estimator.inOrder())
-            throw Error(std::string("--debug: a pixel of --estimator ") + entry_.name +
-                        " depends on the pixels before it and cannot be replayed alone");
         timing_.build += secondsNow() - start;
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;
@@ -202,7 +197,6 @@ private:
                                  double before) {
         if (!job_.progressive)
             return {render(request, stats_), request.options.cameraRays, FrameEnd::complete};
-        requirePasses(request.estimator, entry_.name);
         const double end =
             job_.timeLimit > 0 ? secondsNow() + job_.timeLimit : std::numeric_limits<double>::max();
         ProgressiveObserver observer;
@@ -225,7 +219,7 @@ private:
     /// Whether --resume finds every frame, so that the set need not be loaded.
     bool nothingLeft() {
         return job_.resume && !job_.explain && !job_.debugPixel && job_.reference.empty() &&
-               job_.stats.empty() && allFramesDone(job_, entry_, plan_, inputs_);
+               job_.stats.empty() && allFramesDone(job_, plan_, inputs_);
     }
 
     /// Whether the frame exists as it would be rendered; counts those that do, reports the others.

@@ -61,8 +61,7 @@ void ClusterSampler::drawNumbers(const PointBatch& batch, std::span<const std::u
     }
     words_.resize(numbers_.size());
     const ShadingPoint& first = batch.points[members.front()];
-    fillSequence(sequence, 0, hashWords(first.seed, RenderSalt::clusterOrder, first.cameraRay), 0,
-                 static_cast<std::uint32_t>(words_.size()), words_);
+    sequence.fill(0, 0, hashWords(first.seed, RenderSalt::clusterOrder, first.cameraRay), words_);
     for (std::size_t k = 0; k < numbers_.size(); ++k)
         numbers_[k].key = std::uint64_t{words_[k]} << 32 | mixBits(numbers_[k].jitter) >> 32;
 }

@@ -142,8 +142,8 @@ void LobeLight::traceLobes(const PlannedCluster<LobeIntegrand>& cluster, SampleT
     w_.v.resize(total);
     const ShadingPoint& first = batch_.points[cluster.members.front()];
     const std::uint64_t seed = hashWords(first.seed, RenderSalt::glossLobes, first.cameraRay);
-    fillSequence(context_.sequence, 0, seed, 0, static_cast<std::uint32_t>(total), w_.u);
-    fillSequence(context_.sequence, 1, seed, 0, static_cast<std::uint32_t>(total), w_.v);
+    context_.sequence.fill(0, 0, seed, w_.u);
+    context_.sequence.fill(0, 1, seed, w_.v);
     const Environment& environment = context_.environment;
     std::size_t number = 0;
     for (std::uint32_t k = 0; k < cluster.members.size(); ++k) {

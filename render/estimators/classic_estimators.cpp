@@ -16,10 +16,8 @@ class Uniform final : public PointEstimator {
     using PointEstimator::PointEstimator;
 
     Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
-        const auto u =
-            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
-        const auto v =
-            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
+        const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
+        const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
         for (std::size_t i = 0; i < u.size(); ++i) {
             const Vec3f direction =
                 aroundNormal(point.normal, toUnitFloat(u[i]), toUnitFloat(v[i]));
@@ -58,10 +56,8 @@ protected:
 
     void addCosineSamples(const ShadingPoint& point, const SampleSlice& slice, float samples,
                           Workspace& w) const {
-        const auto a =
-            w.numbers(context_.sequence, point.seed, 2, slice.first, slice.count, slice.total);
-        const auto b =
-            w.numbers(context_.sequence, point.seed, 3, slice.first, slice.count, slice.total);
+        const auto a = w.numbers(context_.sequence, point.seed, 2, slice.first, slice.count);
+        const auto b = w.numbers(context_.sequence, point.seed, 3, slice.first, slice.count);
         for (std::size_t i = 0; i < a.size(); ++i) {
             const float cosine = std::sqrt(1 - toUnitFloat(a[i]));
             const Vec3f direction = aroundNormal(point.normal, cosine, toUnitFloat(b[i]));

@@ -196,13 +196,10 @@ private:
         const std::uint32_t end = slice.first + static_cast<std::uint32_t>(slice.count);
         const std::uint32_t firstCosine = cosinesBefore(slice.first);
         const auto cosines = static_cast<int>(cosinesBefore(end) - firstCosine);
-        addCosineSamples(point, {firstCosine, cosines, slice.total / kCosinePeriod + 1},
-                         slice.count, anyTile, w);
+        addCosineSamples(point, {firstCosine, cosines}, slice.count, anyTile, w);
         if (anyTile)
-            addTileSamples(point,
-                           {slice.first - firstCosine, slice.count - cosines,
-                            slice.total - slice.total / kCosinePeriod + 1},
-                           slice.count, w);
+            addTileSamples(point, {slice.first - firstCosine, slice.count - cosines}, slice.count,
+                           w);
         return {0, 0, 0};
     }
 
@@ -231,10 +228,8 @@ private:
 
     void addTileSamples(const ShadingPoint& point, const SampleSlice& slice, int samples,
                         DomeWorkspace& w) const {
-        const auto u =
-            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
-        const auto v =
-            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
+        const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
+        const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
         for (std::size_t k = 0; k < u.size(); ++k) {
             const std::uint64_t number = slice.first + k;
             double place = fullPrecision(u[k], point.seed, number);
@@ -257,10 +252,8 @@ private:
 
     void addCosineSamples(const ShadingPoint& point, const SampleSlice& slice, int samples,
                           bool anyTile, DomeWorkspace& w) const {
-        const auto a =
-            w.numbers(context_.sequence, point.seed, 2, slice.first, slice.count, slice.total);
-        const auto b =
-            w.numbers(context_.sequence, point.seed, 3, slice.first, slice.count, slice.total);
+        const auto a = w.numbers(context_.sequence, point.seed, 2, slice.first, slice.count);
+        const auto b = w.numbers(context_.sequence, point.seed, 3, slice.first, slice.count);
         for (std::size_t i = 0; i < a.size(); ++i) {
             const float cosine = std::sqrt(1 - toUnitFloat(a[i]));
             const Vec3f direction = aroundNormal(point.normal, cosine, toUnitFloat(b[i]));

@@ -35,7 +35,6 @@ void Estimator::estimate(std::span<const ShadingPoint> points, int samples, Work
         alone[i].cameraRay = alone[i].row = 0;
     }
     PointBatch batch{alone, samples, static_cast<std::uint32_t>(alone.size())};
-    batch.pixelSamples = static_cast<std::uint32_t>(samples);
     batch.plan = plan;
     estimate(batch, workspace, estimates);
 }

@@ -63,9 +63,6 @@ public:
     virtual const LightPrediction* prediction() const { return nullptr; }
     /// Null where no cache is read.
     virtual const InsightSource* insights() const { return nullptr; }
-    /// Whether estimates depend on earlier ones of the same workspace, so that a frame must be
-    /// rendered in one fixed order.
-    virtual bool inOrder() const { return false; }
 
 protected:
     const EstimatorContext context_;

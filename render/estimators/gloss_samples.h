@@ -26,8 +26,8 @@ void queueGloss(const EstimatorContext& context, const GlossyPoint& glossy,
     drawFromMap(context, seed, everySecond(slice, turn), w, light, add);
     w.samples.endGroup();
     const SampleSlice ofLobe = everySecond(slice, 1 - turn);
-    const auto u = w.numbers(context.sequence, seed, 2, ofLobe.first, ofLobe.count, ofLobe.total);
-    const auto v = w.numbers(context.sequence, seed, 3, ofLobe.first, ofLobe.count, ofLobe.total);
+    const auto u = w.numbers(context.sequence, seed, 2, ofLobe.first, ofLobe.count);
+    const auto v = w.numbers(context.sequence, seed, 3, ofLobe.first, ofLobe.count);
     for (std::size_t i = 0; i < u.size(); ++i) {
         EnvironmentSample s =
             context.environment.lookUp(lobe.sample(toUnitFloat(u[i]), toUnitFloat(v[i])));

@@ -20,8 +20,8 @@ struct WholeMap {
 template <class Light, class Use>
 void drawFromMap(const EstimatorContext& context, std::uint64_t seed, const SampleSlice& slice,
                  Workspace& w, const Light& light, const Use& use) {
-    const auto u = w.numbers(context.sequence, seed, 0, slice.first, slice.count, slice.total);
-    const auto v = w.numbers(context.sequence, seed, 1, slice.first, slice.count, slice.total);
+    const auto u = w.numbers(context.sequence, seed, 0, slice.first, slice.count);
+    const auto v = w.numbers(context.sequence, seed, 1, slice.first, slice.count);
     for (std::size_t k = 0; k < u.size(); ++k) {
         const std::uint64_t number = slice.first + k;
         const auto jitter =
@@ -37,7 +37,7 @@ inline SampleSlice everySecond(const SampleSlice& slice, std::uint32_t turn) {
     const std::uint32_t first = (slice.first + 1 - turn) / 2;
     const std::uint32_t end =
         (slice.first + static_cast<std::uint32_t>(slice.count) + 1 - turn) / 2;
-    return {first, static_cast<int>(end - first), slice.total / 2 + 1};
+    return {first, static_cast<int>(end - first)};
 }
 
 }  // namespace shadowcache

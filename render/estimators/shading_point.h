@@ -50,7 +50,6 @@ struct PointBatch {
     int samples = 1;                      ///< wanted of each point, times its fraction
     std::uint32_t pixels = 1;             ///< numbers of pixels are below it
     std::uint32_t cameraRays = 1;         ///< most of a pixel
-    std::uint32_t pixelSamples = 1;       ///< of a pixel, over all batches
     bool predict = false;                 ///< Estimate::predicted is wanted
     const EstimatorPlan* plan = nullptr;  ///< the frame's, by the estimator's pilot; may be null
 };
@@ -59,13 +58,11 @@ struct PointBatch {
 struct SampleSlice {
     std::uint32_t first = 0;  ///< number of the point's first sample
     int count = 1;            ///< of the point
-    std::uint32_t total = 1;  ///< of the pixel
 };
 
 /// That of a point of a batch.
 inline SampleSlice sliceOf(const PointBatch& batch, const ShadingPoint& point) {
-    return {point.cameraRay * static_cast<std::uint32_t>(batch.samples), batch.samples,
-            batch.pixelSamples};
+    return {point.cameraRay * static_cast<std::uint32_t>(batch.samples), batch.samples};
 }
 
 }  // namespace shadowcache

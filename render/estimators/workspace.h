@@ -34,10 +34,10 @@ struct Workspace {
     std::uint64_t traceNanoseconds = 0;
     std::uint64_t pointsWithoutItems = 0;  ///< lit without what a cache knows
 
-    /// Numbers `first` to `first + count - 1` of dimension `dimension` in a sequence of `total`;
-    /// valid until the next call with that dimension.
+    /// Words `first` to `first + count - 1` of dimension `dimension` of a sequence; valid until the
+    /// next call with that dimension.
     std::span<const std::uint32_t> numbers(Sequence sequence, std::uint64_t seed, int dimension,
-                                           std::uint32_t first, int count, std::uint32_t total);
+                                           std::uint32_t first, int count);
 
 private:
     std::vector<std::uint32_t> numbers_[4];

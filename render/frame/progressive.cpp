@@ -123,18 +123,6 @@ private:
 
 }  // namespace
 
-void requirePasses(Sequence sequence) {
-    if (sequence != Sequence::sobol && sequence != Sequence::random)
-        throw Error(
-            "--progressive: expected --sequence sobol or random, which have no fixed length");
-}
-
-void requirePasses(const Estimator& estimator, const char* name) {
-    if (estimator.inOrder())
-        throw Error(fmt::format(
-            "--progressive: a pixel of --estimator {} depends on the pixels before it", name));
-}
-
 ProgressiveFrame renderProgressive(const FrameRequest& wanted, RenderStats& stats,
                                    const ProgressiveObserver& observer) {
     const FrameRequest frame = withPreviewMargin(wanted);

@@ -24,18 +24,10 @@ struct ProgressiveFrame {
     FrameEnd end = FrameEnd::complete;
 };
 
-/// @throws Error if a picture of this sequence depends on how many numbers a pixel has
-void requirePasses(Sequence sequence);
-
-/// @param name  of the estimator
-/// @throws Error if its pixels depend on the pixels before them
-void requirePasses(const Estimator& estimator, const char* name);
-
 /// Renders one frame in passes over all of it, of options.passRays camera rays a pixel each. The
 /// first pass is completed whatever `stop` returns; Ctrl-C ends a later one as `stop` does. After n
 /// passes the picture has the bits of render() with n times passRays camera rays.
 ///
-/// @pre requirePasses()
 /// @throws Error as render()
 ProgressiveFrame renderProgressive(const FrameRequest& frame, RenderStats& stats,
                                    const ProgressiveObserver& observer);

@@ -1,6 +1,5 @@
 #include "render/frame/tile_loop.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "common/base/parallel.h"
@@ -57,8 +56,7 @@ void forEachTile(const FrameRequest& frame, std::span<const std::size_t> tiles,
                  const std::function<void(const TileTurn&)>& work) {
     const TimeKeeper time(stats);
     const Tiles all(frame.options);
-    const std::size_t run = frame.estimator.inOrder() ? std::max<std::size_t>(1, tiles.size()) : 4;
-    parallelFor(tiles.size(), run, [&](const Chunk& chunk) {
+    parallelFor(tiles.size(), 4, [&](const Chunk& chunk) {
         std::unique_ptr<TileTools> tools = workspaces.take();
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             throwIfInterrupted();

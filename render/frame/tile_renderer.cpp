@@ -195,8 +195,6 @@ PointBatch TileRenderer::batchOf(std::span<const ShadingPoint> points, std::size
             options_.samples,
             static_cast<std::uint32_t>(pixels),
             static_cast<std::uint32_t>(count),
-            static_cast<std::uint32_t>(options_.cameraRays) *
-                static_cast<std::uint32_t>(options_.samples),
             options_.preview,
             plan_.estimator.get()};
 }

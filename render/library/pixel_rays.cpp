@@ -50,11 +50,6 @@ void requireFit(const EstimatorEntry& estimator, bool hasCache, const RenderOpti
     if (options.samples < estimator.minSamples)
         throw Error("--samples " + std::to_string(options.samples) + ": --estimator " + name +
                     " expected at least " + std::to_string(estimator.minSamples));
-    if (options.crop && estimator.inOrder)
-        throw Error("--crop: a pixel of --estimator " + name + " depends on the pixels before it");
-    if (options.bounces != 0 && estimator.inOrder)
-        throw Error("--bounces: a pixel of --estimator " + name +
-                    " depends on the pixels before it; expected --bounces 0");
 }
 
 }  // namespace shadowcache

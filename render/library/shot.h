@@ -62,7 +62,7 @@ public:
     Film renderFrame(const CameraMove& camera, int frameNumber, const RenderOptions& options,
                      RenderStats& stats, double targetError = 0) const;
 
-    /// The same in passes. @pre requirePasses() @throws Error as renderProgressive()
+    /// The same in passes. @throws Error as renderProgressive()
     ProgressiveFrame renderPasses(const CameraMove& camera, int frameNumber,
                                   const RenderOptions& options, RenderStats& stats,
                                   const ProgressiveObserver& observer,

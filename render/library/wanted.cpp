@@ -16,7 +16,7 @@ Chosen choose(const Wanted& wanted, bool hasCache) {
     Chosen chosen{estimator, wanted.options};
     RenderOptions& options = chosen.options;
     chooseRays(wanted.rays, estimator, options);
-    options.bounces = wanted.bounces.value_or(estimator.standardBounces());
+    options.bounces = wanted.bounces.value_or(kStandardBounces);
     for (const std::string& aov : wanted.aovs) {
         if (needsInsight(aov) && !estimator.needsCache)
             throw Error(fmt::format("--aov {}: requires --estimator cache", aov));

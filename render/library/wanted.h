@@ -12,7 +12,7 @@ namespace shadowcache {
 struct Wanted {
     std::optional<std::string> estimator{};  ///< none: `cache` with a cache, `mis` without
     PixelRays rays{};
-    std::optional<int> bounces{};  ///< none: the estimator's standard
+    std::optional<int> bounces{};  ///< none: kStandardBounces
     std::vector<std::string> aovs{};
     RenderOptions options{};
 };

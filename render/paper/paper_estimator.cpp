@@ -76,10 +76,8 @@ Rgb Paper::prepare(const ShadingPoint& point, const SampleSlice& slice,
     if (!(total > 0)) return {0, 0, 0};
     const double beta = options_.beta;
     const Vec3d n(point.normal);
-    const auto u =
-        w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
-    const auto v =
-        w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
+    const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
+    const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
     for (std::size_t j = 0; j < u.size(); ++j) {
         const double x = fullPrecision(u[j], point.seed, slice.first + j);
         Vec3f direction;

@@ -19,12 +19,6 @@ struct PaperOptions {
 /// @throws Error naming the option, the value and the range allowed
 void validate(const PaperOptions& options);
 
-// One maker an estimator; each is defined in the estimator's own file.
 std::unique_ptr<Estimator> makePaper(const EstimatorContext& context, const PaperOptions& options);
-std::unique_ptr<Estimator> makePaperImage(const EstimatorContext& context,
-                                          const PaperOptions& options);
-std::unique_ptr<Estimator> makePreconvolved(const EstimatorContext& context);
-std::unique_ptr<Estimator> makeAmbientOcclusion(const EstimatorContext& context);
-std::unique_ptr<Estimator> makeAmbientOcclusionCached(const EstimatorContext& context);
 
 }  // namespace shadowcache

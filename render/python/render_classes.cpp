@@ -122,7 +122,7 @@ py::tuple sampleEnvironment(const EnvironmentObject& environment, std::uint32_t 
     for (int k = 0; k < 3; ++k) {
         auto& of = words[static_cast<std::size_t>(k)];
         of.resize(count);
-        fillSequence(Sequence::sobol, k, seed, 0, count, of);
+        owenSobol(0, k, seed, of);
     }
     std::vector<Vec3f> directions;
     std::vector<Rgb> radiances;

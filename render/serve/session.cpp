@@ -165,8 +165,6 @@ Session::Reply Session::render(std::uint64_t number, const RenderRequest& reques
     Film film;
     const double target = wanted.rays.targetError.value_or(0);
     if (request.progressive) {
-        requirePasses(options_.sequence);
-        requirePasses(shot_->estimator(), chosen.estimator.name);
         ProgressiveObserver observer;
         observer.onPass = [&](const Film& pass, int rays) {
             Reply reply = show(pass);
@@ -182,8 +180,7 @@ Session::Reply Session::render(std::uint64_t number, const RenderRequest& reques
     }
     Reply reply = show(film);
     reply["estimator"] = chosen.estimator.name;
-    reply["bias"] =
-        chosen.options.preview ? "filtered" : biasOf(chosen.estimator, chosen.options.samples);
+    reply["bias"] = chosen.options.preview ? "filtered" : biasOf(chosen.options.samples);
     reply["seconds"] = {{"light", lit - start}, {"render", secondsNow() - lit}};
     reply["camera-rays"] = stats.cameraRays + stats.spreadRays;
     reply["shadow-rays"] = stats.shadowRays;

@@ -15,26 +15,15 @@ inline constexpr int kStandardBounces = 4;
 struct EstimatorOptions {
     CacheOptions cache;
     PaperOptions paper;
-    PixelOptions pixel;
-    LightsOptions lights;
 };
 
-/// @throws Error naming the option, the value and the range allowed
-void validate(const EstimatorOptions& options);
-
-/// One line of the table of estimators.
+/// One line of the table of estimators. All are unbiased, `cache` with at least one sample.
 struct EstimatorEntry {
     const char* name;
     const char* summary;
     int minSamples;
     bool needsCache;
     std::unique_ptr<Estimator> (*maker)(const EstimatorContext&, const EstimatorOptions&);
-    const char* bias = nullptr;  ///< what its expectation leaves out or gets wrong; null: nothing
-    bool inOrder = false;        ///< Estimator::inOrder()
-
-    /// Bounces of its pictures unless others are asked for: those of a picture to deliver, or none
-    /// where its direct light is not all that there is, or cannot be asked for at any place.
-    int standardBounces() const { return bias || inOrder ? 0 : kStandardBounces; }
 
     std::unique_ptr<Estimator> make(const EstimatorContext& context,
                                     const EstimatorOptions& options = {}) const {
@@ -42,8 +31,8 @@ struct EstimatorEntry {
     }
 };
 
-/// How the estimates of `samples` samples are biased: "none", or the cause.
-std::string biasOf(const EstimatorEntry& entry, int samples);
+/// How pictures of `samples` shadow rays a camera ray are biased: "none", or the cause.
+std::string biasOf(int samples);
 
 /// Every estimator that `--estimator` offers.
 std::span<const EstimatorEntry> estimatorTable();

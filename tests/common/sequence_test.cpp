@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <random>
 #include <set>
@@ -56,56 +55,6 @@ double uniformityPValue(Draw draw) {
 
 std::size_t pairCell(std::uint32_t a, std::uint32_t b) {
     return (a >> 29) * 8 + (b >> 29);
-}
-
-/// Whether 2^m points fall one into each box of every shape of 2^-m.
-bool isNet(int m, Sequence sequence, std::uint32_t spoil = 0) {
-    const std::size_t count = std::size_t{1} << m;
-    std::vector<std::uint32_t> x(count), y(count);
-    fillSequence(sequence, 0, 5, 0, static_cast<std::uint32_t>(x.size()), x);
-    fillSequence(sequence, 1, 5, 0, static_cast<std::uint32_t>(y.size()), y);
-    y[count / 2] += spoil;
-    for (int split = 0; split <= m; ++split) {
-        std::set<std::uint64_t> boxes;
-        for (std::size_t i = 0; i < count; ++i)
-            boxes.insert((std::uint64_t{x[i]} << split >> 32) << 32 |
-                         (std::uint64_t{y[i]} << (m - split) >> 32));
-        if (boxes.size() != count) return false;
-    }
-    return true;
-}
-
-// XOR keeps boxes whole; a shift does not, but keeps the strata of one axis. Control: one moved
-// point is seen.
-TEST(LarcherPillichshammer, MakesNetsWithItsIndex) {
-    for (const int m : {1, 4, 7, 10}) {
-        EXPECT_TRUE(isNet(m, Sequence::larcherXor)) << m;
-        EXPECT_FALSE(isNet(m, Sequence::larcherXor, 0x80000000u)) << m;
-        EXPECT_FALSE(m > 1 && isNet(m, Sequence::random)) << m;
-    }
-    EXPECT_EQ(larcherPillichshammer(1), 0x80000000u);
-    EXPECT_EQ(larcherPillichshammer(2), 0xc0000000u);
-    EXPECT_EQ(larcherPillichshammer(3), 0x40000000u);
-    EXPECT_EQ(larcherPillichshammer(4), 0xe0000000u);
-}
-
-// Every word alone is uniform over the seeds. Control: without the random word it is not.
-TEST(LarcherPillichshammer, WordsAreUniformOverSeeds) {
-    constexpr int kSeeds = 20000, kBins = 64;
-    for (const Sequence sequence : {Sequence::larcherXor, Sequence::larcherShift})
-        for (const int dimension : {0, 1, 2, 3}) {
-            std::vector<double> counts(kBins), fixed(kBins);
-            for (int seed = 0; seed < kSeeds; ++seed) {
-                std::array<std::uint32_t, 165> words{};
-                fillSequence(sequence, dimension, static_cast<std::uint64_t>(seed), 0,
-                             static_cast<std::uint32_t>(words.size()), words);
-                counts[words[91] * std::uint64_t{kBins} >> 32] += 1;
-                fixed[larcherPillichshammer(91) * std::uint64_t{kBins} >> 32] += 1;
-            }
-            const std::vector<double> expected(kBins, static_cast<double>(kSeeds) / kBins);
-            EXPECT_GT(test::chiSquaredPValue(counts, expected), test::significance(8));
-            EXPECT_LT(test::chiSquaredPValue(fixed, expected), test::significance(8));
-        }
 }
 
 TEST(OwenSobol, TheFirstTwoDimensionsAreAZeroTwoSequence) {

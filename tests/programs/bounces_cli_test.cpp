@@ -38,11 +38,6 @@ TEST_F(BouncesCli, AreFourUnlessOthersAreAskedFor) {
     EXPECT_GT(light("four.exr"), 1.005 * light("none.exr"));
     EXPECT_EQ(attribute("standard.exr", "bounces"), "4");
     EXPECT_EQ(attribute("standard.exr", "bias"), "none");
-    // What is biased, or goes in order, has none of its own accord.
-    for (const std::string name : {"ambient-occlusion", "paper-image"}) {
-        EXPECT_EQ(run("render", view + name + ".exr --estimator " + name, typed).status, 0);
-        EXPECT_EQ(attribute(name + ".exr", "bounces"), "0");
-    }
     runWell("render", view + "all.exr --bounces unlimited");
     EXPECT_EQ(attribute("all.exr", "bounces"), "unlimited");
 }
@@ -78,9 +73,6 @@ TEST_F(BouncesCli, AreRefusedWhereTheyCannotBe) {
                   "0 to 1000");
     expectRefusal(run("render", still("--bounces all -o new.exr")), "render", "--bounces all",
                   "unlimited");
-    expectRefusal(run("render", still("--cache set.vdb --estimator paper-image --bounces 2 -o "
-                                      "new.exr")),
-                  "render", "--bounces", "paper-image");
 }
 
 TEST_F(BouncesCli, AreMarkedAsBiasedWhereTheyAreClamped) {

@@ -55,8 +55,7 @@ TEST_F(CommandLine, HelpShowsWhatAShotNeedsAndHelpAllEverything) {
     const std::string all = runWell("render", "--help-all").out;
     for (const char* option : {"--env ", "--camera ", "--spp ", "--cache ", "--preview "})
         EXPECT_NE(help.find(option), std::string::npos) << option;
-    for (const char* option :
-         {"\n  --estimator ", "\n  --triangles ", "\n  --lights ", "\n  --pass-rays "}) {
+    for (const char* option : {"\n  --estimator ", "\n  --sequence ", "\n  --pass-rays "}) {
         EXPECT_EQ(help.find(option), std::string::npos) << option;
         EXPECT_NE(all.find(option), std::string::npos) << option;
     }

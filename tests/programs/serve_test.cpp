@@ -193,8 +193,8 @@ TEST_F(ServeTest, RefusalsNameTheCauseAndTheProcessGoesOn) {
         {R"("request":"options","spp":1)", ""},
         {R"("request":"render","pixels":"missing/p")", "missing/p: cannot be written"},
         {R"("request":"render","pixels":"set.obj")", "set.obj: is there and no file of pixels"},
-        {R"("request":"options","spp":1,"sequence":"larcher-xor")", ""},
-        {R"("request":"render","pixels":"p","progressive":true)", "expected --sequence sobol"},
+        {R"("request":"options","spp":1,"sequence":"larcher-xor")",
+         "expected one of sobol, random"},
         {R"("request":"options","spp":1)", ""},
         {R"("request":"render","pixels":"p")", ""}};
     std::string requests;

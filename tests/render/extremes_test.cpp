@@ -210,7 +210,7 @@ TEST(Alpha, UpToAlmostOneChangesNoMean) {
         SCOPED_TRACE(alpha);
         EstimatorOptions options = fewTriangles();
         options.paper.alpha = alpha;
-        EXPECT_NO_THROW(validate(options));
+        EXPECT_NO_THROW(validate(options.paper));
         std::vector<test::NamedEstimator> paper;
         paper.push_back({"paper", findEstimator("paper").make(world.context(), options)});
         expectTruth(paper, world.point, truth, 3);
@@ -218,9 +218,9 @@ TEST(Alpha, UpToAlmostOneChangesNoMean) {
 }
 
 TEST(Alpha, OfOneIsRefused) {
-    EstimatorOptions options;
+    PaperOptions options;
     for (const double alpha : {1.0, 1.5, -1e-9, std::nan("")}) {
-        options.paper.alpha = alpha;
+        options.alpha = alpha;
         test::expectError([&] { validate(options); }, "--alpha", "below 1");
     }
 }

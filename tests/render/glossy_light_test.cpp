@@ -40,7 +40,6 @@ Reflections reflect(const Estimator& estimator, ShadingPoint point, const Glossy
     for (int k = 1; k <= count; ++k) {
         point.seed = hashWords(static_cast<std::uint64_t>(k));
         PointBatch batch{{&point, 1}, samples};
-        batch.pixelSamples = static_cast<std::uint32_t>(samples);
         Estimate e;
         estimator.estimate(batch, *workspace, {&e, 1});
         const GlossyPoint glossy{point, lobe};

@@ -104,7 +104,6 @@ std::vector<Rgb> reflectionOf(const Estimator& estimator, std::span<const Shadin
         lobes.push_back({alone[i], GlossyLobe(metal, alone[i].normal, toViewer)});
     }
     PointBatch batch{alone, samples, static_cast<std::uint32_t>(alone.size())};
-    batch.pixelSamples = static_cast<std::uint32_t>(samples);
     std::vector<GlossEstimate> found(points.size());
     estimator.estimateGloss(batch, lobes, workspace, found);
     return valuesOf(found, &GlossEstimate::radiance);
@@ -299,7 +298,6 @@ PixelSums sumPixels(const std::string& name, const Told& told, int samples, int 
         const std::size_t together = apart ? kSide : kPoints;
         for (std::size_t begin = 0; begin < kPoints; begin += together) {
             PointBatch batch{{&points[begin], together}, samples, kSide, kSide};
-            batch.pixelSamples = static_cast<std::uint32_t>(samples * kSide);
             std::vector<Estimate> found(together);
             estimator->estimate(batch, *workspace, found);
             for (std::size_t i = 0; i < together; ++i) {
@@ -373,7 +371,6 @@ double noiseOfExtraRays(std::uint32_t raysOfRow) {
     for (std::uint64_t k = 0; k < 4000; ++k) {
         for (ShadingPoint& point : points) point.seed = hashWords(k, point.pixel);
         PointBatch batch{points, 4, 1 + (kPoints - kExtraRays) / 2, kExtraRays};
-        batch.pixelSamples = 4 * kExtraRays;
         std::vector<Estimate> found(kPoints);
         estimator->estimate(batch, *workspace, found);
         double sum = 0;

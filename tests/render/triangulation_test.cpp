@@ -56,13 +56,13 @@ TEST_P(Triangulation, CoversTheSphereOnceWithAllTheLight) {
 }
 
 TEST(TriangleCount, OutOfRangeIsRefused) {
-    EstimatorOptions options;
+    PaperOptions options;
     for (const int count : {20, 100000}) {
-        options.paper.triangles = count;
+        options.triangles = count;
         EXPECT_NO_THROW(validate(options));
     }
     for (const int count : {-1, 0, 19, 100001}) {
-        options.paper.triangles = count;
+        options.triangles = count;
         test::expectError([&] { validate(options); }, "--triangles", "20 to 100000");
     }
 }

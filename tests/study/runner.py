@@ -44,7 +44,7 @@ class Progress:
 
 def work_of(program, arguments):
     """Roughly in proportion to the time of a run."""
-    if program != "shadowcache-render":
+    if not program.endswith("-render"):
         return 5e6
     value = lambda name: str(arguments[len(arguments) - 1 - arguments[::-1].index(name) + 1])
     width, height = map(int, value("--size").split("x"))
@@ -91,7 +91,7 @@ class Runner:
                 return json.load(file)
         stats = os.path.join(self.runs, key + ".stats.json")
         line = [self.program(program), *map(str, arguments)]
-        if program in ("shadowcache-bake", "shadowcache-render"):
+        if program in ("shadowcache-bake", "shadowcache-render", "shadowcache-study-render"):
             line += ["--stats", stats]
         result = self.measure(line, command)
         if os.path.exists(stats):
@@ -164,7 +164,7 @@ class View:
             line += ["--reference", self.reference]
         if png:
             line += ["--png"]
-        return self.runner.run("shadowcache-render", line,
+        return self.runner.run("shadowcache-study-render", line,
                                [p for p in (keep, png) if p])
 
     def error(self, estimator, samples, *options, cached=False, seeds=SEEDS):

@@ -12,11 +12,10 @@ namespace {
 /// Options that hold no number.
 const std::set<std::string>& wordOptions() {
     static const std::set<std::string> words{
-        "--up",           "--env",      "--dynamic",     "--normals",   "--camera",
-        "--filter",       "--budget",   "--sequence",    "--estimator", "--cache",
-        "--output",       "--aov",      "--reference",   "--stats",     "--config",
-        "--write-config", "--progress", "--convolution", "--extend",    "--report",
-        "--bake-with",    "--for",      "--pictures",    "--surfaces",  "--lookups"};
+        "--up",        "--env",       "--dynamic",   "--normals",      "--camera",   "--filter",
+        "--budget",    "--sequence",  "--estimator", "--cache",        "--output",   "--aov",
+        "--reference", "--stats",     "--config",    "--write-config", "--progress", "--extend",
+        "--report",    "--bake-with", "--for",       "--pictures",     "--surfaces", "--lookups"};
     return words;
 }
 
@@ -38,7 +37,6 @@ std::vector<Subject> subjects() {
           {"--size", {"@x4", "6x@", "@x@"}},
           {"--crop", {"@,0,2x2", "0,@,2x2", "0,0,@x2", "0,0,2x@"}},
           {"--albedo", {"@", "@,0,0"}},
-          {"--pixel-map", {"@x4", "8x@"}},
           {"--memory", {"@", "@G"}},
           {"--debug", {"@,0", "0,@"}}},
          {{"--memory", "--cache set.vdb"}, {"--time-limit", "--progressive"}},

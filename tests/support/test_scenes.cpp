@@ -272,7 +272,7 @@ std::vector<NamedEstimator> everyEstimator(const EstimatorContext& context,
                                            const EstimatorOptions& options) {
     std::vector<NamedEstimator> all;
     for (const EstimatorEntry& entry : estimatorTable())
-        if (!entry.bias && (context.cache || !entry.needsCache))
+        if (context.cache || !entry.needsCache)
             all.push_back({entry.name, entry.make(context, options)});
     return all;
 }

@@ -113,7 +113,7 @@ Estimates runEstimator(const Estimator& estimator, const ShadingPoint& point, in
 /// difference that float arithmetic explains does not count.
 double agreementPValue(const Estimates& estimates, const Rgb& truth);
 
-/// Every unbiased entry of estimatorTable(), made for the context.
+/// Every entry of estimatorTable(), made for the context.
 struct NamedEstimator {
     std::string name;
     std::unique_ptr<Estimator> estimator;

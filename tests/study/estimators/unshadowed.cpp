@@ -4,10 +4,10 @@
 #include "common/predict/cached_visibility.h"
 #include "render/estimators/hemisphere.h"
 #include "render/paper/convolution.h"
-#include "render/paper/paper_estimators.h"
 #include "render/paper/spherical_polygon.h"
+#include "tests/study/estimators/makers.h"
 
-namespace shadowcache {
+namespace shadowcache::study {
 
 namespace {
 
@@ -34,10 +34,8 @@ private:
 
     Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
         const Rgb share = map_.evaluate(point.normal) / static_cast<float>(slice.count);
-        const auto u =
-            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
-        const auto v =
-            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
+        const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
+        const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
         for (std::size_t i = 0; i < u.size(); ++i)
             w.samples.add(aroundNormal(point.normal, toUnitFloat(u[i]), toUnitFloat(v[i])), share);
         w.samples.endGroup();
@@ -116,4 +114,4 @@ std::unique_ptr<Estimator> makeAmbientOcclusionCached(const EstimatorContext& co
     return std::make_unique<AmbientOcclusionCached>(context);
 }
 
-}  // namespace shadowcache
+}  // namespace shadowcache::study

@@ -4,7 +4,7 @@
 
 #include "common/light/environment.h"
 
-namespace shadowcache {
+namespace shadowcache::study {
 
 /// Light from one direction in place of a part of a map.
 struct DirectionalLight {
@@ -16,4 +16,4 @@ struct DirectionalLight {
 /// their luminance. The sum of their integrals is the map's. [paper 3.1, Cohen & Debevec 2001]
 std::vector<DirectionalLight> clusterLights(const Environment& environment, int count);
 
-}  // namespace shadowcache
+}  // namespace shadowcache::study

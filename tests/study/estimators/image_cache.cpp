@@ -7,7 +7,7 @@
 #include "common/cache/cache_items.h"
 #include "render/paper/paper_estimator.h"
 
-namespace shadowcache {
+namespace shadowcache::study {
 
 namespace {
 
@@ -30,6 +30,8 @@ std::uint64_t itemKey(int column, int row) {
            static_cast<std::uint32_t>(column);
 }
 
+/// The points of a workspace fill its cache in the order in which they are lit: a frame is rendered
+/// by one thread.
 class PaperImage final : public Paper {
 public:
     PaperImage(const EstimatorContext& context, const PaperOptions& options)
@@ -45,8 +47,6 @@ public:
             group_.push_back(groups_ - 1);
         }
     }
-
-    bool inOrder() const override { return true; }
 
     using Estimator::estimate;
     void estimate(const PointBatch& batch, Workspace& workspace,
@@ -113,4 +113,4 @@ std::unique_ptr<Estimator> makePaperImage(const EstimatorContext& context,
     return std::make_unique<PaperImage>(context, options);
 }
 
-}  // namespace shadowcache
+}  // namespace shadowcache::study

@@ -1,8 +1,8 @@
-#include "render/estimators/light_clusters.h"
+#include "tests/study/estimators/light_clusters.h"
 
 #include <algorithm>
 
-namespace shadowcache {
+namespace shadowcache::study {
 
 namespace {
 
@@ -79,4 +79,4 @@ std::vector<DirectionalLight> clusterLights(const Environment& environment, int 
     return lights;
 }
 
-}  // namespace shadowcache
+}  // namespace shadowcache::study

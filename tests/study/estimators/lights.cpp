@@ -2,10 +2,10 @@
 // shadows. Biased. [paper 3.1]
 
 #include "common/base/option_checks.h"
-#include "render/estimators/basic_estimators.h"
-#include "render/estimators/light_clusters.h"
+#include "tests/study/estimators/light_clusters.h"
+#include "tests/study/estimators/makers.h"
 
-namespace shadowcache {
+namespace shadowcache::study {
 
 namespace {
 
@@ -39,4 +39,4 @@ std::unique_ptr<Estimator> makeLights(const EstimatorContext& context,
     return std::make_unique<Lights>(context, options);
 }
 
-}  // namespace shadowcache
+}  // namespace shadowcache::study

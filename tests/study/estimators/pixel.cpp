@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "common/base/option_checks.h"
-#include "render/estimators/basic_estimators.h"
 #include "render/estimators/full_precision.h"
+#include "tests/study/estimators/makers.h"
 
-namespace shadowcache {
+namespace shadowcache::study {
 
 namespace {
 
@@ -141,10 +141,8 @@ private:
             w.cdf[k] = total += cosineOf(pixel, point.normal) * pixel.luminance * pixel.area;
         }
         if (!(total > 0)) return {0, 0, 0};
-        const auto u =
-            w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count, slice.total);
-        const auto v =
-            w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count, slice.total);
+        const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
+        const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
         for (std::size_t j = 0; j < u.size(); ++j) {
             const double x = fullPrecision(u[j], point.seed, slice.first + j) * total;
             auto k = static_cast<std::size_t>(std::upper_bound(w.cdf.begin(), w.cdf.end(), x) -
@@ -189,4 +187,4 @@ std::unique_ptr<Estimator> makePixelPrinted(const EstimatorContext& context,
     return std::make_unique<PixelImportance>(context, options, true);
 }
 
-}  // namespace shadowcache
+}  // namespace shadowcache::study
