@@ -20,9 +20,6 @@ constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 /// Least cosine, at a triangle's middle, that its least light is multiplied with.
 constexpr double kLeastFloorCosine = 0.05;
 
-/// Least cosine at a corner of a triangle: on the horizon itself the density must not be zero.
-constexpr double kLeastCornerCosine = 1e-3;
-
 void addPiece(const PaperPiece& piece, PaperWorkspace& w) {
     if (!(piece.weight > 0) || !(piece.area > 0)) return;
     w.pieces.push_back(piece);
@@ -36,12 +33,12 @@ std::uint64_t firstCell(const MapTriangle& t) {
 
 }  // namespace
 
-Paper::Paper(const EstimatorContext& context, const PaperOptions& options)
+Paper::Paper(const EstimatorContext& context, const PaperOptions& options, bool tables)
     : PointEstimator(context),
       options_(options),
       triangles_(
           triangulate(context.environment, options.triangles, options.minLevel, options.maxLevel)) {
-    if (!options.exactConvolution) table_.emplace(context.environment, triangles_);
+    if (tables) table_.emplace(context.environment, triangles_);
 }
 
 std::unique_ptr<Workspace> Paper::makeWorkspace() const {
@@ -115,10 +112,7 @@ void Paper::buildImportance(const ShadingPoint& point, PaperWorkspace& w) const 
 }
 
 void Paper::convolveAll(const Vec3f& n, std::vector<float>& out) const {
-    if (table_) return table_->evaluate(n, out);
-    out.resize(triangles_.size());
-    for (std::size_t i = 0; i < out.size(); ++i)
-        out[i] = static_cast<float>(convolve(context_.environment, triangles_[i], Vec3d(n)));
+    table_->evaluate(n, out);
 }
 
 void Paper::addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& w) const {
@@ -154,20 +148,6 @@ double Paper::visibility(const PaperWorkspace& w, std::uint32_t triangle) const 
     return options_.alpha * a + (1 - options_.alpha) * 0.5;
 }
 
-/// Whether the importance in a triangle is linear: in one that the horizon may cut it never is.
-bool Paper::isLinear(std::uint32_t triangle, const Vec3d& n) const {
-    const MapTriangle& t = triangles_[triangle];
-    return options_.order == 1 && n.dot(t.axis) >= t.sinRadius;
-}
-
-LinearTriangle Paper::linear(std::uint32_t triangle, const Vec3d& n) const {
-    const MapTriangle& t = triangles_[triangle];
-    return {t.corners,
-            {t.shape[0] * std::max(kLeastCornerCosine, n.dot(t.corners.a)),
-             t.shape[1] * std::max(kLeastCornerCosine, n.dot(t.corners.b)),
-             t.shape[2] * std::max(kLeastCornerCosine, n.dot(t.corners.c))}};
-}
-
 /// Place `x` in [0, total) of the running sum -> piece and direction. [paper 4.2: Idx, Coord,
 /// SphTri]
 Vec3f Paper::drawDirection(const PaperWorkspace& w, const Vec3d& n, double x, float v,
@@ -179,17 +159,16 @@ Vec3f Paper::drawDirection(const PaperWorkspace& w, const Vec3d& n, double x, fl
     triangle = piece.triangle;
     const double coordinate =
         std::clamp((x - (w.cdf[i] - piece.weight)) / piece.weight, 0.0, kBelowOne);
-    if (isLinear(triangle, n))
-        return Vec3f(linear(triangle, n).sample(coordinate, static_cast<double>(v)));
-    return Vec3f(sampleDirection(piece.corners, coordinate, static_cast<double>(v)));
+    return Vec3f(sampleIn(piece, n, coordinate, static_cast<double>(v)));
 }
 
-/// Of a direction in a triangle, times the sum of all weights.
-double Paper::density(const PaperWorkspace& w, const Vec3d& n, std::uint32_t triangle,
-                      const Vec3f& direction) const {
-    const double constant = w.density[triangle];
-    if (!isLinear(triangle, n)) return constant;
-    return constant * triangles_[triangle].area * linear(triangle, n).density(Vec3d(direction));
+Vec3d Paper::sampleIn(const PaperPiece& piece, const Vec3d&, double u, double v) const {
+    return sampleDirection(piece.corners, u, v);
+}
+
+double Paper::density(const PaperWorkspace& w, const Vec3d&, std::uint32_t triangle,
+                      const Vec3f&) const {
+    return w.density[triangle];
 }
 
 std::uint32_t Paper::triangleAlong(const Vec3f& direction) const {
@@ -205,7 +184,6 @@ void validate(const PaperOptions& options) {
     requireRange("max-level", options.maxLevel, 0, 7);
     requireRange("min-level", options.minLevel, 0, options.maxLevel);
     requireRange("threshold", options.threshold, 0, 1000);
-    requireRange("order", options.order, 0, 1);
     requireRange("beta", options.beta, 0.0, 1.0);
     requireRange("cache-level", options.cacheLevel, 0, 7);
     if (!(options.alpha >= 0 && options.alpha < 1)) {

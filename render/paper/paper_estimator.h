@@ -6,7 +6,6 @@
 #include "common/predict/cached_visibility.h"
 #include "common/random/sequence.h"
 #include "render/paper/convolution.h"
-#include "render/paper/linear_triangle.h"
 #include "render/paper/paper_estimators.h"
 
 namespace shadowcache {
@@ -35,7 +34,8 @@ struct PaperWorkspace : Workspace {
 /// perhaps a share of uniform samples. [paper 4, 6.1]
 class Paper : public PointEstimator {
 public:
-    Paper(const EstimatorContext& context, const PaperOptions& options);
+    /// @param tables  of the convolutions; false: convolveAll() does without
+    Paper(const EstimatorContext& context, const PaperOptions& options, bool tables = true);
 
     std::unique_ptr<Workspace> makeWorkspace() const override;
 
@@ -49,6 +49,13 @@ protected:
     virtual void lookUp(const ShadingPoint& point, PaperWorkspace& w) const;
     /// Predicted visibility of a triangle; all is visible where nothing was counted.
     virtual CachedVisibility cached(const PaperWorkspace& w, std::uint32_t triangle) const;
+    /// Luminance of the irradiance from each triangle at normal `n`.
+    virtual void convolveAll(const Vec3f& n, std::vector<float>& out) const;
+    /// Direction in a piece for (u, v) in [0, 1)^2.
+    virtual Vec3d sampleIn(const PaperPiece& piece, const Vec3d& n, double u, double v) const;
+    /// Density of a direction in a triangle at normal `n`, times the sum of all weights.
+    virtual double density(const PaperWorkspace& w, const Vec3d& n, std::uint32_t triangle,
+                           const Vec3f& direction) const;
 
 private:
     const PaperOptions options_;
@@ -56,15 +63,10 @@ private:
     std::optional<ConvolutionTable> table_;
 
     void buildImportance(const ShadingPoint& point, PaperWorkspace& w) const;
-    void convolveAll(const Vec3f& n, std::vector<float>& out) const;
     void addTriangle(std::uint32_t triangle, const Vec3d& n, PaperWorkspace& w) const;
     double visibility(const PaperWorkspace& w, std::uint32_t triangle) const;
-    LinearTriangle linear(std::uint32_t triangle, const Vec3d& n) const;
-    bool isLinear(std::uint32_t triangle, const Vec3d& n) const;
     Vec3f drawDirection(const PaperWorkspace& w, const Vec3d& n, double x, float v,
                         std::uint32_t& triangle) const;
-    double density(const PaperWorkspace& w, const Vec3d& n, std::uint32_t triangle,
-                   const Vec3f& direction) const;
     std::uint32_t triangleAlong(const Vec3f& direction) const;
 };
 

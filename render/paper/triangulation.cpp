@@ -6,7 +6,6 @@
 #include <unordered_map>
 
 #include "common/base/parallel.h"
-#include "render/paper/linear_triangle.h"
 
 namespace shadowcache {
 
@@ -106,8 +105,6 @@ MapTriangle makeTriangle(const Environment& environment, int level, std::uint32_
     t.area = solidAngle(t.corners);
     t.firstMoment = sums.firstMoment;
     t.luminanceIntegral = sums.luminanceIntegral;
-    t.shape = t.luminanceIntegral > 0 ? linearShape(t.corners, t.firstMoment)
-                                      : std::array<double, 3>{1, 1, 1};
     // A corner of the triangle may reach into a texel between the points: as if a part of the
     // brightest texel nearby were in it, the density is positive all the same. More, such as a
     // share of that luminance over all of a large triangle beside a lamp, would take the samples.

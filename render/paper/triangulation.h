@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "common/light/environment.h"
@@ -19,8 +18,6 @@ struct MapTriangle {
     double area;               ///< [sr]
     Vec3d firstMoment;         ///< integral of luminance times direction
     double luminanceIntegral;  ///< integral of the luminance
-    std::array<double, 3>
-        shape;     ///< linear in place of constant: linearShape(corners, firstMoment)
     double floor;  ///< least luminanceIntegral to assume: positive wherever there is light
 };
 

@@ -97,7 +97,7 @@ void defineTechnique(CLI::App& app, Arguments& a) {
     addChoice(app, "--budget", a.options.cache.adaptive, kBudgets,
               "uniform: --samples for every pixel; adaptive: in the mean, allocated by the noise "
               "that `cache` predicts");
-    PaperOptions& paper = a.options.paper;
+    VariantOptions& paper = a.options.paper;
     app.add_option("--triangles", paper.triangles,
                    "Triangles M of the map's triangulation, 20 to 100000");
     app.add_option("--alpha", paper.alpha, "Weight of the cached visibility, 0 to below 1");

@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "common/cache/cache_items.h"
-#include "render/paper/paper_estimator.h"
+#include "tests/study/estimators/paper_variants.h"
 
 namespace shadowcache::study {
 
@@ -32,10 +32,10 @@ std::uint64_t itemKey(int column, int row) {
 
 /// The points of a workspace fill its cache in the order in which they are lit: a frame is rendered
 /// by one thread.
-class PaperImage final : public Paper {
+class PaperImage final : public PaperVariant {
 public:
-    PaperImage(const EstimatorContext& context, const PaperOptions& options)
-        : Paper(context, options) {
+    PaperImage(const EstimatorContext& context, const VariantOptions& options)
+        : PaperVariant(context, options) {
         // Triangles stand in the order of the hierarchy: those of a common ancestor in a run.
         std::uint64_t last = 0;
         for (const MapTriangle& t : triangles()) {
@@ -109,7 +109,7 @@ private:
 }  // namespace
 
 std::unique_ptr<Estimator> makePaperImage(const EstimatorContext& context,
-                                          const PaperOptions& options) {
+                                          const VariantOptions& options) {
     return std::make_unique<PaperImage>(context, options);
 }
 

@@ -28,10 +28,14 @@ void validate(const TechniqueOptions& options) {
 std::vector<Technique> techniques() {
     std::vector<Technique> all;
     for (const EstimatorEntry& entry : estimatorTable())
-        all.push_back({.name = entry.name,
-                       .summary = entry.summary,
-                       .needsCache = entry.needsCache,
-                       .entry = &entry});
+        if (entry.name != std::string("paper"))
+            all.push_back({.name = entry.name,
+                           .summary = entry.summary,
+                           .needsCache = entry.needsCache,
+                           .entry = &entry});
+    all.push_back({.name = "paper",
+                   .summary = findEstimator("paper").summary,
+                   .make = with<makePaperVariant, &TechniqueOptions::paper>});
     all.push_back({.name = "paper-image",
                    .summary = "`paper` with its own cache: filled by the picture's earlier pixels",
                    .inOrder = true,
@@ -77,7 +81,7 @@ Technique findTechnique(const std::string& name) {
 std::unique_ptr<Estimator> makeEstimator(const std::string& name, const EstimatorContext& context,
                                          const TechniqueOptions& options) {
     const Technique technique = findTechnique(name);
-    if (technique.entry) return technique.entry->make(context, options);
+    if (technique.entry) return technique.entry->make(context, {options.cache, options.paper});
     return technique.make(context, options);
 }
 

@@ -8,7 +8,9 @@
 namespace shadowcache::study {
 
 /// The options of all techniques; each reads its own.
-struct TechniqueOptions : EstimatorOptions {
+struct TechniqueOptions {
+    CacheOptions cache;
+    VariantOptions paper;
     PixelOptions pixel;
     LightsOptions lights;
 };

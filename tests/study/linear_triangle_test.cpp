@@ -1,6 +1,6 @@
 // The linear density over a spherical triangle: what it draws, and the shape that it takes.
 
-#include "render/paper/linear_triangle.h"
+#include "tests/study/estimators/linear_triangle.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "common/math/direction_mesh.h"
 #include "tests/support/statistics.h"
 
-namespace shadowcache {
+namespace shadowcache::study {
 namespace {
 
 const std::array<double, 3> kValues{0.1, 2.5, 0.4};
@@ -96,4 +96,4 @@ TEST(LinearTriangle, ShapeIsThatOfTheLight) {
 }
 
 }  // namespace
-}  // namespace shadowcache
+}  // namespace shadowcache::study

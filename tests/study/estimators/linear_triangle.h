@@ -4,7 +4,7 @@
 
 #include "common/math/spherical_triangle.h"
 
-namespace shadowcache {
+namespace shadowcache::study {
 
 /// Values at the corners, mean 1, of the linear function over a triangle that is next to its light
 /// in the mean square, but nowhere below a tenth of the mean.
@@ -33,4 +33,4 @@ private:
     double volume_;                ///< determinant of the corners
 };
 
-}  // namespace shadowcache
+}  // namespace shadowcache::study

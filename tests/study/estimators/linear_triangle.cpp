@@ -1,9 +1,9 @@
-#include "render/paper/linear_triangle.h"
+#include "tests/study/estimators/linear_triangle.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace shadowcache {
+namespace shadowcache::study {
 
 namespace {
 
@@ -70,4 +70,4 @@ double LinearTriangle::density(const Vec3d& direction) const noexcept {
     return 6 * value / (volume_ * sum * sum * sum * sum);
 }
 
-}  // namespace shadowcache
+}  // namespace shadowcache::study
