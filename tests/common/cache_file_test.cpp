@@ -1,3 +1,5 @@
+// What is written is read; lookup and sides; stock OpenVDB and `vdb_print` read it.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// Cells tile the sphere at every level; location agrees with geometry; numbering is that of the
+// file format.
+
 #include "common/math/direction_mesh.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Integrals are those of the map; samplers follow their densities.
+
 #include "common/light/environment.h"
 
 #include <fmt/core.h>

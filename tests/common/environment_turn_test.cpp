@@ -1,3 +1,7 @@
+// Maps turned about all axes and mirrored: radiance, moments, densities and samples are those of
+// the turned texels, a sun keeps its integral; gain is linear, a tint is followed; a map turned
+// by 1 and 5 degrees more is rejected.
+
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// The plan of a farm word by word; texts of its schedulers; words of a shell are what they were.
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,3 +1,5 @@
+// Frames below zero; which `#` of a name is a frame's number.
+
 #include "common/shot/frames.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// Every kind of mesh, accessor, material and animation; mirrored nodes keep their sides; all
+// kinds of rays pass through holes.
+
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+// Radiance HDR: eight orientations in three codings, headers of other writers, exposures, scan
+// lines that begin 02 02; cut and hostile files are refused.
+
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 

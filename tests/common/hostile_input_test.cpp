@@ -1,3 +1,5 @@
+// Missing, empty, truncated, foreign, newer and altered files; full disks.
+
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 

@@ -1,3 +1,5 @@
+// EXR, HDR and PNG: layouts, channels, chromaticities, repaired texels, truncated files.
+
 #include "common/image/image.h"
 
 #include <OpenEXR/ImfArray.h>

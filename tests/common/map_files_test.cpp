@@ -1,3 +1,6 @@
+// The maps in `tests/cases` light a floor as they should; windows, layers, parts, tiles, lines
+// in any order and number types of EXR; what is ambiguous, deep or subsampled is refused.
+
 #include "tests/support/map_files.h"
 
 #include <OpenEXR/ImfDeepFrameBuffer.h>

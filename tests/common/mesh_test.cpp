@@ -1,3 +1,5 @@
+// Every format gives the same square; every defect is counted and nothing is lost.
+
 #include "common/mesh/mesh.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// Loops visit every index once; sums have the same bits; errors and Ctrl-C end them; calls at
+// once have their own numbers of threads.
+
 #include "common/base/parallel.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Shares are printed in per cent without powers of ten.
+
 #include "common/base/percent_text.h"
 
 #include <gtest/gtest.h>

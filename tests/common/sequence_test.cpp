@@ -1,3 +1,6 @@
+// Sobol' points have their net property; words, dimensions and seeds are uniform and
+// independent.
+
 #include "common/random/sequence.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Solid angles down to the finest cell; Arvo's map inverts and is uniform.
+
 #include "common/math/spherical_triangle.h"
 
 #include <gtest/gtest.h>

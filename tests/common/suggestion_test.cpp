@@ -1,3 +1,5 @@
+// The intended word is found, and none where nothing is near.
+
 #include "common/base/suggestion.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// OBJ, PLY, OFF and STL of other writers; what is left out is counted; numbers that do not fit
+// their header are refused with the line.
+
 #include <gtest/gtest.h>
 
 #include "common/import/load_mesh.h"

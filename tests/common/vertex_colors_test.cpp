@@ -1,3 +1,6 @@
+// Colours of every format and type, of OFF's faces too, decided for a file as a whole; bad ones
+// are counted.
+
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 

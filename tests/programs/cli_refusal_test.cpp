@@ -1,3 +1,5 @@
+// Bad input, options and outputs are refused with one line and leave nothing behind.
+
 #include <gtest/gtest.h>
 
 #include <string>

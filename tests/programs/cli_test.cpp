@@ -1,3 +1,6 @@
+// Files and messages of the programs; spacings that are times the chosen one; statistics,
+// metadata, stale caches, merging, `--debug`.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

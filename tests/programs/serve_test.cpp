@@ -1,3 +1,7 @@
+// Pictures of `--serve` have the bits of the program's, AOVs included, whatever was rendered
+// before, with a target error too; refusals name their cause, and the process goes on; the end
+// of the input ends it.
+
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -1,3 +1,6 @@
+// The pilot calibrates wrong counts; budgets keep their mean and limits; the fit across the
+// horizon.
+
 #include "render/regions/calibration.h"
 
 #include <gtest/gtest.h>

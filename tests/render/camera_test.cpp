@@ -1,3 +1,7 @@
+// Rays follow the film, its shift, pixels that are not square, near and far plane; those of a
+// lens meet in its focus plane and use it uniformly; a camera between two; camera files are
+// read, or refused with key and value.
+
 #include <gtest/gtest.h>
 
 #include <cmath>

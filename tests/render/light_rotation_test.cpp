@@ -1,3 +1,6 @@
+// Angles, matrices and reflections of `--env-rotate` agree; what is not orthogonal is refused
+// with the value; turns and gains of a plan.
+
 #include "render/shot/light_rotation.h"
 
 #include <gtest/gtest.h>

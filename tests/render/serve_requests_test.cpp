@@ -1,3 +1,6 @@
+// Requests of `--serve` are read with the command line's standards, or refused with key and
+// value; the file of pixels counts on, never becomes shorter, and replaces no other file.
+
 #include <gtest/gtest.h>
 
 #include <cstring>

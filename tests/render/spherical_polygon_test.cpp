@@ -1,3 +1,5 @@
+// Clipping to the hemisphere partitions; vector areas sum to π.
+
 #include "render/paper/spherical_polygon.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Larcher's sequences are nets, and their words are uniform over the seeds.
+
 #include "tests/study/estimators/larcher_sequence.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// P-values are uniform under the hypothesis and not beside it; tails match tables.
+
 #include "tests/support/statistics.h"
 
 #include <gtest/gtest.h>
