@@ -36,7 +36,7 @@ void addSetOptions(CLI::App& app, ShotArguments& shot, const std::string& group,
 void addShotOptions(CLI::App& app, ShotArguments& shot, const std::string& group,
                     const std::string& details) {
     app.add_option("--camera", shot.camera,
-                   "Camera file (JSON), or the name of a camera in a glTF set")
+                   "Camera file (JSON), or the name or number of a camera in a glTF set")
         ->group(group);
     app.add_option("--shutter", shot.shutter,
                    "Share of a frame's time that the camera moves in while it is exposed, half "

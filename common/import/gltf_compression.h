@@ -1,26 +1,35 @@
 #pragma once
 
-#include <filesystem>
-#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
 
-namespace tinygltf {
-class Model;
-}
+#include "common/import/draco_decoder.h"
+#include "common/import/gltf_accessor.h"
+#include "common/import/gltf_object.h"
 
 namespace shadowcache {
 
-/// Makes a glTF document one in which tinygltf finds nothing missing where data are compressed:
-/// buffer views of EXT_meshopt_compression are the compressed bytes, primitives of
-/// KHR_draco_mesh_compression have their indices in the extension.
-///
-/// @param document  an object
-/// @return whether anything changed
-bool removeFallbacks(nlohmann::json& document);
+/// A primitive of KHR_draco_mesh_compression, decoded.
+class DracoPrimitive {
+public:
+    /// @param extension  of the primitive
+    /// @throws Error naming the extension and the cause
+    DracoPrimitive(const GltfObject& extension, std::string_view stream);
 
-/// Decodes what is compressed: buffer views, and accessors of primitives, that a model of
-/// removeFallbacks() has.
-///
-/// @throws Error naming the file, the extension and the cause
-void decompress(const std::filesystem::path& path, tinygltf::Model& model);
+    bool has(const std::string& attribute) const;
+
+    /// Bytes of an attribute.
+    ///
+    /// @param accessor  says of what number and kind they are
+    /// @throws Error naming the attribute: not in the stream, or of others
+    std::string bytes(const std::string& attribute, const GltfAccessor& accessor) const;
+
+    /// Corners of triangles.
+    const std::vector<std::uint32_t>& corners() const { return mesh_.corners; }
+
+private:
+    GltfObject extension_, attributes_;
+    DracoMesh mesh_;
+};
 
 }  // namespace shadowcache

@@ -1,271 +1,375 @@
 #include "common/import/gltf_document.h"
 
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <fmt/core.h>
-#include <tiny_gltf.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/error.h"
+#include "common/import/gltf_compression.h"
 #include "common/import/gltf_extensions.h"
 #include "common/import/gltf_file.h"
-#include "common/import/gltf_uris.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Accessors of nothing but zeros could claim any size; those of real files are small.
-constexpr std::size_t kMaxZeros = std::size_t{1} << 20;
+constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
-/// Turns tinygltf's model, which checks little, into a document.
-class Converter {
+/// Accessors of nothing but zeros could claim any size: those of a file of any size may have so
+/// many elements, and one more for each of its bytes.
+constexpr std::size_t kMostZeros = std::size_t{1} << 20;
+
+constexpr int kMostMode = 6, kTriangles = 4;
+
+constexpr Named<std::size_t> kComponents[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                                              {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
+
+/// How far from 0, 0, 0, 1 the last row of a matrix may be: programs that multiply in float write
+/// such noise.
+constexpr double kMatrixNoise = 1e-5;
+
+/// What KHR_animation_pointer points to is no node's.
+using Path = GltfChannel::Path;
+constexpr Named<std::optional<Path>> kPaths[] = {{"translation", Path::translation},
+                                                 {"rotation", Path::rotation},
+                                                 {"scale", Path::scale},
+                                                 {"weights", Path::weights},
+                                                 {"pointer", std::nullopt}};
+
+using Interpolation = GltfChannel::Interpolation;
+constexpr Named<Interpolation> kInterpolations[] = {{"LINEAR", Interpolation::linear},
+                                                    {"STEP", Interpolation::step},
+                                                    {"CUBICSPLINE", Interpolation::cubicSpline}};
+
+Vec3d vectorOr(const std::vector<double>& found, const Vec3d& fallback) {
+    return found.empty() ? fallback : Vec3d(found[0], found[1], found[2]);
+}
+
+std::optional<Affine> matrixOf(const GltfObject& node) {
+    const std::vector<double> m = node.numbers("matrix", 16);
+    if (m.empty()) return {};
+    for (std::size_t k = 0; k < 4; ++k)
+        if (!(std::abs(m[4 * k + 3] - (k == 3 ? 1 : 0)) <= kMatrixNoise))
+            node.refuse("matrix", "0, 0, 0, 1 in the last row");
+    return Affine{{Vec3d(m[0], m[1], m[2]), Vec3d(m[4], m[5], m[6]), Vec3d(m[8], m[9], m[10])},
+                  Vec3d(m[12], m[13], m[14])};
+}
+
+Texture::Wrap wrapOf(const GltfObject& sampler, const char* key) {
+    switch (sampler.count(key, 10497)) {
+        case 33071:
+            return Texture::Wrap::clamp;
+        case 33648:
+            return Texture::Wrap::mirror;
+        case 10497:
+            return Texture::Wrap::repeat;
+    }
+    sampler.refuse(key, "33071, 33648 or 10497");
+}
+
+/// Vertex attributes of a program's own are not read.
+bool isOwn(const std::string& attribute) {
+    return attribute.starts_with('_');
+}
+
+/// Whether the part at an index has not been asked for before.
+bool isNew(std::vector<bool>& known, int index) {
+    const auto i = static_cast<std::size_t>(index);
+    const bool was = known[i];
+    known[i] = true;
+    return !was;
+}
+
+/// Reads the nodes, and what those of the scene lead to.
+class Reader {
 public:
-    Converter(const std::filesystem::path& path, tinygltf::Model model)
-        : path_(path), model_(std::move(model)) {}
+    Reader(const std::filesystem::path& path, References references)
+        : path_(path), file_(path, references), root_(file_.root()) {
+        out_.path = path;
+        for (Kind* kind : {&accessors_, &cameras_, &materials_, &meshes_, &nodes_, &skins_,
+                           &textures_, &samplers_, &scenes_}) {
+            kind->objects = root_.objects(kind->list, kind->name);
+            kind->known.resize(kind->objects.size());
+        }
+        out_.accessors.resize(accessors_.size());
+        out_.cameras.resize(cameras_.size());
+        out_.materials.resize(materials_.size());
+        out_.meshes.resize(meshes_.size());
+        out_.skins.resize(skins_.size());
+        out_.textures.resize(textures_.size());
+    }
 
     GltfDocument run() {
-        out_.path = path_;
-        for (auto& buffer : model_.buffers) out_.storage.push_back(std::move(buffer.data));
-        for (std::size_t i = 0; i < model_.accessors.size(); ++i) addAccessor(i);
-        for (const auto& texture : model_.textures) addTexture(texture);
-        for (const auto& material : model_.materials) addMaterial(material);
-        for (const auto& mesh : model_.meshes) addMesh(mesh);
-        for (const auto& camera : model_.cameras) addCamera(camera);
-        for (const auto& node : model_.nodes) addNode(node);
-        for (const auto& skin : model_.skins) addSkin(skin);
+        for (const GltfObject& node : nodes_.objects) addNode(node);
         linkNodes();
-        countLeftOut();
-        for (const auto& animation : model_.animations) addAnimation(animation);
+        for (std::size_t i = 0; i < out_.nodes.size(); ++i)
+            if (out_.nodes[i].inScene) readNode(nodes_.objects[i], out_.nodes[i]);
+        extensions_.addOthers(root_);
+        for (const GltfObject& animation : root_.objects("animations", "animation"))
+            addAnimation(animation);
+        out_.storage = file_.takeStorage();
         return std::move(out_);
     }
 
 private:
+    /// One of the file's lists.
+    struct Kind {
+        const char *list, *name;
+        std::vector<GltfObject> objects{};
+        std::vector<bool> known{};  ///< by object: whether it has been read
+        std::size_t size() const { return objects.size(); }
+        const GltfObject& at(int index) const { return objects[static_cast<std::size_t>(index)]; }
+    };
+
     [[noreturn]] void fail(const std::string& cause) const { throwFileError(path_, cause); }
 
-    template <class T>
-    void requireIndex(const std::string& what, int index, const std::vector<T>& list) const {
-        if (index < 0 || static_cast<std::size_t>(index) >= list.size())
-            fail(fmt::format("{} {}{}", what, index,
-                             list.empty() ? ", but the file has none"
-                                          : fmt::format(", expected 0 to {}", list.size() - 1)));
-    }
-
-    void requireFinite(const std::string& what, const std::vector<double>& values) const {
-        for (const double v : values)
-            if (!std::isfinite(v)) fail(what + " is not finite");
-    }
-
-    std::string_view viewBytes(const std::string& owner, int index) const {
-        requireIndex(owner + ": buffer view", index, model_.bufferViews);
-        const auto& view = model_.bufferViews[static_cast<std::size_t>(index)];
-        requireIndex(owner + ": buffer", view.buffer, out_.storage);
-        const auto& data = out_.storage[static_cast<std::size_t>(view.buffer)];
-        if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
-            fail(fmt::format("{}: {} bytes at {} of a buffer of {}, expected them within it", owner,
-                             view.byteLength, view.byteOffset, data.size()));
-        return {reinterpret_cast<const char*>(data.data()) + view.byteOffset, view.byteLength};
-    }
+    // Data.
 
     /// `count` elements of a buffer view.
-    GltfArray array(const std::string& owner, int view, std::size_t offset, int type,
-                    std::size_t components, std::size_t count) const {
-        const std::size_t element = gltfTypeSize(type) * components;
-        if (element == 0)
-            fail(fmt::format("{}: component type {}, expected 5120 to 5123, 5125 or 5126", owner,
-                             type));
-        GltfArray result{{}, static_cast<GltfType>(type), components, element};
+    GltfArray array(const GltfObject& from, GltfType type, std::size_t components,
+                    std::size_t count) {
+        const std::size_t element = gltfTypeSize(static_cast<int>(type)) * components;
+        GltfArray result{{}, type, components, element};
+        const int view = from.index("bufferView", file_.viewCount(), "buffer view");
         if (view < 0) return result;
-        const std::string_view bytes = viewBytes(owner, view);
-        const std::size_t stride = model_.bufferViews[static_cast<std::size_t>(view)].byteStride;
-        if (stride != 0) result.stride = stride;
+        const std::string_view bytes = file_.view(from, view);
+        const std::size_t offset = from.count("byteOffset", 0);
+        if (const std::size_t stride = file_.stride(view); stride != 0) result.stride = stride;
         const std::size_t room = bytes.size() < offset ? 0 : bytes.size() - offset;
         if (result.stride < element || room < element ||
             (room - element) / result.stride < count - 1)
-            fail(
-                fmt::format("{}: {} elements of {} bytes do not fit into the {} of its buffer view",
-                            owner, count, element, room));
+            from.fail(
+                fmt::format("{} elements of {} bytes do not fit into the {} of its buffer "
+                            "view",
+                            count, element, room));
         result.bytes = bytes.substr(offset);
         return result;
     }
 
-    void addAccessor(std::size_t i) {
-        const tinygltf::Accessor& from = model_.accessors[i];
-        const std::string owner = fmt::format("accessor {}", i);
-        if (from.count == 0) fail(owner + ": no elements, expected at least one");
-        const int components =
-            tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(from.type));
-        GltfAccessor to{from.count, from.normalized, {}, {}};
-        to.array = array(owner, from.bufferView, from.byteOffset, from.componentType,
-                         static_cast<std::size_t>(std::max(0, components)), from.count);
-        if (to.array.bytes.empty() && from.count > kMaxZeros)
-            fail(fmt::format("{}: {} zeros, expected at most {}", owner, from.count, kMaxZeros));
-        if (from.sparse.isSparse) addSparse(owner, from, to);
-        out_.accessors.push_back(to);
+    GltfType typeOf(const GltfObject& from) const {
+        const std::size_t type = from.count("componentType", 0);
+        if (type > 9999 || gltfTypeSize(static_cast<int>(type)) == 0)
+            from.fail(fmt::format("component type {}, expected 5120 to 5123, 5125 or 5126", type));
+        return static_cast<GltfType>(type);
     }
 
-    void addSparse(const std::string& owner, const tinygltf::Accessor& from, GltfAccessor& to) {
-        const auto& sparse = from.sparse;
-        if (sparse.count < 1 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
-            fail(owner + ": sparse count or offset out of range");
-        if (sparse.indices.bufferView < 0 || sparse.values.bufferView < 0)
-            fail(owner + ": sparse accessor without a buffer view");
-        const auto count = static_cast<std::size_t>(sparse.count);
-        const int type = sparse.indices.componentType;
-        const std::string bad = badIndexType(type);
-        if (!bad.empty()) fail(owner + ": sparse indices of " + bad);
-        to.sparse =
-            GltfSparse{count,
-                       array(owner, sparse.indices.bufferView,
-                             static_cast<std::size_t>(sparse.indices.byteOffset), type, 1, count),
-                       array(owner, sparse.values.bufferView,
-                             static_cast<std::size_t>(sparse.values.byteOffset), from.componentType,
-                             to.array.components, count)};
+    /// What an accessor says of itself.
+    GltfAccessor accessorHead(const GltfObject& from) const {
+        GltfAccessor to{from.count("count", 0), from.flag("normalized", false), {}, {}};
+        if (to.count == 0) from.fail("no elements, expected at least one");
+        if (!from.has("type")) from.fail("no type, expected SCALAR, VEC3, ...");
+        to.array.type = typeOf(from);
+        to.array.components = from.choice("type", kComponents, std::size_t{1});
+        to.array.stride = gltfTypeSize(static_cast<int>(to.array.type)) * to.array.components;
+        return to;
     }
 
-    static Texture::Wrap wrapOf(int code) {
-        if (code == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Texture::Wrap::clamp;
-        if (code == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Texture::Wrap::mirror;
-        return Texture::Wrap::repeat;
+    GltfAccessor readAccessor(const GltfObject& from) {
+        GltfAccessor to = accessorHead(from);
+        to.array = array(from, to.array.type, to.array.components, to.count);
+        const std::size_t mostZeros = kMostZeros + file_.size();
+        if (to.array.bytes.empty() && to.count > mostZeros)
+            from.fail(fmt::format("{} zeros, expected at most {}", to.count, mostZeros));
+        if (!from.has("sparse")) return to;
+        const GltfObject sparse = from.object("sparse"), indices = sparse.object("indices"),
+                         values = sparse.object("values");
+        GltfSparse& differs = to.sparse.emplace();
+        differs.count = sparse.count("count", 0);
+        if (differs.count == 0) sparse.fail("no elements, expected at least one");
+        for (const GltfObject& part : {indices, values})
+            if (!part.has("bufferView")) part.fail("no buffer view");
+        const GltfType type = typeOf(indices);
+        const std::string bad = badIndexType(static_cast<int>(type));
+        if (!bad.empty()) indices.fail(bad);
+        differs.indices = array(indices, type, 1, differs.count);
+        differs.values = array(values, to.array.type, to.array.components, differs.count);
+        return to;
     }
 
-    /// The picture of EXT_texture_webp, which core glTF's only stands in for.
-    static int sourceOf(const tinygltf::Texture& from) {
-        const auto webp = from.extensions.find("EXT_texture_webp");
-        if (webp == from.extensions.end() || !webp->second.Get("source").IsNumber())
-            return from.source;
-        return webp->second.Get("source").GetNumberAsInt();
+    /// The accessor that a member names; -1: none.
+    int accessor(const GltfObject& user, const char* key) {
+        const int index = user.index(key, accessors_.size(), std::string(key) + " accessor");
+        if (index >= 0 && isNew(accessors_.known, index))
+            out_.accessors[static_cast<std::size_t>(index)] = readAccessor(accessors_.at(index));
+        return index;
     }
 
-    void addTexture(const tinygltf::Texture& from) {
-        GltfTexture to;
-        if (from.sampler >= 0) {
-            requireIndex("sampler", from.sampler, model_.samplers);
-            const auto& sampler = model_.samplers[static_cast<std::size_t>(from.sampler)];
-            to.sampler.wrapS = wrapOf(sampler.wrapS);
-            to.sampler.wrapT = wrapOf(sampler.wrapT);
-            to.sampler.smooth = sampler.magFilter != TINYGLTF_TEXTURE_FILTER_NEAREST;
+    /// An accessor of decoded bytes.
+    int addAccessor(const GltfObject& user, GltfAccessor accessor, std::string bytes) {
+        accessor.array.bytes = file_.keep(user, std::move(bytes));
+        out_.accessors.push_back(accessor);
+        return static_cast<int>(out_.accessors.size()) - 1;
+    }
+
+    // Looks.
+
+    void readTexture(int index) {
+        if (!isNew(textures_.known, index)) return;
+        const GltfObject& from = textures_.at(index);
+        GltfTexture& to = out_.textures[static_cast<std::size_t>(index)];
+        if (const int number = from.index("sampler", samplers_.size()); number >= 0) {
+            const GltfObject& sampler = samplers_.at(number);
+            to.sampler.wrapS = wrapOf(sampler, "wrapS");
+            to.sampler.wrapT = wrapOf(sampler, "wrapT");
+            to.sampler.smooth = sampler.count("magFilter", 0) != 9728;
         }
-        // A texture without a picture here has one in another extension.
-        if (const int source = sourceOf(from); source >= 0) {
-            requireIndex("image", source, model_.images);
-            auto& image = model_.images[static_cast<std::size_t>(source)];
-            to.name = fmt::format(
-                "image {}{}", source,
-                image.uri.empty() || isDataUri(image.uri) ? "" : fmt::format(" ({})", image.uri));
-            if (image.bufferView >= 0) {
-                to.encoded = viewBytes(to.name, image.bufferView);
-            } else if (!image.image.empty()) {
-                out_.storage.push_back(image.image);
-                const auto& bytes = out_.storage.back();
-                to.encoded = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-            }
-        }
-        out_.textures.push_back(to);
+        // The picture of EXT_texture_webp, which core glTF's only stands in for. A texture without
+        // a picture here has one in another extension.
+        const GltfObject webp = from.extension("EXT_texture_webp");
+        const int picture =
+            (webp.has("source") ? webp : from).index("source", file_.pictureCount(), "image");
+        if (picture >= 0) to.encoded = file_.picture(picture, to.name);
     }
 
-    void addMaterial(const tinygltf::Material& from) {
-        out_.materials.push_back(gltfMaterial(path_, from, model_.textures.size()));
-        GltfMaterial& material = out_.materials.back();
-        int& picture = material.material.finish.metallicRoughness.texture;
-        if (!material.glossiness || picture < 0) return;
+    int material(const GltfObject& primitive) {
+        const int index = primitive.index("material", materials_.size());
+        if (index < 0 || !isNew(materials_.known, index)) return index;
+        GltfMaterial& to = out_.materials[static_cast<std::size_t>(index)];
+        to = gltfMaterial(materials_.at(index), textures_.size());
+        for (const int* texture : texturesOf(to.material))
+            if (*texture >= 0) readTexture(*texture);
+        int& picture = to.material.finish.metallicRoughness.texture;
+        if (!to.glossiness || picture < 0) return index;
         GltfTexture roughness = out_.textures[static_cast<std::size_t>(picture)];
-        roughness.glossiness = material.glossiness;
+        roughness.glossiness = to.glossiness;
         picture = static_cast<int>(out_.textures.size());
         out_.textures.push_back(roughness);
+        return index;
     }
 
-    void addMesh(const tinygltf::Mesh& from) {
-        GltfMesh to{from.name, {}, from.weights};
-        requireFinite("mesh " + from.name + ": a weight", from.weights);
-        for (const auto& primitive : from.primitives) {
-            GltfPrimitive p{primitive.mode < 0 ? 4 : primitive.mode, primitive.indices,
-                            primitive.material, primitive.attributes, primitive.targets};
-            if (p.mode > 6)
-                fail(fmt::format("mesh {}: mode {}, expected 0 to 6", from.name, p.mode));
-            if (p.indices >= 0) requireIndex("index accessor", p.indices, out_.accessors);
-            if (p.material >= 0) requireIndex("material", p.material, out_.materials);
-            for (const auto& [name, accessor] : p.attributes)
-                requireIndex(name + " accessor", accessor, out_.accessors);
-            for (const auto& target : p.targets)
-                for (const auto& [name, accessor] : target)
-                    requireIndex("morph target's " + name + " accessor", accessor, out_.accessors);
-            to.primitives.push_back(std::move(p));
+    // Meshes.
+
+    std::map<std::string, int> attributes(const GltfObject& from) {
+        std::map<std::string, int> found;
+        for (const std::string& name : from.keys())
+            if (!isOwn(name)) found[name] = accessor(from, name.c_str());
+        return found;
+    }
+
+    void readDraco(const GltfObject& from, GltfPrimitive& to) {
+        const GltfObject extension = from.extension(kDraco);
+        const DracoPrimitive draco(
+            extension,
+            file_.view(extension, extension.index("bufferView", file_.viewCount(), "buffer view")));
+        if (!from.has("indices")) extension.fail("no indices, expected those of triangles");
+        const GltfObject named = from.object("attributes");
+        for (const std::string& name : named.keys()) {
+            if (isOwn(name)) continue;
+            if (!draco.has(name)) {
+                to.attributes[name] = accessor(named, name.c_str());
+                continue;
+            }
+            const int index = named.index(name.c_str(), accessors_.size(), name + " accessor");
+            const GltfAccessor head = accessorHead(accessors_.at(index));
+            to.attributes[name] = addAccessor(extension, head, draco.bytes(name, head));
         }
-        out_.meshes.push_back(std::move(to));
+        // A strip has fewer than the triangles that the stream holds.
+        const auto& corners = draco.corners();
+        to.indices =
+            addAccessor(extension, {corners.size(), false, {{}, GltfType::uint32, 1, 4}, {}},
+                        {reinterpret_cast<const char*>(corners.data()), 4 * corners.size()});
+        to.mode = kTriangles;
     }
 
-    void addCamera(const tinygltf::Camera& from) {
-        GltfCamera to;
-        to.name = from.name;
-        to.orthographic = from.type == "orthographic";
-        to.fovY = from.perspective.yfov;
-        to.height = 2 * from.orthographic.ymag;
-        if (!to.orthographic && !(to.fovY > 0 && to.fovY < 3.14159))
-            fail(fmt::format("camera {}: yfov {:f}, expected radians in (0, pi)", from.name,
-                             to.fovY));
-        if (to.orthographic && !(to.height > 0 && std::isfinite(to.height)))
-            fail(fmt::format("camera {}: ymag {:f}, expected a number above 0", from.name,
-                             to.height / 2));
-        out_.cameras.push_back(to);
+    GltfPrimitive primitive(const GltfObject& from) {
+        GltfPrimitive to;
+        to.mode = from.index("mode", kMostMode + 1);
+        if (to.mode < 0) to.mode = kTriangles;
+        extensions_.add("primitive", from);
+        if (from.hasExtension(kDraco)) {
+            readDraco(from, to);
+        } else {
+            to.attributes = attributes(from.object("attributes"));
+            to.indices = accessor(from, "indices");
+        }
+        to.material = material(from);
+        for (const GltfObject& target : from.objects("targets", "morph target"))
+            to.targets.push_back(attributes(target));
+        return to;
     }
 
-    void addNode(const tinygltf::Node& from) {
+    void readMesh(int index) {
+        if (!isNew(meshes_.known, index)) return;
+        const GltfObject& from = meshes_.at(index);
+        extensions_.add("mesh", from);
+        GltfMesh& to = out_.meshes[static_cast<std::size_t>(index)];
+        to.name = from.name();
+        to.weights = from.numbers("weights");
+        for (const GltfObject& each : from.objects("primitives", "primitive"))
+            to.primitives.push_back(primitive(each));
+    }
+
+    void readSkin(int index) {
+        if (!isNew(skins_.known, index)) return;
+        const GltfObject& from = skins_.at(index);
+        GltfSkin& to = out_.skins[static_cast<std::size_t>(index)];
+        to.joints = from.indices("joints", nodes_.size(), "joint");
+        if (to.joints.empty()) from.fail("no joints, expected at least one");
+        to.inverseBind = accessor(from, "inverseBindMatrices");
+    }
+
+    /// A set without this camera is as good as one with it: what is wrong is told to who wants it.
+    void readCamera(int index) {
+        if (!isNew(cameras_.known, index)) return;
+        const GltfObject& from = cameras_.at(index);
+        extensions_.add("camera", from);
+        GltfCamera& to = out_.cameras[static_cast<std::size_t>(index)];
+        to.name = from.name();
+        try {
+            to.orthographic = from.text("type") == "orthographic";
+            if (to.orthographic) {
+                const GltfObject view = from.object("orthographic");
+                to.height = 2 * view.number("ymag", 0);
+                if (!(to.height > 0))
+                    view.fail(fmt::format("ymag {:g}, expected a number above 0", to.height / 2));
+            } else {
+                const GltfObject view = from.object("perspective");
+                to.fovY = view.number("yfov", 0);
+                if (!(to.fovY > 0 && to.fovY < 3.14159))
+                    view.fail(fmt::format("yfov {:g}, expected radians in (0, pi)", to.fovY));
+            }
+        } catch (const Error& e) {
+            to.fault = e.what();
+        }
+    }
+
+    // Nodes.
+
+    void addNode(const GltfObject& from) {
         GltfNode to;
-        to.name = from.name;
-        to.mesh = from.mesh;
-        to.camera = from.camera;
-        to.skin = from.skin;
-        to.weights = from.weights;
-        requireFinite("node " + from.name + ": a weight", from.weights);
-        if (to.mesh >= 0) requireIndex("mesh", to.mesh, out_.meshes);
-        if (to.camera >= 0) requireIndex("camera", to.camera, out_.cameras);
-        if (to.skin >= 0) requireIndex("skin", to.skin, model_.skins);
-        addInstancing(from, to);
-        if (const auto& m = from.matrix; m.size() == 16)
-            to.matrix =
-                Affine{{Vec3d(m[0], m[1], m[2]), Vec3d(m[4], m[5], m[6]), Vec3d(m[8], m[9], m[10])},
-                       Vec3d(m[12], m[13], m[14])};
-        if (const auto& t = from.translation; t.size() == 3) to.translation = {t[0], t[1], t[2]};
-        if (const auto& s = from.scale; s.size() == 3) to.scale = {s[0], s[1], s[2]};
-        if (const auto& q = from.rotation; q.size() == 4) to.rotation = {q[0], q[1], q[2], q[3]};
-        requireFinite("node " + from.name,
-                      {to.translation.x, to.translation.y, to.translation.z, to.scale.x, to.scale.y,
-                       to.scale.z, to.rotation[0], to.rotation[1], to.rotation[2], to.rotation[3]});
-        if (to.matrix && !to.matrix->isFinite()) fail("node " + from.name + " is not finite");
+        to.name = from.name();
+        to.mesh = from.index("mesh", meshes_.size());
+        to.camera = from.index("camera", cameras_.size());
+        to.skin = from.index("skin", skins_.size());
+        to.weights = from.numbers("weights");
+        to.matrix = matrixOf(from);
+        to.translation = vectorOr(from.numbers("translation", 3), to.translation);
+        to.scale = vectorOr(from.numbers("scale", 3), to.scale);
+        if (const auto q = from.numbers("rotation", 4); !q.empty())
+            to.rotation = {q[0], q[1], q[2], q[3]};
         out_.nodes.push_back(std::move(to));
+        children_.push_back(from.indices("children", nodes_.size(), "child node"));
     }
 
-    void addInstancing(const tinygltf::Node& from, GltfNode& to) const {
-        const auto found = from.extensions.find("EXT_mesh_gpu_instancing");
-        if (found == from.extensions.end()) return;
-        const std::string owner = "node " + from.name + ": EXT_mesh_gpu_instancing";
-        const tinygltf::Value& attributes = found->second.Get("attributes");
-        for (const std::string& name : attributes.Keys()) {
-            const tinygltf::Value& accessor = attributes.Get(name);
-            if (!accessor.IsInt()) fail(owner + " " + name + ": expected an accessor");
-            requireIndex(owner + " " + name, accessor.GetNumberAsInt(), out_.accessors);
-            to.instancing[name] = accessor.GetNumberAsInt();
-        }
-        if (to.instancing.empty()) fail(owner + ": no attributes, expected at least one");
-    }
-
-    void addSkin(const tinygltf::Skin& from) {
-        const GltfSkin to{from.joints, from.inverseBindMatrices};
-        const std::string owner = "skin " + from.name;
-        if (to.joints.empty()) fail(owner + ": no joints, expected at least one");
-        for (const int joint : to.joints) requireIndex(owner + ": joint", joint, out_.nodes);
-        if (to.inverseBind >= 0)
-            requireIndex(owner + ": inverse bind matrices", to.inverseBind, out_.accessors);
-        out_.skins.push_back(to);
+    /// What a node of the scene leads to.
+    void readNode(const GltfObject& from, GltfNode& to) {
+        extensions_.add("node", from);
+        if (to.camera >= 0) readCamera(to.camera);
+        if (to.mesh < 0) return;
+        readMesh(to.mesh);
+        if (to.skin >= 0) readSkin(to.skin);
+        if (!from.hasExtension("EXT_mesh_gpu_instancing")) return;
+        const GltfObject instancing = from.extension("EXT_mesh_gpu_instancing");
+        const GltfObject named = instancing.object("attributes");
+        for (const std::string& name : named.keys())
+            to.instancing[name] = accessor(named, name.c_str());
+        if (to.instancing.empty()) instancing.fail("no attributes, expected at least one");
     }
 
     void linkNodes() {
-        for (std::size_t i = 0; i < model_.nodes.size(); ++i)
-            for (const int child : model_.nodes[i].children) {
-                requireIndex("child node", child, out_.nodes);
+        for (std::size_t i = 0; i < children_.size(); ++i)
+            for (const int child : children_[i]) {
                 int& parent = out_.nodes[static_cast<std::size_t>(child)].parent;
                 if (parent >= 0) fail(fmt::format("node {} has two parents, expected one", child));
                 parent = static_cast<int>(i);
@@ -281,11 +385,10 @@ private:
         for (std::size_t i = 0; i < out_.nodes.size(); ++i)
             if (out_.nodes[i].parent < 0) open.push_back(static_cast<int>(i));
         while (!open.empty()) {
-            const auto i = static_cast<std::size_t>(open.back());
+            const std::vector<int>& below = children_[static_cast<std::size_t>(open.back())];
             open.pop_back();
             ++reached;
-            open.insert(open.end(), model_.nodes[i].children.begin(),
-                        model_.nodes[i].children.end());
+            open.insert(open.end(), below.begin(), below.end());
         }
         if (reached < out_.nodes.size())
             fail(fmt::format("{} nodes are below themselves, expected a tree",
@@ -293,91 +396,76 @@ private:
     }
 
     /// Of the default scene, or the first; all of a file without scenes.
-    std::vector<int> sceneRoots() const {
+    std::vector<int> sceneRoots() {
         std::vector<int> roots;
-        if (model_.scenes.empty()) {
+        if (scenes_.size() == 0) {
             for (std::size_t i = 0; i < out_.nodes.size(); ++i)
                 if (out_.nodes[i].parent < 0) roots.push_back(static_cast<int>(i));
             return roots;
         }
-        const int scene = std::max(0, model_.defaultScene);
-        requireIndex("scene", scene, model_.scenes);
-        roots = model_.scenes[static_cast<std::size_t>(scene)].nodes;
-        for (const int root : roots) {
-            requireIndex("scene's node", root, out_.nodes);
+        const int scene = std::max(0, root_.index("scene", scenes_.size()));
+        extensions_.add("scene", scenes_.at(scene));
+        roots = scenes_.at(scene).indices("nodes", nodes_.size(), "node");
+        for (const int root : roots)
             if (out_.nodes[static_cast<std::size_t>(root)].parent >= 0)
                 fail(fmt::format("node {} of the scene has a parent, expected none", root));
-        }
         return roots;
-    }
-
-    bool isHidden(std::size_t node) const {
-        const auto& extensions = model_.nodes[node].extensions;
-        const auto found = extensions.find("KHR_node_visibility");
-        if (found == extensions.end()) return false;
-        const tinygltf::Value& visible = found->second.Get("visible");
-        return visible.IsBool() && !visible.Get<bool>();
     }
 
     /// A node and those below it; a hidden one hides their meshes.
     void enterScene(int root) {
         std::vector<std::pair<int, bool>> open{{root, false}};
         while (!open.empty()) {
-            const auto i = static_cast<std::size_t>(open.back().first);
-            const bool hidden = open.back().second || isHidden(i);
+            const auto [number, parentHidden] = open.back();
             open.pop_back();
+            const auto i = static_cast<std::size_t>(number);
+            const bool hidden =
+                parentHidden ||
+                !nodes_.at(number).extension("KHR_node_visibility").flag("visible", true);
             GltfNode& node = out_.nodes[i];
             if (node.inScene) fail(fmt::format("node {} is in the scene twice, expected once", i));
             node.inScene = true;
             if (hidden) node.mesh = -1;
-            for (const int child : model_.nodes[i].children) open.emplace_back(child, hidden);
+            for (const int child : children_[i]) open.emplace_back(child, hidden);
         }
     }
 
-    void countLeftOut() {
-        std::vector<bool> inScene;
-        inScene.reserve(out_.nodes.size());
-        for (const GltfNode& node : out_.nodes) inScene.push_back(node.inScene);
-        shadowcache::countLeftOut(model_, inScene, out_.leftOutOf);
-    }
+    // Animations.
 
-    void addAnimation(const tinygltf::Animation& from) {
-        GltfAnimation to{from.name, {}};
-        for (const auto& channel : from.channels) {
+    void addAnimation(const GltfObject& from) {
+        GltfAnimation to{from.name(), {}};
+        const std::vector<GltfObject> samplers = from.objects("samplers", "sampler");
+        for (const GltfObject& channel : from.objects("channels", "channel")) {
+            const GltfObject target = channel.object("target");
+            const auto path = target.choice("path", kPaths, std::optional<Path>());
+            const int node = target.index("node", nodes_.size());
             // A channel without node belongs to an extension.
-            if (channel.target_node < 0) continue;
-            requireIndex("animated node", channel.target_node, out_.nodes);
-            requireIndex("animation sampler", channel.sampler, from.samplers);
-            const auto& sampler = from.samplers[static_cast<std::size_t>(channel.sampler)];
-            requireIndex("animation input", sampler.input, out_.accessors);
-            requireIndex("animation output", sampler.output, out_.accessors);
-            GltfChannel c;
-            c.node = channel.target_node;
-            c.times = sampler.input;
-            c.values = sampler.output;
-            using Interpolation = GltfChannel::Interpolation;
-            c.interpolation = sampler.interpolation == "STEP"          ? Interpolation::step
-                              : sampler.interpolation == "CUBICSPLINE" ? Interpolation::cubicSpline
-                                                                       : Interpolation::linear;
-            using Path = GltfChannel::Path;
-            if (channel.target_path == "translation")
-                c.path = Path::translation;
-            else if (channel.target_path == "rotation")
-                c.path = Path::rotation;
-            else if (channel.target_path == "scale")
-                c.path = Path::scale;
-            else if (channel.target_path == "weights")
-                c.path = Path::weights;
-            else
-                continue;
-            to.channels.push_back(c);
+            if (node < 0 || !path) continue;
+            const int number = channel.index("sampler", samplers.size());
+            if (number < 0) channel.fail("no sampler");
+            const GltfObject& sampler = samplers[static_cast<std::size_t>(number)];
+            GltfChannel& c = to.channels.emplace_back();
+            c.node = node;
+            c.path = *path;
+            c.interpolation =
+                sampler.choice("interpolation", kInterpolations, Interpolation::linear);
+            c.times = accessor(sampler, "input");
+            c.values = accessor(sampler, "output");
+            if (c.times < 0 || c.values < 0) sampler.fail("no input or output");
         }
         out_.animations.push_back(std::move(to));
     }
 
     const std::filesystem::path& path_;
-    tinygltf::Model model_;
+    GltfFile file_;
+    GltfObject root_;
+    Kind accessors_{"accessors", "accessor"}, cameras_{"cameras", "camera"},
+        materials_{"materials", "material"}, meshes_{"meshes", "mesh"}, nodes_{"nodes", "node"},
+        skins_{"skins", "skin"}, textures_{"textures", "texture"}, samplers_{"samplers", "sampler"},
+        scenes_{"scenes", "scene"};
+    std::vector<std::vector<int>> children_;  ///< by node
     GltfDocument out_;
+    ExtensionCounter extensions_{out_.leftOutOf};
 };
 
 }  // namespace
@@ -389,7 +477,7 @@ std::size_t GltfMesh::targetCount() const {
 }
 
 GltfDocument readGltfDocument(const std::filesystem::path& path, References references) {
-    return Converter(path, readGltfFile(path, references)).run();
+    return Reader(path, references).run();
 }
 
 }  // namespace shadowcache

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -17,7 +18,7 @@
 namespace shadowcache {
 
 // What a glTF 2.0 file tells of a set, checked: every index names something, every accessor lies
-// within its data, every number is finite.
+// within its data, every number is finite. What no node of the scene leads to is left empty.
 
 struct GltfPrimitive {
     int mode = 4;  ///< 0 points, 1 to 3 lines, 4 triangles, 5 strip, 6 fan
@@ -62,6 +63,7 @@ struct GltfCamera {
     bool orthographic = false;
     double fovY = 1.0;    ///< [rad], perspective
     double height = 1.0;  ///< of the view, orthographic
+    std::string fault;    ///< why nothing can be seen through it; empty: something can
 };
 
 struct GltfChannel {
@@ -90,7 +92,7 @@ struct GltfTexture {
 
 struct GltfDocument {
     std::filesystem::path path;
-    std::vector<std::vector<unsigned char>> storage;  ///< what accessors and textures look into
+    std::deque<std::string> storage;  ///< what accessors and textures look into
     std::vector<GltfAccessor> accessors;
     std::vector<GltfMesh> meshes;
     std::vector<GltfNode> nodes;  ///< any order; parents form a tree
@@ -99,7 +101,7 @@ struct GltfDocument {
     std::vector<GltfAnimation> animations;
     std::vector<GltfMaterial> materials;
     std::vector<GltfTexture> textures;
-    LeftOutOf leftOutOf;  ///< extensions that are not read
+    LeftOutOf leftOutOf;  ///< what is not read, as extensions
 
     const GltfAccessor& accessor(int index) const {
         return accessors[static_cast<std::size_t>(index)];

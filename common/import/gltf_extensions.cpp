@@ -1,13 +1,8 @@
 #include "common/import/gltf_extensions.h"
 
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#include <tiny_gltf.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <set>
 #include <string_view>
 
 namespace shadowcache {
@@ -58,34 +53,6 @@ bool isMaterialName(const std::string& name) {
     return name.find("_materials_") != std::string::npos;
 }
 
-/// Counts by kind of thing.
-class Counter {
-public:
-    explicit Counter(LeftOutOf& leftOut) : leftOut_(leftOut) {}
-
-    void add(const std::string& kind, const tinygltf::ExtensionMap& extensions) {
-        for (const auto& [name, value] : extensions) add(kind, name);
-    }
-
-    void add(const std::string& kind, const std::string& name) {
-        if (has(kOfOthers, name)) return;
-        counted_.insert(name);
-        std::string shown = printable(name);
-        if (leftOut_.size() >= kMostNamed && !leftOut_.contains({kind, shown + kLeftOut}))
-            shown = "other extension";
-        const char* what = name == "KHR_materials_variants"
-                               ? " are left out but for the default material"
-                               : kLeftOut;
-        ++leftOut_[{kind, shown + what}];
-    }
-
-    bool counted(const std::string& name) const { return counted_.contains(name); }
-
-private:
-    LeftOutOf& leftOut_;
-    std::set<std::string> counted_;
-};
-
 }  // namespace
 
 bool mayRequireGltfExtension(const std::string& name) {
@@ -97,31 +64,25 @@ bool isReadOfMaterials(const std::string& name) {
     return has(kOfMaterials, name);
 }
 
-void countLeftOut(const tinygltf::Model& model, const std::vector<bool>& inScene,
-                  LeftOutOf& leftOut) {
-    Counter counter(leftOut);
-    std::set<int> meshes, cameras;
-    for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-        if (!inScene[i]) continue;
-        const tinygltf::Node& node = model.nodes[i];
-        counter.add("node", node.extensions);
-        if (node.mesh >= 0) meshes.insert(node.mesh);
-        if (node.camera >= 0) cameras.insert(node.camera);
-    }
-    for (const int mesh : meshes) {
-        const tinygltf::Mesh& m = model.meshes[static_cast<std::size_t>(mesh)];
-        counter.add("mesh", m.extensions);
-        for (const tinygltf::Primitive& p : m.primitives) counter.add("primitive", p.extensions);
-    }
-    for (const int camera : cameras)
-        counter.add("camera", model.cameras[static_cast<std::size_t>(camera)].extensions);
-    const auto scene = static_cast<std::size_t>(std::max(0, model.defaultScene));
-    if (scene < model.scenes.size()) counter.add("scene", model.scenes[scene].extensions);
-    // What other parts have, as animations and textures. Libraries of what nothing uses are no
-    // loss.
-    for (const std::string& name : model.extensionsUsed)
-        if (!counter.counted(name) && !isMaterialName(name) && !has(kInPartOfOthers, name))
-            counter.add("file", name);
+void ExtensionCounter::addName(const std::string& kind, const std::string& name) {
+    if (has(kOfOthers, name)) return;
+    counted_.insert(name);
+    std::string shown = printable(name);
+    if (leftOut_.size() >= kMostNamed && !leftOut_.contains({kind, shown + kLeftOut}))
+        shown = "other extension";
+    const char* what =
+        name == "KHR_materials_variants" ? " are left out but for the default material" : kLeftOut;
+    ++leftOut_[{kind, shown + what}];
+}
+
+void ExtensionCounter::add(const std::string& kind, const GltfObject& thing) {
+    for (const std::string& name : thing.object("extensions").keys()) addName(kind, name);
+}
+
+void ExtensionCounter::addOthers(const GltfObject& root) {
+    for (const std::string& name : root.texts("extensionsUsed"))
+        if (!counted_.contains(name) && !isMaterialName(name) && !has(kInPartOfOthers, name))
+            addName("file", name);
 }
 
 }  // namespace shadowcache

@@ -1,13 +1,10 @@
 #pragma once
 
+#include <set>
 #include <string>
-#include <vector>
 
+#include "common/import/gltf_object.h"
 #include "common/mesh/mesh.h"
-
-namespace tinygltf {
-class Model;
-}
 
 namespace shadowcache {
 
@@ -18,11 +15,23 @@ bool mayRequireGltfExtension(const std::string& name);
 /// Whether what the extension says of a material is read.
 bool isReadOfMaterials(const std::string& name);
 
-/// Counts the extensions of nodes, meshes, primitives, cameras, the scene and the file as a whole
-/// that are left out; of nodes and what they show, those of the scene.
-///
-/// @param inScene  by node
-void countLeftOut(const tinygltf::Model& model, const std::vector<bool>& inScene,
-                  LeftOutOf& leftOut);
+/// Counts, by kind of thing, the extensions that are left out.
+class ExtensionCounter {
+public:
+    /// @param leftOut  outlives this
+    explicit ExtensionCounter(LeftOutOf& leftOut) : leftOut_(leftOut) {}
+
+    /// Those of a thing that the set uses.
+    void add(const std::string& kind, const GltfObject& thing);
+    /// The file's other ones, of animations and textures. Libraries of what nothing uses are no
+    /// loss.
+    void addOthers(const GltfObject& root);
+
+private:
+    void addName(const std::string& kind, const std::string& name);
+
+    LeftOutOf& leftOut_;
+    std::set<std::string> counted_;
+};
 
 }  // namespace shadowcache

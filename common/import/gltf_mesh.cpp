@@ -11,8 +11,10 @@
 #include "common/image/image.h"
 #include "common/import/gltf_budget.h"
 #include "common/import/gltf_vertices.h"
+#include "common/import/local_space.h"
 #include "common/import/tangents.h"
 #include "common/import/texture_decoder.h"
+#include "common/import/texture_islands.h"
 #include "common/import/vertex_colors.h"
 
 namespace shadowcache {
@@ -45,10 +47,12 @@ public:
     void addShape(const GltfShape& shape, int group, const Affine& place) {
         const GltfMesh& mesh = document_.meshes[static_cast<std::size_t>(shape.mesh)];
         for (const GltfPrimitive& p : mesh.primitives)
-            if (p.mode >= kTriangles)
-                addPrimitive(GltfVertices(document_, shape, p, place, budget_), group);
-            else
+            if (p.mode < kTriangles)
                 ++out_.leftOutOf[{"primitive", "points or lines are left out"}];
+            else if (!p.attributes.contains("POSITION"))
+                ++out_.leftOutOf[{"primitive", "positions are missing, so that it is left out"}];
+            else
+                addPrimitive(GltfVertices(document_, shape, p, place, budget_), group);
     }
 
     void startGroups() { out_.firstLocalVertex = out_.vertices.size(); }
@@ -66,9 +70,11 @@ public:
             out_.blended += out_.materials[i].blends ? 1 : 0;
             for (const std::string& name : document_.materials[i].leftOut) ++out_.leftOut[name];
             if (document_.materials[i].clamped) ++out_.remarks[kClampedMaterials];
+            nameIfInvisible(document_.materials[i], out_.leftOutOf);
             for (const int* texture : texturesOf(out_.materials[i]))
                 if (*texture >= 0 && pictures == GltfPictures::decode) decodePicture(*texture);
         }
+        bringNearOrigin(out_);
         return std::move(out_);
     }
 
@@ -85,9 +91,9 @@ private:
         std::vector<float> opacities;
         addNormals(from, first);
         addColors(from, first, opacities);
-        addTexcoords(from, first, opacities);
         const std::size_t firstCorner = out_.faceVertices.size();
         addFaces(from, first);
+        addTexcoords(from, first, firstCorner, opacities);
         addTangents(from, first, firstCorner);
         const std::size_t faces = out_.faceSizes.size() - facesDone_;
         facesDone_ = out_.faceSizes.size();
@@ -132,7 +138,7 @@ private:
         }
     }
 
-    void addTexcoords(const GltfVertices& from, std::size_t first,
+    void addTexcoords(const GltfVertices& from, std::size_t first, std::size_t firstCorner,
                       const std::vector<float>& opacities) {
         const std::size_t vertices = out_.vertices.size();
         const GltfMaterial* material = materialOf(from);
@@ -146,7 +152,14 @@ private:
         }
         out_.texcoords.resize(first, kNone);
         std::vector<Vec2f> places(vertices - first, Vec2f(0.0f));
-        if (textured) places = texturePlaces(from, first, material->places.front());
+        const auto textureOf = [&](int number) -> const Texture& {
+            return document_.textures[static_cast<std::size_t>(number)].sampler;
+        };
+        std::vector<Repeats> repeats;
+        if (textured) {
+            repeats = repeatsOf(*material, textureOf);
+            places = texturePlaces(from, first, firstCorner, material->places[0], repeats[0]);
+        }
         for (std::size_t i = 0; i < places.size(); ++i)
             out_.texcoords.emplace_back(places[i].x, places[i].y,
                                         opacities.empty() ? 1.0f : opacities[i]);
@@ -154,7 +167,8 @@ private:
             if (out_.moreTexcoords.size() < layer) out_.moreTexcoords.resize(layer);
             std::vector<Vec2f>& more = out_.moreTexcoords[layer - 1];
             more.resize(first, Vec2f(0.0f));
-            places = texturePlaces(from, first, material->places[layer]);
+            places =
+                texturePlaces(from, first, firstCorner, material->places[layer], repeats[layer]);
             more.insert(more.end(), places.begin(), places.end());
         }
     }
@@ -166,7 +180,8 @@ private:
 
     /// Texture coordinates of a primitive's vertices, those from `first` on; 0 where it has none.
     std::vector<Vec2f> texturePlaces(const GltfVertices& from, std::size_t first,
-                                     const GltfTexturePlace& place) {
+                                     std::size_t firstCorner, const GltfTexturePlace& place,
+                                     const Repeats& repeats) {
         std::size_t components = 2;
         const std::vector<double> values =
             from.attribute(fmt::format("TEXCOORD_{}", place.texcoordSet), components);
@@ -179,12 +194,24 @@ private:
         }
         if (components != 2 || values.size() != 2 * places.size())
             from.fail("texture coordinates do not match the positions, expected a pair for each");
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            const Vec3f uv1(static_cast<float>(values[2 * i]),
-                            static_cast<float>(values[2 * i + 1]), 1.0f);
-            places[i] = {place.toS.dot(uv1), place.toT.dot(uv1)};
-        }
+        std::vector<Vec2d> pairs;
+        for (std::size_t i = 0; i < values.size(); i += 2)
+            pairs.emplace_back(values[i], values[i + 1]);
+        const std::vector<std::uint32_t> corners = cornersFrom(first, firstCorner);
+        const TextureIslands islands(pairs, corners,
+                                     std::vector<std::uint32_t>(corners.size() / 3, 3));
+        for (std::size_t i = 0; i < places.size(); ++i) places[i] = islands.at(i, place, repeats);
         return places;
+    }
+
+    /// Corners of a primitive, among its vertices.
+    std::vector<std::uint32_t> cornersFrom(std::size_t first, std::size_t firstCorner) const {
+        std::vector<std::uint32_t> corners(
+            out_.faceVertices.begin() + static_cast<std::ptrdiff_t>(firstCorner),
+            out_.faceVertices.end());
+        for (std::uint32_t& corner : corners)
+            if (corner != kNoVertex) corner -= static_cast<std::uint32_t>(first);
+        return corners;
     }
 
     /// The file's, or, where it has none and there is a normal map, some of the texture
@@ -220,10 +247,7 @@ private:
             return tangents;
         }
         const std::vector<Vec3d> normals = vectors(from, "NORMAL");
-        std::vector<std::uint32_t> corners(
-            out_.faceVertices.begin() + static_cast<std::ptrdiff_t>(firstCorner),
-            out_.faceVertices.end());
-        for (std::uint32_t& corner : corners) corner -= static_cast<std::uint32_t>(first);
+        const std::vector<std::uint32_t> corners = cornersFrom(first, firstCorner);
         // A mirrored mesh has its corners the other way round, and so the sides of the world.
         return deriveTangents(vectors(from, "POSITION"), normals, placesInLayer(first, slot.layer),
                               corners);

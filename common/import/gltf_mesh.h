@@ -12,8 +12,7 @@ enum class GltfPictures { decode, leave };
 /// The meshes of a pose. Shapes of several placements are kept once, with instances; with
 /// `alwaysShared`, so are all others, and instances[i] is of placements[i].
 ///
-/// @throws Error naming the file and the mesh: no positions, targets or joints that do not fit, no
-/// picture
+/// @throws Error naming the file and the mesh: targets or joints that do not fit, no picture
 RawMesh gltfMesh(const GltfDocument& document, const GltfPose& pose, bool alwaysShared,
                  GltfPictures pictures = GltfPictures::decode);
 

@@ -13,6 +13,7 @@
 #include "common/base/error.h"
 #include "common/base/interrupt.h"
 #include "common/base/parallel.h"
+#include "common/import/blurred.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/mesh_soup.h"
 #include "common/mesh/mesh_statistics.h"
@@ -26,12 +27,20 @@ namespace {
 
 constexpr std::size_t kTrianglesPerChunk = 1 << 16;
 
+/// Whether a triangle is none, but for rounding: it is dropped, and must not move the origin.
+bool isFlat(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    constexpr double kRounding = 1e-12;
+    const Vec3d ab = b - a, ac = c - a;
+    return !(ab.cross(ac).length() > kRounding * ab.length() * ac.length());
+}
+
 Vec3d centreOf(const MeshSoup& soup) {
     std::vector<Box3d> box(static_cast<std::size_t>(soup.groups) + 1);
     for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
-        const std::uint32_t part = soup.partOf.empty() ? 0 : soup.partOf[i];
-        for (const std::uint32_t corner : soup.triangles[i])
-            box[static_cast<std::size_t>(soup.parts[part].first)].extendBy(soup.vertices[corner]);
+        const auto corner = [&](std::size_t k) { return soup.vertices[soup.triangles[i][k]]; };
+        if (isFlat(corner(0), corner(1), corner(2))) continue;
+        for (std::size_t k = 0; k < 3; ++k)
+            box[static_cast<std::size_t>(soup.groupOf(i))].extendBy(corner(k));
     }
     for (const RawInstance& instance : soup.instances) {
         const Box3d& group = box[static_cast<std::size_t>(instance.group)];
@@ -41,7 +50,7 @@ Vec3d centreOf(const MeshSoup& soup) {
                                                          (k & 2 ? group.min : group.max).y,
                                                          (k & 4 ? group.min : group.max).z)));
     }
-    return box[0].center();
+    return box[0].isEmpty() ? Vec3d(0.0) : box[0].center();
 }
 
 /// Whether the triangle has area as the renderer will see it, in float positions.
@@ -54,10 +63,10 @@ void dropDegenerate(const Vec3d& origin, MeshSoup& soup) {
     std::vector<char> keep(soup.triangles.size());
     parallelFor(keep.size(), kTrianglesPerChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const auto position = [&](std::size_t corner) {
-                return soup.position(soup.triangles[i][corner], origin);
-            };
-            keep[i] = hasArea(position(0), position(1), position(2)) ? 1 : 0;
+            const Corners& t = soup.triangles[i];
+            const auto position = [&](std::size_t k) { return soup.position(t[k], origin); };
+            const bool flat = isFlat(soup.vertices[t[0]], soup.vertices[t[1]], soup.vertices[t[2]]);
+            keep[i] = !flat && hasArea(position(0), position(1), position(2)) ? 1 : 0;
         }
     });
     std::size_t kept = 0;
@@ -176,6 +185,7 @@ std::optional<TriangleMesh> finishIfAny(const std::filesystem::path& path,
     const Vec3d origin = options.origin           ? *options.origin
                          : soup.triangles.empty() ? Vec3d(0.0)
                                                   : centreOf(soup);
+    countBlurred(origin, soup);
     dropDegenerate(origin, soup);
     if (soup.triangles.empty()) return std::nullopt;
     throwIfInterrupted();

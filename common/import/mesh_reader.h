@@ -26,6 +26,7 @@ struct RawPart {
 struct RawInstance {
     int group = 1;
     Affine toWorld;
+    Affine toGroup{};  ///< of toWorld, from the vertices as they are here to those of the file
 };
 
 /// Faces exactly as a file tells them: nothing welded, mended or dropped.

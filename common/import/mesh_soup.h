@@ -38,6 +38,10 @@ struct MeshSoup {
     std::size_t moving = 0;  ///< as RawMesh::moving
     MeshReport report;
 
+    /// Of a triangle; 0: in the world.
+    int groupOf(std::size_t triangle) const {
+        return parts[partOf.empty() ? 0 : partOf[triangle]].first;
+    }
     /// As the renderer will see it.
     Vec3f position(std::size_t vertex, const Vec3d& origin) const;
 };

@@ -49,6 +49,7 @@ class Parser {
 public:
     Parser(const std::filesystem::path& path, std::string_view bytes) : text_(path, bytes, true) {}
 
+    /// A line that cannot be read is left out by its name.
     std::vector<MtlMaterial> run() {
         constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
         for (; !text_.atEnd(); text_.nextLine()) {
@@ -61,19 +62,36 @@ public:
                 materials_.emplace_back().name = text_.restOfLine();
                 continue;
             }
-            if (materials_.empty()) text_.fail(printable(word) + ": expected newmtl first");
-            readLine(key, word);
+            if (materials_.empty()) {
+                early_.push_back(printable(word) + " (before newmtl)");
+                continue;
+            }
+            try {
+                readLine(key, word);
+            } catch (const Error&) {
+                leaveOut(std::string(word) + " (not as expected)");
+            }
         }
+        for (MtlMaterial& m : materials_) finish(m);
+        if (!materials_.empty())
+            for (const std::string& line : early_) materials_.front().leaveOut(line);
         return std::move(materials_);
     }
 
 private:
     MtlMaterial& material() { return materials_.back(); }
 
-    void leaveOut(std::string_view what) {
-        const std::string name = printable(what);
-        auto& list = material().leftOut;
-        if (std::ranges::find(list, name) == list.end()) list.push_back(name);
+    void leaveOut(std::string_view what) { material().leaveOut(printable(what)); }
+
+    /// Tr 1 alone is what MeshLab before 2023, openMVS and mvs-texturing write for opaque.
+    void finish(MtlMaterial& m) const {
+        if (!m.transparency) return;
+        if (!m.opacity && *m.transparency == 1) {
+            m.leaveOut("Tr 1 (without d beside it: taken for opaque)");
+            return;
+        }
+        // Programs that write both write Tr the other way round at times.
+        if (!m.opacity) m.opacity = 1 - *m.transparency;
     }
 
     void readLine(const std::string& key, std::string_view word) {
@@ -87,9 +105,7 @@ private:
         } else if (key == "d") {
             readOpacity();
         } else if (key == "tr") {
-            // Programs that write both write Tr the other way round at times.
-            const float transparency = readShare();
-            if (!m.opacity) m.opacity = 1 - transparency;
+            m.transparency = readShare();
         } else if (key == "ns") {
             m.exponent = bounded(text_.number(text_.wordOnLine()), 1e6);
         } else if (key == "pr") {
@@ -137,8 +153,10 @@ private:
 
     /// The kinds of glass: 4, 6, 7 and 9.
     void readIllumination() {
-        const long long kind = text_.integer(text_.wordOnLine());
-        material().illumination = static_cast<int>(std::clamp(kind, 0LL, 100LL));
+        const double number = text_.number(text_.wordOnLine());
+        if (!(number >= 0 && number <= 100)) return leaveOut("illum (not as expected)");
+        const int kind = static_cast<int>(std::lround(number));
+        material().illumination = kind;
         if (kind == 4 || kind == 6 || kind == 7 || kind == 9)
             leaveOut(fmt::format("refraction (illum {})", kind));
     }
@@ -174,7 +192,7 @@ private:
             }
         }
         map.file = text_.restOfLine();
-        if (map.file.empty()) text_.fail("no file's name, expected one behind " + key);
+        if (map.file.empty()) return leaveOut(std::string(keyword) + " (without a file's name)");
         material().maps[key] = std::move(map);
     }
 
@@ -220,9 +238,14 @@ private:
 
     TextScanner text_;
     std::vector<MtlMaterial> materials_;
+    std::vector<std::string> early_;  ///< lines before the first material
 };
 
 }  // namespace
+
+void MtlMaterial::leaveOut(const std::string& line) {
+    if (std::ranges::find(leftOut, line) == leftOut.end()) leftOut.push_back(line);
+}
 
 const MtlMap* MtlMaterial::map(std::string_view keyword) const {
     const auto found = maps.find(keyword);

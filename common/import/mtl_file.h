@@ -29,6 +29,7 @@ struct MtlMaterial {
     std::string name;
     std::optional<Rgb> diffuse, specular, emission;  ///< Kd, Ks, Ke; as they stand
     std::optional<float> opacity;                    ///< d, or 1 - Tr; 0 to 1
+    std::optional<float> transparency;               ///< Tr; 0 to 1
     std::optional<float> exponent;                   ///< Ns, at least 0
     std::optional<float> roughness, metallic;        ///< Pr, Pm; 0 to 1
     int illumination = 2;                            ///< illum
@@ -37,6 +38,8 @@ struct MtlMaterial {
     bool clamped = false;              ///< a number was out of range or not finite
     std::vector<std::string> leftOut;  ///< lines that mean something and are not read, each once
 
+    /// Lists a line, once.
+    void leaveOut(const std::string& line);
     /// The picture of a keyword, or null.
     const MtlMap* map(std::string_view keyword) const;
 };
@@ -47,8 +50,7 @@ inline constexpr std::array<std::string_view, 6> kMtlMaps{"map_kd", "map_d",  "m
 
 /// Reads a library.
 ///
-/// @throws Error naming the file and the line: no number where one belongs, a line before the first
-/// material
+/// @throws Error naming the file: binary data
 std::vector<MtlMaterial> readMtl(const std::filesystem::path& path);
 
 }  // namespace shadowcache

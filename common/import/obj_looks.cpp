@@ -117,6 +117,7 @@ void addObjLooks(const fs::path& path, References references, const ObjLooks& lo
         mesh.blended += made.back().material.blends ? 1 : 0;
         for (const std::string& name : made.back().leftOut) ++mesh.leftOut[name];
         if (made.back().clamped) ++mesh.remarks[kClampedMaterials];
+        nameIfInvisible(made.back(), mesh.leftOutOf);
     }
     if (!made.empty()) addParts(looks, materials, made, mesh);
 }

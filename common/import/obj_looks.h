@@ -6,6 +6,7 @@
 
 #include "common/import/mesh_reader.h"
 #include "common/import/references.h"
+#include "common/import/texture_islands.h"
 
 namespace shadowcache {
 
@@ -20,7 +21,7 @@ struct ObjLooks {
     std::vector<std::string> libraries;        ///< what stands behind mtllib
     std::vector<std::string> names;            ///< of materials, in the order of their first use
     std::vector<ObjRun> runs;                  ///< in order of the faces, all of them
-    std::vector<Vec2f> texcoords;              ///< u, v; v grows upwards in the picture
+    std::vector<Vec2d> texcoords;              ///< u, v; v grows upwards in the picture
     std::vector<std::uint32_t> faceTexcoords;  ///< of each corner, kNoVertex for none
     std::vector<bool> colored;                 ///< by vertex: whether it has a colour of its own
 };

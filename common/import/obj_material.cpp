@@ -21,8 +21,8 @@ Rgb beside(const MtlMap* map, const std::optional<Rgb>& color, const Rgb& fallba
 /// Lookups scale * (u, v) + offset, v upwards, in texture coordinates whose t points down.
 GltfTexturePlace placeOf(const MtlMap& map) {
     GltfTexturePlace place;
-    place.toS = {map.scale[0], 0, map.offset[0]};
-    place.toT = {0, -map.scale[1], 1 - map.offset[1]};
+    place.toS = Vec3d(Vec3f(map.scale[0], 0, map.offset[0]));
+    place.toT = Vec3d(Vec3f(0, -map.scale[1], 1 - map.offset[1]));
     return place;
 }
 
@@ -30,6 +30,7 @@ class Maker {
 public:
     Maker(const MtlMaterial& from, const std::filesystem::path& library, ObjPictures& pictures)
         : from_(from), library_(library), pictures_(pictures) {
+        to_.name = from.name;
         to_.leftOut = from.leftOut;
         to_.clamped = from.clamped;
         // The base colour's, so that its layer is 0.

@@ -70,7 +70,7 @@ void readTexcoord(TextScanner& text, ObjLooks& looks) {
     const double u = text.number(text.wordOnLine());
     const std::string_view second = text.wordOnLine();
     const double v = second.empty() ? 0 : text.number(second);
-    looks.texcoords.emplace_back(static_cast<float>(u), static_cast<float>(v));
+    looks.texcoords.emplace_back(u, v);
 }
 
 /// A corner is v, v/vt, v//vn or v/vt/vn.

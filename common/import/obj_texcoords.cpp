@@ -12,10 +12,11 @@ constexpr Vec3f kNoTexcoord{0, 0, 1};
 
 }  // namespace
 
-ObjTexcoords::ObjTexcoords(std::span<const Vec2f> texcoords,
+ObjTexcoords::ObjTexcoords(std::span<const Vec2d> texcoords,
                            std::span<const std::uint32_t> faceTexcoords, RawMesh& mesh)
     : texcoords_(texcoords),
       faceTexcoords_(faceTexcoords),
+      islands_(texcoords, faceTexcoords, mesh.faceSizes),
       mesh_(mesh),
       uses_(mesh.vertices.size(), kUnused) {
     // What names no vertex of the file must not name a copy.
@@ -27,7 +28,11 @@ void ObjTexcoords::place(const ObjCorners& corners, const GltfMaterial& material
     if (material.places.empty()) return;
     const TextureSlot& slot = material.material.normal;
     const bool bent = slot.texture >= 0 && !mesh_.faceNormals.empty();
-    const Kind kind{material.places, bent ? slot.layer : kNoNormalMap};
+    const auto textureOf = [&](int number) -> const Texture& {
+        return mesh_.textures[static_cast<std::size_t>(number)];
+    };
+    const Kind kind{material.places, repeatsOf(material, textureOf),
+                    bent ? slot.layer : kNoNormalMap};
     const auto known = std::ranges::find(kinds_, kind);
     const auto number = static_cast<std::uint32_t>(known - kinds_.begin());
     if (known == kinds_.end()) kinds_.push_back(kind);
@@ -73,18 +78,20 @@ void ObjTexcoords::write(std::uint32_t vertex, const Use& use) {
     const bool placed = use[0] < texcoords_.size();
     if (!placed)
         ++mesh_.remarks["vertices without texture coordinates, whose material has a picture"];
-    const Vec2f uv = placed ? texcoords_[use[0]] : Vec2f(0.0f);
-    const Vec3f uv1(uv.x, uv.y, 1);
-    const std::vector<GltfTexturePlace>& places = kinds_[use[1]].places;
+    const auto& [places, repeats, normalMap] = kinds_[use[1]];
+    const auto at = [&](std::size_t layer) {
+        return placed ? islands_.at(use[0], places[layer], repeats[layer])
+                      : TextureIslands::none(places[layer]);
+    };
     if (vertex >= mesh_.texcoords.size())
         mesh_.texcoords.resize(mesh_.vertices.size(), kNoTexcoord);
-    mesh_.texcoords[vertex] = {places[0].toS.dot(uv1), places[0].toT.dot(uv1), 1};
+    mesh_.texcoords[vertex] = {at(0).x, at(0).y, 1};
     if (mesh_.moreTexcoords.size() + 1 < places.size())
         mesh_.moreTexcoords.resize(places.size() - 1);
     for (std::size_t layer = 1; layer < places.size(); ++layer) {
         std::vector<Vec2f>& more = mesh_.moreTexcoords[layer - 1];
         if (vertex >= more.size()) more.resize(mesh_.vertices.size(), Vec2f(0.0f));
-        more[vertex] = {places[layer].toS.dot(uv1), places[layer].toT.dot(uv1)};
+        more[vertex] = at(layer);
     }
 }
 

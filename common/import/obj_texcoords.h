@@ -8,6 +8,7 @@
 
 #include "common/import/gltf_material.h"
 #include "common/import/mesh_reader.h"
+#include "common/import/texture_islands.h"
 
 namespace shadowcache {
 
@@ -25,7 +26,7 @@ public:
     /// @param texcoords      of the file: u, v
     /// @param faceTexcoords  of each corner of `mesh`, kNoVertex for none
     /// @param mesh           outlives this, as the others do
-    ObjTexcoords(std::span<const Vec2f> texcoords, std::span<const std::uint32_t> faceTexcoords,
+    ObjTexcoords(std::span<const Vec2d> texcoords, std::span<const std::uint32_t> faceTexcoords,
                  RawMesh& mesh);
 
     /// Places the corners of a run of faces of one material.
@@ -40,6 +41,7 @@ private:
     /// What the vertices of a material depend on.
     struct Kind {
         std::vector<GltfTexturePlace> places;
+        std::vector<Repeats> repeats;  ///< by place
         int normalMap = kNoNormalMap;  ///< its layer
         bool operator==(const Kind&) const = default;
     };
@@ -54,8 +56,9 @@ private:
     std::vector<Vec2f> placesIn(int layer) const;
     void addTangents();
 
-    std::span<const Vec2f> texcoords_;
+    std::span<const Vec2d> texcoords_;
     std::span<const std::uint32_t> faceTexcoords_;
+    TextureIslands islands_;
     RawMesh& mesh_;
     std::vector<Use> uses_;  ///< by vertex of the file: its first
     std::map<std::array<std::uint32_t, 4>, std::uint32_t> copies_;

@@ -1,13 +1,13 @@
 #include "common/import/set_files.h"
 
 #include <cctype>
-#include <cstdint>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "common/base/content_hash.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
+#include "common/import/gltf_file.h"
+#include "common/import/mesh_reader.h"
 #include "common/import/obj_looks.h"
 
 namespace shadowcache {
@@ -22,19 +22,6 @@ std::string lowerExtension(const fs::path& file) {
     return extension;
 }
 
-/// The JSON of a .gltf or .glb file; empty if it is neither.
-std::string gltfJson(const fs::path& file) {
-    const std::string extension = lowerExtension(file);
-    if (extension != ".gltf" && extension != ".glb") return "";
-    std::string bytes = readFileBytes(file);
-    constexpr std::size_t kBegin = 20;  // of the first chunk's content
-    if (!bytes.starts_with("glTF")) return bytes;
-    if (bytes.size() < kBegin) return "";
-    std::uint32_t length = 0;
-    std::memcpy(&length, bytes.data() + 12, sizeof length);
-    return bytes.substr(kBegin, length);
-}
-
 }  // namespace
 
 std::vector<fs::path> filesOf(const fs::path& file, References references) {
@@ -44,7 +31,9 @@ std::vector<fs::path> filesOf(const fs::path& file, References references) {
         files.insert(files.end(), named.begin(), named.end());
         return files;
     }
-    const std::string json = gltfJson(file);
+    if (!isGltf(file)) return files;
+    const std::string bytes = readFileBytes(file);
+    const std::string_view json = gltfJson(bytes);
     // What is wrong with the file is its reader's to say.
     if (!isShallowJson(json)) return files;
     const auto document = nlohmann::json::parse(json, nullptr, false);
@@ -54,16 +43,9 @@ std::vector<fs::path> filesOf(const fs::path& file, References references) {
         if (entries == document.end() || !entries->is_array()) continue;
         for (const auto& entry : *entries) {
             if (!entry.is_object() || !entry.contains("uri") || !entry["uri"].is_string()) continue;
-            const std::string uri = entry["uri"];
-            std::error_code ignored;
-            for (const std::string& name : {uri, decodedUri(uri)}) {
-                if (uri.starts_with("data:")) break;
-                const fs::path path = referencedFile(file, name);
-                if (!fs::is_regular_file(path, ignored)) continue;
-                if (references == References::inside && !isBeside(file, path)) continue;
-                files.push_back(path);
-                break;
-            }
+            const auto path = gltfNeighbour(file, entry["uri"], References::anywhere);
+            if (path && (references == References::anywhere || isBeside(file, *path)))
+                files.push_back(*path);
         }
     }
     return files;

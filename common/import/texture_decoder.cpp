@@ -34,7 +34,8 @@ bool isPng(std::string_view bytes) {
     return bytes.starts_with(kPngSignature);
 }
 
-/// Whether a PNG's chunks end where their lengths say. stb allocates such a length before it reads.
+/// Whether a PNG's chunks end where their lengths say, up to the last: what is behind IEND is no
+/// part of it. stb allocates such a length before it reads.
 bool hasSoundChunks(std::string_view png) {
     if (!isPng(png)) return true;  // a JPEG, or what stb refuses
     png.remove_prefix(kPngSignature.size());
@@ -44,6 +45,7 @@ bool hasSoundChunks(std::string_view png) {
         for (std::size_t k = 0; k < 4; ++k)
             length = length << 8 | static_cast<unsigned char>(png[k]);
         if (length > png.size() - kHead) return false;
+        if (png.substr(4, 4) == "IEND") return true;
         png.remove_prefix(std::min(png.size(), kHead + length + kChecksum));
     }
     return true;
@@ -66,17 +68,25 @@ bool hasSoundTables(std::string_view segment) {
     return true;
 }
 
-/// The same of all that stb may take for tables in a JPEG: it looks for markers anywhere. Only the
-/// segments of other programs that a sound file begins with may hold what looks like one.
+/// The same of all that stb may take for tables in a JPEG: it looks for markers anywhere but within
+/// other segments, which it passes over by their lengths, and behind the end, where phones put
+/// films.
 bool hasSoundHuffmanTables(std::string_view jpeg) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(jpeg[i]); };
-    std::size_t i = jpeg.starts_with("\xff\xd8") ? 2 : 0;
-    while (i >= 2 && i + 3 < jpeg.size() && byte(i) == 0xff &&
-           (byte(i + 1) == 0xfe || (byte(i + 1) & 0xf0) == 0xe0))
-        i += std::size_t{2} + byte(i + 2) * std::size_t{256} + byte(i + 3);
-    for (; i + 1 < jpeg.size(); ++i)
-        if (byte(i) == 0xff && byte(i + 1) == 0xc4 && !hasSoundTables(jpeg.substr(i + 2)))
-            return false;
+    constexpr unsigned char kStuffing = 0, kTables = 0xc4, kStart = 0xd8, kEnd = 0xd9, kFill = 0xff;
+    for (std::size_t i = 0; i + 1 < jpeg.size();) {
+        const unsigned char marker = byte(i + 1);
+        if (byte(i) != kFill || marker == kFill) {
+            ++i;
+            continue;
+        }
+        if (marker == kEnd) return true;
+        i += 2;
+        if (marker == kTables && !hasSoundTables(jpeg.substr(i))) return false;
+        // Those of restarts have no length, as the start.
+        const bool bare = marker == kStuffing || (marker >= 0xd0 && marker <= kStart);
+        if (!bare && i + 1 < jpeg.size()) i += byte(i) * std::size_t{256} + byte(i + 1);
+    }
     return true;
 }
 

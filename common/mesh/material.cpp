@@ -17,9 +17,15 @@ std::array<float, 256> makeLinearTable() {
     return table;
 }
 
-/// Coordinates far out have no fraction left and would overflow an int; what is not finite is 0.
-float tame(float x) {
-    return std::abs(x) < 1e6f ? x : 0.0f;
+/// A coordinate with whole periods taken off where its texel would overflow an int; what is not
+/// finite is 0.
+float tame(float x, Texture::Wrap wrap) {
+    constexpr float kFar = 4096;
+    if (std::abs(x) < kFar) return x;
+    if (!std::isfinite(x)) return 0;
+    if (wrap == Texture::Wrap::clamp) return std::copysign(kFar, x);
+    const float period = wrap == Texture::Wrap::mirror ? 2.0f : 1.0f;
+    return x - period * std::floor(x / period);
 }
 
 int wrapped(int i, int size, Texture::Wrap wrap) {
@@ -36,8 +42,8 @@ struct Footprint {
 };
 
 Footprint footprint(const Texture& texture, float s, float t) {
-    const float x = tame(s) * static_cast<float>(texture.width);
-    const float y = tame(t) * static_cast<float>(texture.height);
+    const float x = tame(s, texture.wrapS) * static_cast<float>(texture.width);
+    const float y = tame(t, texture.wrapT) * static_cast<float>(texture.height);
     const float left = texture.smooth ? std::floor(x - 0.5f) : std::floor(x);
     const float top = texture.smooth ? std::floor(y - 0.5f) : std::floor(y);
     const float fx = texture.smooth ? x - 0.5f - left : 0.0f;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <set>
 
@@ -26,6 +27,26 @@ std::size_t announcedTriangles(const GltfDocument& document, int mesh) {
         sum += p.mode == 4 ? corners / 3 : corners - std::min<std::size_t>(2, corners);
     }
     return sum;
+}
+
+/// By what a camera can be chosen: its name, or its number if it has none.
+std::string cameraLabel(const GltfShot& shot, int node, std::size_t number) {
+    const std::string name = shot.cameraName(node);
+    return name.empty() ? std::to_string(number) : name;
+}
+
+/// What is seen through a camera, or why nothing is.
+std::string describeCamera(const GltfShot& shot, int node) try {
+    const Camera camera = shot.camera(node, 1);
+    const Vec3d& at = camera.origin;
+    const std::string kind =
+        camera.height > 0
+            ? fmt::format("orthographic, {:g} high", camera.height)
+            : fmt::format("perspective, {:.4g} degrees high", camera.fovY * 180 / kPi);
+    return fmt::format("{}, at {:.4g}, {:.4g}, {:.4g} in frame 1{}\n", kind, at.x, at.y, at.z,
+                       shot.nodes().moves(node) ? ", moves" : "");
+} catch (const Error& e) {
+    return fmt::format("cannot be used: {}\n", e.what());
 }
 
 }  // namespace
@@ -76,9 +97,10 @@ GltfPose GltfShot::pose(std::span<const int> nodes, int frame) const {
 }
 
 Camera GltfShot::camera(int node, double frame) const {
-    const Affine at = place(node, frame);
     const GltfCamera& from = document_->cameras[static_cast<std::size_t>(
         document_->nodes[static_cast<std::size_t>(node)].camera)];
+    if (!from.fault.empty()) throw Error(from.fault);
+    const Affine at = place(node, frame);
     Camera camera;
     camera.origin = at.position;
     const auto fail = [&](const std::string& cause) {
@@ -112,25 +134,32 @@ std::vector<GltfShot> openShots(std::span<const std::filesystem::path> files,
 
 NamedCamera findCamera(std::span<const GltfShot> shots, const std::string& name) {
     std::string known;
-    std::vector<NamedCamera> found;
+    std::vector<NamedCamera> all, found;
     for (const GltfShot& shot : shots)
         for (const int node : shot.cameraNodes()) {
-            known += (known.empty() ? "" : ", ") + shot.cameraName(node);
+            known += (known.empty() ? "" : ", ") + cameraLabel(shot, node, all.size());
+            all.push_back({&shot, node});
             const GltfNode& n = shot.document().nodes[static_cast<std::size_t>(node)];
             const GltfCamera& camera = shot.document().cameras[static_cast<std::size_t>(n.camera)];
-            if (n.name == name || camera.name == name) found.push_back({&shot, node});
+            if (n.name == name || camera.name == name) found.push_back(all.back());
         }
+    std::size_t number = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+    if (found.size() != 1 && error == std::errc() && end == name.data() + name.size() &&
+        number < all.size())
+        return all[number];
     if (found.empty())
         throw Error("--camera " + name + ": expected one of the set's cameras: " +
                     (known.empty() ? "it has none" : known));
     if (found.size() > 1)
         throw Error(fmt::format(
-            "--camera {}: {} cameras of the set have this name, expected one; cameras: {}", name,
-            found.size(), known));
+            "--camera {}: {} cameras of the set have this name, expected one, or its number; "
+            "cameras: {}",
+            name, found.size(), known));
     return found[0];
 }
 
-std::string describe(const GltfShot& shot) {
+std::string describe(const GltfShot& shot, std::size_t firstCamera) {
     const GltfDocument& document = shot.document();
     std::set<int> meshes;
     std::size_t nodes = 0, unique = 0, placed = 0;
@@ -145,14 +174,8 @@ std::string describe(const GltfShot& shot) {
     text += fmt::format("  {} meshes with {} triangles; {} nodes place {} triangles\n",
                         meshes.size(), unique, nodes, placed);
     for (const int node : shot.cameraNodes()) {
-        const Camera camera = shot.camera(node, 1);
-        const Vec3d& at = camera.origin;
-        text += "  camera " + shot.cameraName(node) + ": ";
-        text += camera.height > 0
-                    ? fmt::format("orthographic, {:g} high", camera.height)
-                    : fmt::format("perspective, {:.4g} degrees high", camera.fovY * 180 / kPi);
-        text += fmt::format(", at {:.4g}, {:.4g}, {:.4g} in frame 1{}\n", at.x, at.y, at.z,
-                            shot.nodes().moves(node) ? ", moves" : "");
+        text += "  camera " + cameraLabel(shot, node, firstCamera++) + ": ";
+        text += describeCamera(shot, node);
     }
     for (const GltfAnimation& animation : document.animations)
         text +=

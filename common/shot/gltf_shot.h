@@ -32,7 +32,7 @@ public:
     /// Nodes of the scene with a mesh that an animation moves or changes; none of a set that stands
     /// still (MeshOptions::stillAt).
     std::vector<int> movingNodes() const;
-    /// Of a node's camera: the node's name, or else the camera's.
+    /// Of a node's camera: the node's name, or else the camera's; may be empty.
     std::string cameraName(int node) const;
 
     /// @throws Error if the node's scale leaves no direction of view
@@ -64,10 +64,15 @@ struct NamedCamera {
     int node = -1;
 };
 
+/// The camera of a name, or else, if the name is a number, that one of all of the files' cameras,
+/// from 0 on.
+///
 /// @throws Error naming all cameras if none, or more than one, has the name
 NamedCamera findCamera(std::span<const GltfShot> shots, const std::string& name);
 
 /// What --list prints of a file: cameras, animations, sizes.
-std::string describe(const GltfShot& shot);
+///
+/// @param firstCamera  number of its first camera among those of all files
+std::string describe(const GltfShot& shot, std::size_t firstCamera = 0);
 
 }  // namespace shadowcache

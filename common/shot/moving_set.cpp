@@ -14,6 +14,7 @@
 #include "common/base/json_keys.h"
 #include "common/import/gltf_mesh.h"
 #include "common/import/load_mesh.h"
+#include "common/import/local_space.h"
 #include "common/import/mesh_options.h"
 #include "common/mesh/traceable.h"
 
@@ -39,6 +40,14 @@ void makeMovable(RawMesh& raw) {
     }
     if (any) raw.instances.push_back({group, {}});
     raw.firstLocalVertex = 0;
+    bringNearOrigin(raw);
+}
+
+/// What makes places of a file's meshes places of the meshes as they are kept.
+std::vector<Affine> toGroups(const RawMesh& raw) {
+    std::vector<Affine> all;
+    for (const RawInstance& instance : raw.instances) all.push_back(instance.toGroup);
+    return all;
 }
 
 std::vector<double> numbers(const std::filesystem::path& path, const Json& frame, const char* name,
@@ -126,7 +135,9 @@ void MovingSet::addNodes(const GltfShot& shot, const std::vector<int>& nodes,
         source.shot = &shot;
         source.deforms = deforms;
         GltfPose pose = shot.pose(source.nodes, 0);
-        source.mesh = assembleMesh(file.mesh, gltfMesh(shot.document(), pose, true), options_);
+        RawMesh raw = gltfMesh(shot.document(), pose, true);
+        source.toGroup = toGroups(raw);
+        source.mesh = assembleMesh(file.mesh, std::move(raw), options_);
         source.placements = std::move(pose.placements);
         source.trackPath = file.track;
         if (!file.track.empty()) source.track = readTransformTrack(file.track);
@@ -170,11 +181,12 @@ void MovingSet::requireFrame(int frame) const {
 
 bool MovingSet::deform(Source& source, int frame) const {
     const GltfShot& shot = *source.shot;
-    auto mesh = assembleIfAny(
-        source.path,
-        gltfMesh(shot.document(), shot.pose(source.nodes, frame), true, GltfPictures::leave),
-        options_);
+    RawMesh raw =
+        gltfMesh(shot.document(), shot.pose(source.nodes, frame), true, GltfPictures::leave);
+    std::vector<Affine> toGroup = toGroups(raw);
+    auto mesh = assembleIfAny(source.path, std::move(raw), options_);
     if (!mesh) return false;
+    source.toGroup = std::move(toGroup);
     mesh->textures = std::move(source.mesh.textures);
     source.mesh = *std::move(mesh);
     return true;
@@ -182,8 +194,9 @@ bool MovingSet::deform(Source& source, int frame) const {
 
 Affine MovingSet::placeOf(const Source& source, const MeshInstance& instance, std::size_t number,
                           int frame) {
-    return source.shot ? source.shot->place(source.placements[instance.source], frame)
-                       : source.atRest[number];
+    if (!source.shot) return source.atRest[number];
+    return compose(source.shot->place(source.placements[instance.source], frame),
+                   source.toGroup[instance.source]);
 }
 
 const Scene* MovingSet::pose(int frame) {

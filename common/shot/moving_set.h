@@ -58,8 +58,9 @@ private:
         std::vector<GltfPlacement> placements;  ///< of the nodes, by MeshInstance::source
         bool deforms = false;                   ///< the mesh is another one in each frame
         std::filesystem::path trackPath;
-        std::vector<Affine> track;   ///< by frame from 1, on top; empty: none
-        std::vector<Affine> atRest;  ///< by instance, in the file's world
+        std::vector<Affine> track;    ///< by frame from 1, on top; empty: none
+        std::vector<Affine> atRest;   ///< by instance, in the file's world
+        std::vector<Affine> toGroup;  ///< RawInstance::toGroup, by MeshInstance::source
     };
 
     void addNodes(const GltfShot& shot, const std::vector<int>& nodes, const DynamicFile& file);

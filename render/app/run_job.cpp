@@ -297,9 +297,12 @@ void run(const RenderJob& job) {
 }
 
 void listSet(const RenderJob& job) {
+    std::size_t cameras = 0;
     for (const auto& file : job.files) {
         if (!isGltf(file)) throwFileError(file, "--list supports glTF only");
-        std::fputs(describe(GltfShot(file, job.mesh, job.fps)).c_str(), stdout);
+        const GltfShot shot(file, job.mesh, job.fps);
+        std::fputs(describe(shot, cameras).c_str(), stdout);
+        cameras += shot.cameraNodes().size();
     }
 }
 

@@ -6,6 +6,7 @@
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/set_files.h"
+#include "common/shot/gltf_shot.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -78,6 +79,53 @@ TEST(GltfUris, OfFilesMayBeEscapedAndTheirBuffersShorter) {
     expectError([&] { loadMesh({&path, 1}, {}); }, "a.gltf", "is not a complete glTF 2.0 file");
 }
 
+TEST(GltfUris, APlusIsAPlus) {
+    const TemporaryFolder folder;
+    const GltfBuilder file = square();
+    folder.write("a+b.bin", file.data());
+    folder.write("a b.bin", std::string(file.data().size(), '\0'));
+    for (const char* uri : {"a+b.bin", "a%2Bb.bin", "a%2bb.bin"}) {
+        const auto path = folder.write("a.gltf", file.gltf(uri));
+        EXPECT_EQ(loadMesh({&path, 1}, {}).triangles.size(), 2u) << uri;
+    }
+}
+
+/// A camera that nobody asks for costs nothing; one without a name has a number.
+TEST(GltfCameras, AreFoundByNameOrNumber) {
+    GltfBuilder file = square();
+    const auto add = [&](const Json& camera, const Json& node) {
+        Json placed = node;
+        placed["camera"] = file.append("cameras", camera);
+        file.root(placed);
+    };
+    const auto perspective = [](const Json& yfov) {
+        return Json{{"type", "perspective"}, {"perspective", {{"yfov", yfov}, {"znear", 0.1}}}};
+    };
+    add(perspective(0), {{"name", "closed"}});
+    add({{"type", "orthographic"}, {"orthographic", {{"ymag", -1}}}}, {{"name", "mirrored"}});
+    add(perspective("wide"), {{"name", "worded"}});
+    add(perspective(0.5), Json::object());
+    add(perspective(0.75), {{"name", "eye"}});
+    const TemporaryFolder folder;
+    const auto path = folder.write("a.glb", file.glb());
+    EXPECT_EQ(loadMesh({&path, 1}, {}).triangles.size(), 2u);
+    const std::vector<GltfShot> shots = openShots({&path, 1}, {}, 24);
+    const auto view = [&](const std::string& name) {
+        const NamedCamera found = findCamera(shots, name);
+        return found.shot->camera(found.node, 1).fovY;
+    };
+    EXPECT_EQ(view("3"), 0.5);
+    EXPECT_EQ(view("4"), 0.75);
+    EXPECT_EQ(view("eye"), 0.75);
+    expectError([&] { view("closed"); }, "a.glb", "yfov 0, expected radians in (0, pi)");
+    expectError([&] { view("mirrored"); }, "a.glb", "ymag -1, expected a number above 0");
+    expectError([&] { view("worded"); }, "a.glb", "yfov \"wide\", expected a number");
+    expectError([&] { view("5"); }, "--camera 5", "closed, mirrored, worded, 3, eye");
+    const std::string list = describe(shots[0]);
+    EXPECT_NE(list.find("camera 3: perspective"), std::string::npos) << list;
+    EXPECT_NE(list.find("camera closed: cannot be used"), std::string::npos) << list;
+}
+
 TEST(GlbChunks, OfOtherKindsArePassedOver) {
     const auto resized = [](std::string bytes) {
         return bytes.replace(8, 4, bytesOf(static_cast<std::uint32_t>(bytes.size())));
@@ -86,6 +134,10 @@ TEST(GlbChunks, OfOtherKindsArePassedOver) {
     const std::string good = square().glb();
     EXPECT_EQ(loadBytes("a.glb", resized(good + more)).triangles.size(), 2u);
     EXPECT_EQ(loadBytes("a.glb", good + "bytes behind").triangles.size(), 2u);
+    EXPECT_EQ(loadBytes("a.gltf", good).triangles.size(), 2u);
+    std::string filled = good;
+    if (const std::size_t at = filled.find("} "); at != filled.npos) filled[at + 1] = '\0';
+    EXPECT_EQ(loadBytes("a.glb", filled).triangles.size(), 2u);
     expectError([&] { loadBytes("a.glb", good.substr(0, good.size() - 4)); }, "a.glb",
                 "is not a complete glTF 2.0 file");
 }
@@ -112,11 +164,18 @@ TEST(GltfPrimitives, WhatIsNotWholeIsNamed) {
     EXPECT_EQ(said(bare), std::string("2 triangles; 1 ") + kClampedMaterials);
 }
 
-/// What tinygltf passes over.
 TEST(GltfShapes, OfAnotherKindAreRefused) {
     const auto refused = [](const char* list, const Json& object, const std::string& cause) {
         GltfBuilder file = square();
         const int index = file.append(list, object);
+        if (list == std::string("samplers")) {
+            file.append("textures", {{"sampler", index}});
+            file.append("materials", {{"normalTexture", {{"index", 0}}}});
+        }
+        if (file.json.contains("materials")) {
+            EXPECT_NO_THROW(said(file));  // what nothing uses is not read
+            file.json["meshes"][0]["primitives"][0]["material"] = 0;
+        }
         expectError(
             [&] { said(file); }, "a.glb",
             fmt::format("{} {}{}", std::string(list).substr(0, std::string(list).size() - 1), index,
@@ -135,15 +194,17 @@ TEST(GltfShapes, OfAnotherKindAreRefused) {
             ": doubleSided \"true\", expected true or false");
     refused("materials", {{"alphaCutoff", nullptr}}, ": alphaCutoff null, expected a number");
     refused("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0}}}}},
-            ": baseColorFactor [1,0,0], expected a list of 4 numbers");
+            ": pbrMetallicRoughness: baseColorFactor [1,0,0], expected a list of 4 numbers");
     refused("materials", {{"pbrMetallicRoughness", {{"metallicFactor", {0}}}}},
-            ": metallicFactor [0], expected a number");
+            ": pbrMetallicRoughness: metallicFactor [0], expected a number");
     refused("samplers", {{"wrapS", 99}}, ": wrapS 99, expected 33071, 33648 or 10497");
-    refused("animations", {{"samplers", {{{"interpolation", "FOO"}}}}, {"channels", Json::array()}},
+    refused("animations",
+            {{"samplers", {{{"interpolation", "FOO"}}}},
+             {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}}}}},
             ", sampler 0: interpolation \"FOO\", expected one of LINEAR, STEP, CUBICSPLINE");
     refused("animations",
             {{"samplers", Json::array()}, {"channels", {{{"target", {{"path", "size"}}}}}}},
-            ", channel 0: path \"size\", expected one of translation");
+            ", channel 0: target: path \"size\", expected one of translation");
 }
 
 }  // namespace

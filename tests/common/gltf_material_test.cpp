@@ -319,7 +319,7 @@ TEST(GltfMaterial, MissingTexturesAreRefused) {
     };
     refuse({{"name", "brass"},
             {"pbrMetallicRoughness", {{"metallicRoughnessTexture", {{"index", 3}}}}}},
-           "material brass: texture 3, but the file has none");
+           "material 0 (brass): pbrMetallicRoughness: metallicRoughnessTexture: texture 3");
     refuse({{"extensions", {{"KHR_materials_specular", {{"specularTexture", {{"texCoord", 1}}}}}}}},
            "texture -1");
     GltfBuilder file =

@@ -85,7 +85,7 @@ TEST(GltfMorph, TargetsThatDoNotFitAreRefused) {
     target = file.vectors({0, 0, 0});
     expectRefused(file, "morph target 1, POSITION: 3 numbers, expected 3 for each of 4 vertices");
     target = 99;
-    expectRefused(file, "morph target's POSITION accessor 99, expected 0 to");
+    expectRefused(file, "morph target 1: POSITION accessor 99, expected 0 to");
 }
 
 TEST(GltfSkin, JointsPlaceTheVertices) {
@@ -269,6 +269,27 @@ TEST_F(AnimatedBar, ChangesItsFormFromFrameToFrame) {
                 nearest = std::min(nearest, (p + mesh.origin - corner).length());
         EXPECT_NEAR(nearest, 0, 1e-5) << frame;
     }
+}
+
+/// What moves may lie far from its own origin, and be of any size there.
+TEST(MovingNodes, AreWhereTheirNodesBringThem) {
+    GltfBuilder file;
+    constexpr float kFar = 65536;
+    const int positions =
+        file.vectors({kFar, 0, 0, kFar + 1, 0, 0, kFar + 1, 0.125f, 0, kFar, 0.125f, 0});
+    const int indices = file.accessor(kSquareIndices, "SCALAR", 1);
+    file.mesh({{"attributes", {{"POSITION", positions}}}, {"indices", indices}});
+    const int node = file.root({{"mesh", 0}, {"scale", {2, 2, 2}}});
+    file.animate(node, "translation", "LINEAR", {0, 1}, {-2 * kFar, 0, 0, 4 - 2 * kFar, 0, 0});
+    const TemporaryFolder folder;
+    const auto path = folder.write("a.glb", file.glb());
+    const std::vector<GltfShot> shots = openShots({&path, 1}, {}, 4);
+    MovingSet moving(shots, {}, {}, Vec3d(0.0), 4);
+    const TriangleMesh& mesh = moving.pose(2)->mesh();
+    const Box3d box = placedBounds(mesh);
+    expectNear(box.min, {2, 0, 0});
+    expectNear(box.max, {4, 0.25, 0});
+    for (const Vec3f& p : mesh.positions) EXPECT_LT(p.length(), 2);
 }
 
 TEST_F(AnimatedBar, IsInvisibleWhereItIsAPoint) {

@@ -44,9 +44,12 @@ void expectFloor(const std::string& name, const Rgb& wanted) {
 }
 
 TEST(MapCases, GiveTheFloorItsLight) {
-    for (const char* name : {"sun_full.exr", "crop_sun.exr"}) expectFloor(name, Rgb(4.42f));
-    for (const char* name : {"sun_max.exr", "sun_inf.exr"}) expectFloor(name, Rgb(783.4f));
-    for (const char* name : {"full.exr", "crlf.hdr", "oldrle.hdr", "xfirst.hdr"})
+    for (const char* name : {"sun_whole.exr", "sun_in_smaller_data_window.exr"})
+        expectFloor(name, Rgb(4.42f));
+    for (const char* name : {"sun_greatest_number.exr", "sun_infinite.exr"})
+        expectFloor(name, Rgb(783.4f));
+    for (const char* name :
+         {"whole_window.exr", "lines_end_in_crlf.hdr", "old_run_lengths.hdr", "columns_first.hdr"})
         expectFloor(name, {0, 0.5f, 0.5f});
 }
 
@@ -54,12 +57,12 @@ TEST(MapCases, HoldTheSameMaps) {
     const auto pixels = [](const std::string& name) {
         return readRadiance(caseFile(name)).image.pixels;
     };
-    for (const char* name : {"crlf.hdr", "oldrle.hdr", "xfirst.hdr"})
-        EXPECT_EQ(pixels(name), pixels("full.exr")) << name;
-    EXPECT_EQ(pixels("crop_sun.exr"), pixels("sun_full.exr"));
-    EXPECT_EQ(pixels("sun_inf.exr"), pixels("sun_max.exr"));
-    EXPECT_GT(readRadiance(caseFile("sun_inf.exr")).infinite, 0u);
-    expectError([] { readRadiance(caseFile("cube.exr")); }, "cube.exr",
+    for (const char* name : {"lines_end_in_crlf.hdr", "old_run_lengths.hdr", "columns_first.hdr"})
+        EXPECT_EQ(pixels(name), pixels("whole_window.exr")) << name;
+    EXPECT_EQ(pixels("sun_in_smaller_data_window.exr"), pixels("sun_whole.exr"));
+    EXPECT_EQ(pixels("sun_infinite.exr"), pixels("sun_greatest_number.exr"));
+    EXPECT_GT(readRadiance(caseFile("sun_infinite.exr")).infinite, 0u);
+    expectError([] { readRadiance(caseFile("cube_map.exr")); }, "cube_map.exr",
                 "envmap = cube, expected a lat-long map");
 }
 

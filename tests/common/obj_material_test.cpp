@@ -209,23 +209,84 @@ TEST_F(ObjMaterial, WhatIsLeftOutIsNamedOnce) {
 TEST_F(ObjMaterial, DamagedFilesAreRefused) {
     picture("whole.png", {kRed, kGreen, kBlue, kWhite});
     folder_.write("cut.png", readBytes(folder_.path() / "whole.png").substr(0, 40));
-    for (const auto& [text, file, cause] : std::vector<std::array<std::string, 3>>{
-             {"Kd 1 x 1\n", "a.mtl", "line 2: 'x', expected a number"},
-             {"Kd\n", "a.mtl", "line 2"},
-             {"map_Kd\n", "a.mtl", "line 2: no file's name"},
-             {"map_Kd cut.png\n", "cut.png", ""}}) {
+    for (const auto& [text, file, cause] :
+         std::vector<std::array<std::string, 3>>{{"map_Kd cut.png\n", "cut.png", ""}}) {
         const std::string& lines = text;
         SCOPED_TRACE(lines);
         expectError([&] { square(lines); }, file, cause);
     }
-    folder_.write("b.mtl", "Kd 1 1 1\n");
-    expectError([&] { load(std::string(kSquareOfTexcoords) + "mtllib b.mtl\nf 1 2 3\n"); }, "b.mtl",
-                "expected newmtl first");
     // Numbers out of range are brought into it.
     const Material material = square("Kd 5 -1 nan\nPr 7\nd -2\nKe inf 1e300 -1\n").materials.at(0);
     EXPECT_EQ(material.albedo, Rgb(1, 0, 0));
     EXPECT_EQ(material.opacity, 0.0f);
     for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isfinite(material.finish.emission[k]));
+}
+
+TEST_F(ObjMaterial, LinesThatCannotBeReadAreNamed) {
+    const TriangleMesh mesh =
+        square("Kd .5 .25 1\nmap_Kd\nmap_d \nNs\nNs x\nKs 1 x 1\nillum 1.0\nPr\nillum -1\nd\n");
+    for (const char* name : {"map_Kd (without a file's name)", "map_d (without a file's name)",
+                             "Ns (not as expected)", "Ks (not as expected)", "Pr (not as expected)",
+                             "illum (not as expected)", "d (not as expected)"})
+        EXPECT_EQ(leftOut(mesh, name), 1u) << name << ": " << describe(mesh.report);
+    EXPECT_EQ(mesh.report.leftOut.size(), 7u);
+    EXPECT_EQ(mesh.materials.at(0).albedo, Rgb(0.5f, 0.25f, 1.0f));
+    EXPECT_FALSE(square("Ks 1 1 1\nillum 1.0\n").materials.at(0).finish.gloss);
+    EXPECT_TRUE(square("Ks 1 1 1\nillum 2e0\n").materials.at(0).finish.gloss);
+    folder_.write("b.mtl", "Kd 1 1 1\nNs 5\nnewmtl one\nKd 0 1 0\n");
+    const TriangleMesh early =
+        load(std::string(kSquareOfTexcoords) + "mtllib b.mtl\nusemtl one\nf 1 2 3\n");
+    EXPECT_EQ(leftOut(early, "Kd (before newmtl)"), 1u);
+    EXPECT_EQ(early.materials.at(0).albedo, kGreen);
+}
+
+/// MeshLab before 2023, openMVS and mvs-texturing write it for opaque.
+TEST_F(ObjMaterial, Tr1AloneIsOpaqueAndNamed) {
+    const TriangleMesh mesh = square("Kd 0 1 0\nTr 1.000000\nillum 2\n");
+    EXPECT_EQ(mesh.materials.at(0).opacity, 1.0f);
+    EXPECT_FALSE(mesh.materials[0].blends);
+    EXPECT_EQ(leftOut(mesh, "Tr 1 (without d beside it: taken for opaque)"), 1u);
+    EXPECT_EQ(square("Tr 0\n").materials.at(0).opacity, 1.0f);
+    const TriangleMesh gone = square("Tr 1\nd 0\n");
+    EXPECT_EQ(gone.materials.at(0).opacity, 0.0f);
+    EXPECT_NE(describe(gone.report)
+                  .find("1 material whose opacity is 0, so that nothing of it is seen: one"),
+              std::string::npos)
+        << describe(gone.report);
+}
+
+/// Whole parts of texture coordinates say nothing, however far out; but for pictures that end.
+TEST_F(ObjMaterial, PicturesFarOutAreAsNearby) {
+    picture("four.png", {kRed, kGreen, kBlue, kWhite});
+    const auto far = [&](const std::string& lines, double s, double t) {
+        folder_.write("a.mtl", "newmtl one\n" + lines);
+        std::string obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+        for (const auto& [u, v] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}})
+            obj += "vt " + std::to_string(s + u) + " " + std::to_string(t + v) + "\n";
+        // Another island, near 0.
+        obj += "v 5 0 0\nv 6 0 0\nv 6 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n";
+        return load(obj +
+                    "mtllib a.mtl\nusemtl one\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\nf 5/5 6/6 7/7\n");
+    };
+    for (const auto& [s, t] :
+         {std::pair(4e6, 4e6), {-123456789.0, 1e12}, {1e5, -3e7}, {0.0, 0.0}}) {
+        SCOPED_TRACE(s);
+        const TriangleMesh mesh = far("map_Kd four.png\n", s, t);
+        expectColor(at(mesh, 0.25f, 0.75f).baseColor, kRed);
+        expectColor(at(mesh, 0.75f, 0.75f).baseColor, kGreen);
+        expectColor(at(mesh, 0.25f, 0.25f).baseColor, kBlue);
+        expectColor(at(mesh, 0.75f, 0.25f).baseColor, kWhite);
+        expectColor(surfaceAt(mesh, 2, 0.5f, 0.25f, {}).baseColor, kWhite);
+    }
+    // Of one that ends, the last texel goes on.
+    expectColor(at(far("map_Kd -clamp on four.png\n", 4e6, 4e6), 0.25f, 0.25f).baseColor, kGreen);
+    expectColor(at(far("map_Kd -clamp on four.png\n", -4e6, -4e6), 0.25f, 0.25f).baseColor, kBlue);
+}
+
+TEST_F(ObjMaterial, PlusInANameIsAPlus) {
+    picture("oak+pine.png", {kRed, kRed, kRed, kRed});
+    picture("oak pine.png", {kBlue, kBlue, kBlue, kBlue});
+    EXPECT_EQ(at(square("map_Kd oak+pine.png\n"), 0.5f, 0.5f).baseColor, kRed);
 }
 
 TEST_F(ObjMaterial, OptionsAtTheirDefaultsAreNotNamed) {

@@ -43,11 +43,12 @@ const std::string kNoEnd = "1 STL solids without 'endsolid', perhaps cut short";
 
 TEST(TextCases, HaveTheirTriangles) {
     const std::filesystem::path cases = SHADOWCACHE_CASES;
-    for (const char* name : {"q_bom.obj", "off_glued.off", "off_breaks.off", "stl_upper.stl",
-                             "stl_lead.stl", "stl_endsp.stl"})
+    for (const char* name :
+         {"byte_order_mark.obj", "counts_behind_keyword.off", "face_over_lines.off",
+          "upper_case.stl", "blank_before_solid.stl", "end_solid_of_two_words.stl"})
         expectTwo(load(cases / name));
-    expectTwo(load(cases / "stl_noend.stl"), kNoEnd);
-    expectError([&] { load(cases / "ply_longer_rows.ply"); }, "ply_longer_rows.ply",
+    expectTwo(load(cases / "no_end.stl"), kNoEnd);
+    expectError([&] { load(cases / "rows_longer_than_header.ply"); }, "rows_longer_than_header.ply",
                 "line 17: row of 'face' with more numbers than its 4 properties in the header");
 }
 

@@ -35,18 +35,19 @@ void expectColor(const Rgb& found, const Rgb& wanted) {
 
 TEST(ColorCases, HaveTheirValues) {
     const Rgb orange(1, 0.503f, 0);
-    for (const char* name : {"p_int.ply", "p_uchar.ply", "q_col255.obj"}) {
+    for (const char* name :
+         {"colors_of_type_int.ply", "colors_of_type_uchar.ply", "colors_to_255.obj"}) {
         const TriangleMesh mesh = loadCase(name);
         for (const Rgb& color : mesh.colors) expectColor(color, orange);
         EXPECT_EQ(mesh.report.badColors, 0u) << name;
     }
-    for (const char* name : {"blender_col.obj", "blender_col.glb"})
+    for (const char* name : {"colors_by_blender.obj", "colors_by_blender.glb"})
         for (const Rgb& color : loadCase(name).colors) expectColor(color, Rgb(0.214f));
-    const TriangleMesh coff = loadCase("coff_mixed.off");
+    const TriangleMesh coff = loadCase("colors_with_and_without_point.off");
     expectColor(coff.colors.at(0), {1, 0, 0});
     expectColor(coff.colors.at(3), {1, 0.214f, 0});
 
-    const TriangleMesh nan = loadCase("q_nancol.obj");
+    const TriangleMesh nan = loadCase("colors_not_a_number.obj");
     EXPECT_EQ(nan.report.badColors, 1u);
     EXPECT_EQ(nan.colors.at(3), Rgb(0.0f));
     expectColor(nan.colors.at(0), Rgb(0.214f));

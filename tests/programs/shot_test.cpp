@@ -205,11 +205,12 @@ TEST_F(ShotTest, DynamicFilesAreRenderedAndLeaveTheCacheValid) {
 }
 
 TEST_F(ShotTest, ACacheOfOtherSidesIsStale) {
-    for (const std::string name : {"b_ss.gltf", "b_ds.gltf"})
+    for (const std::string name : {"floor_single_sided.gltf", "floor_double_sided.gltf"})
         folder_.write(name, readBytes(std::filesystem::path(SHADOWCACHE_CASES) / name));
-    runWell("bake", "b_ss.gltf -o one.vdb --spacing 0.5 --level 1 --rays 1");
+    runWell("bake", "floor_single_sided.gltf -o one.vdb --spacing 0.5 --level 1 --rays 1");
     const std::string line =
-        "b_ds.gltf --cache one.vdb --env 1,1,1 --eye 1,3,1.001 --look-at 1,0,1 --size 9x5 "
+        "floor_double_sided.gltf --cache one.vdb --env 1,1,1 --eye 1,3,1.001 --look-at 1,0,1 "
+        "--size 9x5 "
         "--preview --spp 0 -o a.exr ";
     expectRefusal(run("render", line), "render", "one.vdb", "baked for another set");
     const ProgramRun stale = run("render", line + "--stale-ok");

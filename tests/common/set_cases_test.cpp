@@ -1,0 +1,175 @@
+// The zoo: small sets that programs read wrongly, with their right values.
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+
+#include "common/import/load_mesh.h"
+#include "common/mesh/looks.h"
+#include "common/mesh/mesh_fingerprint.h"
+#include "common/mesh/placed_mesh.h"
+#include "common/trace/scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace shadowcache::test {
+namespace {
+
+struct SetCase {
+    const char* file;
+    std::size_t triangles;           ///< in the world
+    std::optional<Vec3d> size{};     ///< of the set's box
+    std::optional<Rgb> albedo{};     ///< of the first triangle, near its first corner
+    std::string said{};              ///< in the report
+    std::optional<double> height{};  ///< of the set's middle
+};
+
+const Rgb kRed(1, 0, 0), kOrange(1, 0.503f, 0), kBlue(0, 0, 1);
+const Vec3d kSquare(2, 0, 2);
+
+const SetCase kCases[] = {
+    // glTF
+    {"integers_as_floats_material.gltf", 4, kSquare, kRed},
+    {"integers_as_floats_texture.gltf", 2, kSquare, kBlue},
+    {"instances_optional.gltf", 6},
+    {"instances_small_and_quantised.gltf", 4, Vec3d(0.04, 0, 0.02), kRed},
+    {"instances_near_own_origin.gltf", 36, Vec3d(116, 1, 16)},
+    {"instances_far_from_own_origin.gltf", 36, Vec3d(116, 1, 16)},
+    {"morph_node_weight_1.gltf", 2, {}, {}, "", 1},
+    {"morph_node_weight_0.gltf", 2, {}, {}, "", 0},
+    {"specular_glossiness.gltf", 2, {}, kRed},
+    {"no_scenes.gltf", 2},
+    {"matrix_with_noise.gltf", 2, kSquare, kRed},
+    {"chunk_without_bytes.glb", 2, kSquare, kRed},
+    {"primitive_without_positions.gltf", 2, kSquare, kRed,
+     "1 primitive whose positions are missing, so that it is left out"},
+    {"png_with_bytes_behind.gltf", 2, kSquare, kBlue},
+    {"colors_by_blender.glb", 2, {}, Rgb(0.214f)},
+    // OBJ
+    {"byte_order_mark.obj", 2},
+    {"colors_to_255.obj", 2, {}, kOrange},
+    {"colors_by_blender.obj", 2, {}, Rgb(0.214f)},
+    // PLY
+    {"colors_of_type_int.ply", 2, {}, kOrange},
+    {"colors_of_type_uchar.ply", 2, {}, kOrange},
+    {"colors_white.ply", 2},
+    // OFF
+    {"counts_behind_keyword.off", 2},
+    {"face_over_lines.off", 2},
+    // STL
+    {"upper_case.stl", 2},
+    {"blank_before_solid.stl", 2},
+    {"end_solid_of_two_words.stl", 2},
+    {"no_end.stl", 2, {}, {}, "1 STL solids without 'endsolid', perhaps cut short"},
+};
+
+TriangleMesh load(const std::string& name) {
+    const std::filesystem::path path = std::filesystem::path(SHADOWCACHE_CASES) / name;
+    return loadMesh({&path, 1}, {.gloss = true});
+}
+
+TEST(SetCases, HaveTheirValues) {
+    for (const SetCase& c : kCases) {
+        SCOPED_TRACE(c.file);
+        const TriangleMesh mesh = load(c.file);
+        EXPECT_EQ(placedCount(mesh), c.triangles);
+        const Box3d box = placedBounds(mesh);
+        if (c.size) EXPECT_NEAR((box.size() - *c.size).length(), 0, 1e-6 * c.size->length());
+        if (c.height) EXPECT_NEAR(mesh.origin.y + box.center().y, *c.height, 1e-6);
+        if (c.albedo) {
+            const Rgb found = albedoAt(mesh, 0, 0.2f, 0.2f, Rgb(0.5f));
+            for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], (*c.albedo)[k], 5e-4f) << found;
+        }
+        const std::string report = describe(mesh.report);
+        EXPECT_NE(report.find(c.said), std::string::npos) << report;
+    }
+}
+
+TEST(SetCases, ACacheKnowsWhichSidesAreSeen) {
+    EXPECT_NE(fingerprint(load("floor_single_sided.gltf")),
+              fingerprint(load("floor_double_sided.gltf")));
+    EXPECT_EQ(fingerprint(load("floor_double_sided.gltf")),
+              fingerprint(load("floor_double_sided.gltf")));
+}
+
+/// Open directions of 16 over places on all triangles, upwards.
+std::vector<std::uint32_t> visibility(const TriangleMesh& mesh) {
+    const Scene scene(mesh);
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t t = 0; t < placedCount(mesh); ++t)
+        for (int i = 0; i < 16; ++i) {
+            const double u = 0.02 + 0.9 * (i % 4) / 4, v = (0.98 - u) * (0.5 + i / 4) / 4;
+            const auto [a, b, c] = placedCorners(mesh, t);
+            const Vec3f p(a + (b - a) * u + (c - a) * v), side(0, 1, 0);
+            RayPacket rays{};
+            for (int k = 0; k < 8; ++k)
+                rays.set(
+                    k, scene.rayOrigin(p, t, scene.normal(t)),
+                    Vec3f(static_cast<float>(std::cos(k)), 0.4f, static_cast<float>(std::sin(k)))
+                        .normalized());
+            all.push_back(scene.visibility(rays, 8));
+        }
+    return all;
+}
+
+/// A mesh whose vertices lie 10 km from its own origin, and which nodes bring back.
+TEST(SetCases, InstancesFarFromTheirOwnOriginSeeTheSame) {
+    const auto near = visibility(load("instances_near_own_origin.gltf"));
+    const auto far = visibility(load("instances_far_from_own_origin.gltf"));
+    ASSERT_EQ(near.size(), far.size());
+    std::size_t other = 0;
+    for (std::size_t i = 0; i < near.size(); ++i) other += near[i] != far[i] ? 1 : 0;
+    EXPECT_LE(other, near.size() / 100);
+}
+
+/// 4 mm below a slab of 1 m, in the middle of a floor of 10 km.
+TEST(SetCases, RaysBeginBelowASlabNearALargeFloor) {
+    const TriangleMesh mesh = load("floor_of_5_km_below_slab.gltf");
+    const Scene scene(mesh);
+    for (const double x : {-0.4, -0.1, 0.0, 0.3})
+        for (const double z : {-0.3, 0.05, 0.4}) {
+            const Hit hit = scene.intersect(Vec3f(Vec3d(x, 0.001, z) - mesh.origin), {0, -1, 0});
+            ASSERT_TRUE(hit.found);
+            RayPacket rays{};
+            rays.set(0, scene.rayOrigin(hit.position, hit.triangle, {0, 1, 0}), {0, 1, 0});
+            EXPECT_EQ(scene.visibility(rays, 1), 0u);
+        }
+}
+
+/// Corners of a comb as large as a hand where UTM has its numbers.
+std::string utmComb(const std::string& more) {
+    std::string obj;
+    for (int i = 0; i < 20; ++i)
+        for (const char* corner : {"0.00 4000001", "0.02 4000001", "0.02 3999999", "0.00 3999999"})
+            obj += "v " + std::to_string(499999 + 0.02 * i + 0.01) + " " + corner + "\n";
+    obj += "v 0 0 0\nv 0.1 0.2 0.3\nv 0.3 0.6 0.9\nv 1 1 0\n";
+    for (int i = 0; i < 20; ++i) {
+        obj += "f";
+        for (int k = 1; k <= 4; ++k) obj += " " + std::to_string(4 * i + k);
+        obj += "\n";
+    }
+    return obj + more;
+}
+
+TEST(SetCases, FacesThatAreDroppedMoveNoOrigin) {
+    const TemporaryFolder folder;
+    const auto loaded = [&](const std::string& more) {
+        const auto path = folder.write("a.obj", utmComb(more));
+        return loadMesh({&path, 1}, {});
+    };
+    const TriangleMesh plain = loaded("");
+    for (const char* flat : {"f 81 81 81\n", "f 81 82 81\n", "f 81 82 83\n"}) {
+        const TriangleMesh mesh = loaded(flat);
+        EXPECT_EQ(mesh.origin, plain.origin) << flat;
+        EXPECT_EQ(fingerprint(mesh), fingerprint(plain)) << flat;
+        EXPECT_EQ(describe(mesh.report).find("precision"), std::string::npos);
+    }
+    // A real one does, and what is left is said: of 2 * 10^6 in float.
+    const std::string text = describe(loaded("f 81 82 84\n").report);
+    EXPECT_NE(text.find("positions there have a precision of 0.125, in the set's unit"),
+              std::string::npos)
+        << text;
+}
+
+}  // namespace
+}  // namespace shadowcache::test
