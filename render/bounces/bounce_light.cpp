@@ -108,8 +108,9 @@ void BounceLight::startRare(std::span<const BounceReceiver> receivers, PathLevel
         std::array<ItemView, ShadowCache::kMaxItems> items;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const ShadingPoint& point = *receivers[i].point;
-            if (!receivers[i].diffuse || point.sampleFraction >= 1) continue;
-            const int found = reader.lookUp(point.position, point.geometricNormal, items);
+            if (!receivers[i].diffuse || point.slot.sampleFraction >= 1) continue;
+            const int found =
+                reader.lookUp(point.place.position, point.place.geometricNormal, items);
             PathVertex& v = level.vertices[i];
             v.predicted = context.solve->indirect(
                 std::span(items).first(static_cast<std::size_t>(found)), options_.most);
@@ -151,7 +152,8 @@ void BounceLight::predict(std::span<const BounceReceiver> receivers,
         std::array<ItemView, ShadowCache::kMaxItems> items;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const ShadingPoint& point = *receivers[i].point;
-            const int found = reader.lookUp(point.position, point.geometricNormal, items);
+            const int found =
+                reader.lookUp(point.place.position, point.place.geometricNormal, items);
             const auto near = std::span(items).first(static_cast<std::size_t>(found));
             light[i].predicted = context.solve->indirect(near, options_.most);
             light[i].exposure = context.solve->exposure(near);

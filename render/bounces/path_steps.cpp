@@ -127,22 +127,22 @@ PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& lumin
         const BounceReceiver& receiver = receivers[i];
         const ShadingPoint& point = *receiver.point;
         PathVertex& v = level.vertices[i];
-        v.origin = v.target = point.rayOrigin;
-        v.normal = point.normal;
-        v.geometricNormal = point.geometricNormal;
+        v.origin = v.target = point.place.rayOrigin;
+        v.normal = point.place.normal;
+        v.geometricNormal = point.place.geometricNormal;
         v.albedo = receiver.diffuseAlbedo;
-        v.seed = hashWords(point.seed, RenderSalt::bounceFirst, point.cameraRay);
-        v.pixelSeed = point.seed;
-        v.errorScale = point.errorScale *
+        v.seed = hashWords(point.slot.seed, RenderSalt::bounceFirst, point.slot.cameraRay);
+        v.pixelSeed = point.slot.seed;
+        v.errorScale = point.slot.errorScale *
                        std::max(receiver.diffuseAlbedo.dot(luminanceWeights), 1e-6f) *
                        static_cast<float>(1 / kPi);
         if (receiver.lobe) {
             v.lobe = static_cast<std::int32_t>(level.lobes.size());
             level.lobes.push_back(*receiver.lobe);
         }
-        const std::uint64_t sequence = hashWords(point.seed, RenderSalt::bounceSequence);
+        const std::uint64_t sequence = hashWords(point.slot.seed, RenderSalt::bounceSequence);
         for (int k = 0; k < 2; ++k) {
-            owenSobol(point.cameraRay, k, sequence, word);
+            owenSobol(point.slot.cameraRay, k, sequence, word);
             v.numbers[k] = toUnitFloat(word[0]);
         }
     }

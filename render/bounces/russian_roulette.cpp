@@ -28,8 +28,8 @@ float highest(const Rgb& color) {
 /// Whether a camera ray is the one of its run that sends.
 bool isSender(const ShadingPoint& point, std::uint32_t run) {
     const std::uint64_t drawn =
-        hashWords(point.seed, RenderSalt::bounceSender, point.cameraRay / run) % run;
-    return point.cameraRay % run == drawn;
+        hashWords(point.slot.seed, RenderSalt::bounceSender, point.slot.cameraRay / run) % run;
+    return point.slot.cameraRay % run == drawn;
 }
 
 float roulette(float reflectance, bool unlimited) {
@@ -62,14 +62,14 @@ void decideFirst(std::span<const BounceReceiver> receivers, PathLevel& level) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const ShadingPoint& point = *receivers[i].point;
             PathVertex& v = level.vertices[i];
-            const auto run = static_cast<std::uint32_t>(std::lround(1 / point.sampleFraction));
+            const auto run = static_cast<std::uint32_t>(std::lround(1 / point.slot.sampleFraction));
             const bool sends = isSender(point, run);
             if (receivers[i].diffuse) {
-                v.diffuseChance = point.sampleFraction;
+                v.diffuseChance = point.slot.sampleFraction;
                 v.sendsDiffuse = sends;
             }
             if (v.lobe < 0) continue;
-            v.lobeChance = point.sampleFraction;
+            v.lobeChance = point.slot.sampleFraction;
             v.sendsLobe = sends;
         }
     });

@@ -38,17 +38,17 @@ std::vector<PredictedSpread> TileRenderer::predictSpreads(std::span<const FilmPl
     return spreads;
 }
 
-Rgb TileRenderer::predictRadiance(const View& view, const FilmPlace& place,
+Rgb TileRenderer::predictRadiance(const View& view, const FilmPlace&,
                                   Workspace& workspace) const {
     if (!view.hit.found) return skyAlong(view.direction);
     const Surface surface = surfaceOf(view.hit, options_.plain);
     if (surface.unlit) return surface.emission;
     // Gloss as if it were diffuse.
-    const ShadingPoint point{placeOf(view), {.filmX = place.x, .filmY = place.y}};
-    Rgb irradiance = estimator_.prediction()->predict(point, workspace);
+    const SetPlace at = placeOf(view);
+    Rgb irradiance = estimator_.prediction()->predict(at, workspace);
     if (options_.bounces != 0 && context_.solve) {
         const ItemTable& items = context_.solve->items();
-        const std::uint32_t item = items.itemAt(point.position, point.geometricNormal);
+        const std::uint32_t item = items.itemAt(at.position, at.geometricNormal);
         if (item != kNoItem) irradiance += context_.solve->indirect(item, options_.bounces);
     }
     return surface.emission + surface.baseColor * irradiance * static_cast<float>(1 / kPi);

@@ -292,7 +292,7 @@ void TileRenderer::findPoints(TileScratch& scratch) const {
         if (surface.glossy) {
             place.glossy = static_cast<std::uint32_t>(scratch.glossyPoints.size());
             scratch.glossyPoints.push_back(
-                {place.point, GlossyLobe(surface, place.point.normal, place.toViewer)});
+                {place.point, GlossyLobe(surface, place.point.place.normal, place.toViewer)});
         }
     }
     scratch.estimates.resize(scratch.points.size());
@@ -313,10 +313,10 @@ void TileRenderer::addToPixel(const TileScratch& scratch, std::size_t number,
     e.irradiance += bounced.irradiance;
     e.predicted += bounced.predicted;
     gloss.radiance += bounced.glossy;
-    if (observer_ && point.filmX == observed_.x && point.filmY == observed_.y) {
+    if (observer_ && point.slot.filmX == observed_.x && point.slot.filmY == observed_.y) {
         std::vector<Vec3f> directions;
         for (const WatchedSample& sample : scratch.watched)
-            if (sample.cameraRay == point.cameraRay) directions.push_back(sample.direction);
+            if (sample.cameraRay == point.slot.cameraRay) directions.push_back(sample.direction);
         (*observer_)({point, surface, e, gloss, directions});
     }
     const Rgb diffuse = place.diffuseAlbedo * e.irradiance * static_cast<float>(1 / kPi);
@@ -335,8 +335,8 @@ void TileRenderer::addToPixel(const TileScratch& scratch, std::size_t number,
     sum.diffuseAlbedo += place.diffuseAlbedo;
     sum.mirrorColor += surface.glossy ? surface.f0 : Rgb(0, 0, 0);
     sum.roughness += surface.roughness;
-    sum.normal += point.normal;
-    sum.position += Vec3f(point.position);
+    sum.normal += point.place.normal;
+    sum.position += Vec3f(point.place.position);
     const double depth = static_cast<double>(ray.view.hit.distance) + ray.ray.skipped;
     sum.depth += static_cast<float>(depth);
     sum.axialDepth += static_cast<float>(depth * ray.ray.cosine);
