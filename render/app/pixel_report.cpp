@@ -25,7 +25,7 @@ void printItems(const EstimatorContext& context, const ShadingPoint& point) {
     if (!context.cache) return;
     ShadowCache::Reader reader(*context.cache);
     std::array<ItemView, ShadowCache::kMaxItems> items;
-    const int count = reader.lookUp(point.position, point.geometricNormal, items);
+    const int count = reader.lookUp(point.place.position, point.place.geometricNormal, items);
     std::printf("  cache items: %d, weights:", count);
     for (int i = 0; i < count; ++i)
         std::printf(" %.4f", static_cast<double>(items[static_cast<std::size_t>(i)].weight));
@@ -40,11 +40,11 @@ void printSample(const EstimatorContext& context, const ShadingPoint& point, std
         return;
     }
     RayPacket packet{};
-    packet.set(0, point.rayOrigin, direction);
+    packet.set(0, point.place.rayOrigin, direction);
     float distance = 0;
     context.scene.distances(packet, 1, &distance);
     std::printf("direction %s, cosine %.6f, ", text(direction).c_str(),
-                static_cast<double>(point.normal.dot(direction)));
+                static_cast<double>(point.place.normal.dot(direction)));
     if (std::isinf(distance))
         std::printf("visible, radiance %s\n",
                     text(context.environment.radiance(direction)).c_str());
@@ -61,8 +61,8 @@ void reportPixel(const FrameRequest& frame, int x, int y) {
     const auto report = [&](const CameraSample& sample) {
         const ShadingPoint& point = sample.point;
         std::printf("  position: %s\n  normal: %s\n  ray origin (from the set's): %s\n",
-                    text(point.position).c_str(), text(point.normal).c_str(),
-                    text(point.rayOrigin).c_str());
+                    text(point.place.position).c_str(), text(point.place.normal).c_str(),
+                    text(point.place.rayOrigin).c_str());
         printItems(context, point);
         for (std::size_t i = 0; i < sample.directions.size(); ++i)
             printSample(context, point, i, sample.directions[i]);

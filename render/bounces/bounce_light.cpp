@@ -59,86 +59,90 @@ GroupSizes BounceLight::sizesAt(int bounce) const {
 void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
                          BounceCounts& counts, const std::function<void()>& onLevel) const {
     const EstimatorContext& context = estimator_.context();
-    std::vector<PathLevel> levels{firstLevel(receivers, context.environment.luminanceWeights())};
-    if (context.solve) startRare(receivers, levels.front());
-    decideFirst(receivers, levels.front());
-    std::vector<VertexGroups> groups;
-    for (int bounce = 0; !levels.back().vertices.empty(); ++bounce) {
+    std::vector<PathLevel> levels;
+    PathVertices vertices = firstVertices(receivers, context.environment.luminanceWeights());
+    for (int bounce = 0; !vertices.vertices.empty(); ++bounce) {
         throwIfInterrupted();
-        PathLevel& level = levels.back();
+        PathLevel& level = levels.emplace_back();
+        level.at = std::move(vertices);
+        level.light = bounce == 0 ? predictFirst(receivers) : predictLight(level.at, bounce);
+        level.choices =
+            bounce == 0 ? chooseFirst(receivers) : choose(level.at, bouncesLeft(bounce));
+        level.groups = groupVertices(level.at.vertices, level.choices, sizesAt(bounce));
         if (bounce > 0) {
-            startWithIndirect(bouncesLeft(bounce), level);
-            decide(bouncesLeft(bounce), level);
-        }
-        groups.push_back(groupVertices(level, sizesAt(bounce)));
-        // Alone, a pixel's camera points have a sequence of their own.
-        if (bounce > 0 || options_.shared) stratifyNumbers(groups.back(), level);
-        if (bounce > 0) {
-            counts.shadowRays +=
-                lightVertices(estimator_, plan_, groups.back(), workspaces_, level);
+            counts.shadowRays += lightVertices(estimator_, plan_, workspaces_, level);
             onLevel();
         }
         if (bouncesLeft(bounce) == 0) break;
-        PathLevel next =
-            nextLevel(context, options_.plain, groups.back().order, level, counts.pathRays);
-        counts.vertices += next.vertices.size();
-        levels.push_back(std::move(next));
+        // Alone, a pixel's camera points have a sequence of their own.
+        const DirectionNumbers numbers = bounce > 0 || options_.shared
+                                             ? stratifiedNumbers(level.at.vertices, level.groups)
+                                             : firstNumbers(receivers);
+        PathStep step = nextVertices(context, options_.plain, level.at, level.choices, numbers,
+                                     level.groups.order);
+        level.children = std::move(step.children);
+        vertices = std::move(step.next);
+        counts.pathRays += step.rays;
+        counts.vertices += vertices.vertices.size();
     }
-    while (levels.size() > 1) {
+    PathLevel next;  // beyond the last: nothing
+    for (; !levels.empty(); levels.pop_back()) {
         throwIfInterrupted();
-        const PathLevel next = std::move(levels.back());
-        levels.pop_back();
         PathLevel& level = levels.back();
-        const std::size_t bounce = levels.size() - 1;
-        std::vector<Rgb> found(level.vertices.size());
-        counts.sharedRays += exchange(context.scene, groups[bounce], level, next, found);
-        addBounced(found, next, level);
+        if (!level.children.empty())
+            addBounced(exchange(context.scene, level, next, counts.sharedRays), next, level);
+        next = std::move(level);
     }
     for (std::size_t i = 0; i < receivers.size(); ++i) {
-        light[i].irradiance = levels.front().vertices[i].irradiance;
-        light[i].glossy = levels.front().vertices[i].mirrored;
+        light[i].irradiance = next.light[i].irradiance;
+        light[i].glossy = next.light[i].mirrored;
     }
     clampLight(receivers, light);
 }
 
-void BounceLight::startRare(std::span<const BounceReceiver> receivers, PathLevel& level) const {
+std::vector<VertexLight> BounceLight::predictFirst(
+    std::span<const BounceReceiver> receivers) const {
     const EstimatorContext& context = estimator_.context();
+    std::vector<VertexLight> light(receivers.size());
+    if (!context.solve) return light;
     parallelFor(receivers.size(), kChunk, [&](const Chunk& chunk) {
         ShadowCache::Reader reader(*context.cache);
         std::array<ItemView, ShadowCache::kMaxItems> items;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const ShadingPoint& point = *receivers[i].point;
-            if (!receivers[i].diffuse || point.sampleFraction >= 1) continue;
-            const int found = reader.lookUp(point.position, point.geometricNormal, items);
-            PathVertex& v = level.vertices[i];
-            v.predicted = context.solve->indirect(
-                std::span(items).first(static_cast<std::size_t>(found)), options_.most);
-            v.irradiance = v.predicted;
+            const auto& [place, slot] = *receivers[i].point;
+            if (!receivers[i].diffuse || slot.sampleFraction >= 1) continue;
+            const int found = reader.lookUp(place.position, place.geometricNormal, items);
+            light[i] = VertexLight::of(context.solve->indirect(
+                std::span(items).first(static_cast<std::size_t>(found)), options_.most));
         }
     });
+    return light;
 }
 
-void BounceLight::startWithIndirect(int bouncesLeft, PathLevel& level) const {
+std::vector<VertexLight> BounceLight::predictLight(const PathVertices& level, int bounce) const {
     const BounceSolve* solve = estimator_.context().solve;
-    if (!solve) return;
-    forEachIndex(level.vertices.size(), [&](std::size_t i) {
-        PathVertex& v = level.vertices[i];
-        if (v.item == kNoItem) return;
-        v.predicted = solve->indirect(v.item, bouncesLeft);
-        v.irradiance = v.predicted;
+    std::vector<VertexLight> light(level.vertices.size());
+    if (!solve) return light;
+    forEachIndex(light.size(), [&](std::size_t i) {
+        const std::uint32_t item = level.vertices[i].item;
+        if (item != kNoItem) light[i] = VertexLight::of(solve->indirect(item, bouncesLeft(bounce)));
     });
+    return light;
 }
 
 void BounceLight::addBounced(std::span<const Rgb> found, const PathLevel& next,
                              PathLevel& level) const {
-    forEachIndex(level.vertices.size(), [&](std::size_t i) {
-        PathVertex& v = level.vertices[i];
-        if (v.sendsDiffuse) {
-            v.irradiance += (found[i] - v.predicted) * (1 / v.diffuseChance);
-        }
-        if (v.lobeChild == kNoVertex) return;
-        const PathVertex& met = next.vertices[static_cast<std::size_t>(v.lobeChild)];
-        v.mirrored += met.throughLobe * (met.diffuseRadiance() + met.mirrored) * (1 / v.lobeChance);
+    forEachIndex(level.size(), [&](std::size_t i) {
+        const VertexChoice& choice = level.choices[i];
+        VertexLight& light = level.light[i];
+        if (choice.sendsDiffuse)
+            light.irradiance += (found[i] - light.predicted) * (1 / choice.diffuseChance);
+        if (level.children[i].lobe == VertexChildren::kNone) return;
+        const auto child = static_cast<std::size_t>(level.children[i].lobe);
+        const PathVertex& met = next.at.vertices[child];
+        const VertexLight& there = next.light[child];
+        light.mirrored += met.throughLobe * (diffuseRadiance(met, there) + there.mirrored) *
+                          (1 / choice.lobeChance);
     });
 }
 
@@ -151,7 +155,8 @@ void BounceLight::predict(std::span<const BounceReceiver> receivers,
         std::array<ItemView, ShadowCache::kMaxItems> items;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const ShadingPoint& point = *receivers[i].point;
-            const int found = reader.lookUp(point.position, point.geometricNormal, items);
+            const int found =
+                reader.lookUp(point.place.position, point.place.geometricNormal, items);
             const auto near = std::span(items).first(static_cast<std::size_t>(found));
             light[i].predicted = context.solve->indirect(near, options_.most);
             light[i].exposure = context.solve->exposure(near);

@@ -5,7 +5,7 @@
 
 #include "common/base/pool.h"
 #include "render/bounces/bounce_task.h"
-#include "render/bounces/vertex_groups.h"
+#include "render/bounces/path_level.h"
 
 namespace shadowcache {
 
@@ -35,11 +35,11 @@ public:
     void predict(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;
 
 private:
-    /// Starts camera points that do not all send rays with what is predicted to bounce to them.
-    void startRare(std::span<const BounceReceiver> receivers, PathLevel& level) const;
-    /// Starts the vertices of a level that have items with what is predicted to bounce to them.
-    void startWithIndirect(int bouncesLeft, PathLevel& level) const;
-    /// Adds what the rays of a level found to its vertices, in place of what was predicted of it.
+    /// What is predicted to bounce to camera points that do not all send rays.
+    std::vector<VertexLight> predictFirst(std::span<const BounceReceiver> receivers) const;
+    /// What is predicted to bounce to the vertices of a level that have items.
+    std::vector<VertexLight> predictLight(const PathVertices& level, int bounce) const;
+    /// Adds what the rays of a level found to its light, in place of what was predicted of it.
     void addBounced(std::span<const Rgb> found, const PathLevel& next, PathLevel& level) const;
     int bouncesLeft(int bounce) const;
     GroupSizes sizesAt(int bounce) const;

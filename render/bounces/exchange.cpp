@@ -38,24 +38,24 @@ public:
     std::uint64_t run(std::span<const std::uint32_t> members) {
         findDensities(members);
         const std::size_t n = members.size();
-        for (const std::uint32_t member : members) out_[member] = Rgb(0, 0, 0);
         for (std::size_t j = 0; j < n; ++j) {
-            const PathVertex* met = childOf(members[j]);
-            if (!met) continue;
+            const std::int32_t child = childOf(members[j]);
+            if (child == VertexChildren::kNone) continue;
             const auto column = std::span(density_).subspan(j * n, n);
             const float sum = std::accumulate(column.begin(), column.end(), 0.0f);
-            const Rgb radiance = met->diffuseRadiance() * static_cast<float>(kPi);
+            const VertexLight& light = next_.light[static_cast<std::size_t>(child)];
+            const Rgb radiance = diffuseRadiance(vertexMet(child), light) * static_cast<float>(kPi);
             for (std::size_t k = 0; k < n; ++k)
                 if (column[k] > 0) out_[members[k]] += radiance * (column[k] / sum);
-            out_[members[j]] += met->mirrored * static_cast<float>(kPi);
+            out_[members[j]] += light.mirrored * static_cast<float>(kPi);
         }
         return rays_;
     }
 
 private:
-    const PathVertex* childOf(std::uint32_t member) const {
-        const std::int32_t child = level_.vertices[member].diffuseChild;
-        return child == kNoVertex ? nullptr : &next_.vertices[static_cast<std::size_t>(child)];
+    std::int32_t childOf(std::uint32_t member) const { return level_.children[member].diffuse; }
+    const PathVertex& vertexMet(std::int32_t child) const {
+        return next_.at.vertices[static_cast<std::size_t>(child)];
     }
 
     /// density_[j n + k]: that of member k's rays at what j's ray met.
@@ -64,16 +64,17 @@ private:
         density_.assign(n * n, 0);
         rays_ = 0;
         for (std::size_t j = 0; j < n; ++j) {
-            const PathVertex* met = childOf(members[j]);
-            if (!met) continue;
+            const std::int32_t child = childOf(members[j]);
+            if (child == VertexChildren::kNone) continue;
+            const PathVertex& met = vertexMet(child);
             for (std::size_t k = 0; k < n; ++k) {
-                const PathVertex& from = level_.vertices[members[k]];
+                const PathVertex& from = level_.at.vertices[members[k]];
                 float& density = density_[j * n + k];
-                density = densityAt(from, *met);
+                density = densityAt(from, met);
                 if (k == j)
                     density = std::max(density, kLeastDensity);
                 else if (density > 0)
-                    enqueue(from.origin, met->target - from.origin, density);
+                    enqueue(from.origin, met.target - from.origin, density);
             }
         }
         flush();
@@ -119,15 +120,18 @@ private:
 
 }  // namespace
 
-std::uint64_t exchange(const Scene& scene, const VertexGroups& groups, const PathLevel& level,
-                       const PathLevel& next, std::vector<Rgb>& out) {
-    std::vector<std::uint64_t> rays((groups.count() + kGroupsOfChunk - 1) / kGroupsOfChunk);
+std::vector<Rgb> exchange(const Scene& scene, const PathLevel& level, const PathLevel& next,
+                          std::uint64_t& rays) {
+    const VertexGroups& groups = level.groups;
+    std::vector<Rgb> out(level.size(), Rgb(0.0f));
+    std::vector<std::uint64_t> counts((groups.count() + kGroupsOfChunk - 1) / kGroupsOfChunk);
     parallelFor(groups.count(), kGroupsOfChunk, [&](const Chunk& chunk) {
         GroupExchange exchange(scene, level, next, out);
         for (std::size_t g = chunk.begin; g < chunk.end; ++g)
-            rays[chunk.index] += exchange.run(groups.group(g));
+            counts[chunk.index] += exchange.run(groups.group(g));
     });
-    return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
+    rays = std::accumulate(counts.begin(), counts.end(), rays);
+    return out;
 }
 
 }  // namespace shadowcache

@@ -29,11 +29,13 @@ struct PathRay {
 /// One chunk of a level's vertices: their rays, and what these meet.
 class Steps {
 public:
-    Steps(const EstimatorContext& context, const PlainLook& plain, const PathLevel& level)
+    Steps(const EstimatorContext& context, const PlainLook& plain, const PathVertices& level,
+          std::span<const VertexChoice> choices)
         : scene_(context.scene),
           plain_(plain),
           weights_(context.environment.luminanceWeights()),
-          level_(level) {}
+          level_(level),
+          choices_(choices) {}
 
     /// A vertex that a ray met.
     struct Met {
@@ -43,11 +45,10 @@ public:
         bool moves;
     };
 
-    void run(std::span<const std::uint32_t> vertices) {
+    void run(std::span<const std::uint32_t> vertices, const DirectionNumbers& numbers) {
         for (const std::uint32_t from : vertices) {
-            const PathVertex& v = level_.vertices[from];
-            if (v.sendsDiffuse) sendDiffuse(v, from);
-            if (v.sendsLobe) sendLobe(v, from);
+            if (choices_[from].sendsDiffuse) sendDiffuse(from, numbers[from]);
+            if (choices_[from].sendsLobe) sendLobe(from);
         }
         trace();
     }
@@ -57,14 +58,16 @@ public:
     std::size_t rayCount() const { return rays_.size(); }
 
 private:
-    void sendDiffuse(const PathVertex& v, std::uint32_t from) {
-        const Vec3f direction = aroundNormal(v.normal, std::sqrt(1 - v.numbers[0]), v.numbers[1]);
+    void sendDiffuse(std::uint32_t from, const std::array<float, 2>& numbers) {
+        const PathVertex& v = level_.vertices[from];
+        const Vec3f direction = aroundNormal(v.normal, std::sqrt(1 - numbers[0]), numbers[1]);
         if (direction.dot(v.geometricNormal) > 0)
             rays_.push_back({direction, from, false, v.albedo});
     }
 
-    void sendLobe(const PathVertex& v, std::uint32_t from) {
-        const LobeRay ray = lobeRayOf(v, level_.lobes[static_cast<std::size_t>(v.lobe)]);
+    void sendLobe(std::uint32_t from) {
+        const PathVertex& v = level_.vertices[from];
+        const LobeRay ray = lobeRayOf(v, level_.lobeOf(v));
         if (ray.share != Rgb(0, 0, 0)) rays_.push_back({ray.direction, from, true, ray.share});
     }
 
@@ -88,6 +91,7 @@ private:
         const bool back = hit.normal.dot(ray.direction) > 0;
         if (back && !isDoubleSided(hit.scene->mesh(), hit.triangle)) return;
         const PathVertex& from = level_.vertices[ray.from];
+        const VertexChoice& choice = choices_[ray.from];
         const Surface surface = surfaceOf(hit, plain_);
         PathVertex v;
         v.normal = view.shadingNormal();
@@ -101,7 +105,7 @@ private:
             from.seed, ray.ofLobe ? RenderSalt::bounceLobeChild : RenderSalt::bounceChild);
         v.errorScale = from.errorScale;
         v.weight = from.weight * std::max(0.0f, ray.share.dot(weights_)) /
-                   (ray.ofLobe ? from.lobeChance : from.diffuseChance);
+                   (ray.ofLobe ? choice.lobeChance : choice.diffuseChance);
         if (ray.ofLobe) v.throughLobe = ray.share;
         if (surface.glossy) {
             v.lobe = static_cast<std::int32_t>(lobes.size());
@@ -113,73 +117,84 @@ private:
     const Scene& scene_;
     const PlainLook& plain_;
     const Rgb weights_;
-    const PathLevel& level_;
+    const PathVertices& level_;
+    const std::span<const VertexChoice> choices_;
     std::vector<PathRay> rays_;
 };
 
 }  // namespace
 
-PathLevel firstLevel(std::span<const BounceReceiver> receivers, const Rgb& luminanceWeights) {
-    PathLevel level;
+PathVertices firstVertices(std::span<const BounceReceiver> receivers, const Rgb& luminanceWeights) {
+    PathVertices level;
     level.vertices.resize(receivers.size());
-    std::vector<std::uint32_t> word(1);
     for (std::size_t i = 0; i < receivers.size(); ++i) {
         const BounceReceiver& receiver = receivers[i];
-        const ShadingPoint& point = *receiver.point;
+        const auto& [place, slot] = *receiver.point;
         PathVertex& v = level.vertices[i];
-        v.origin = v.target = point.rayOrigin;
-        v.normal = point.normal;
-        v.geometricNormal = point.geometricNormal;
+        v.origin = v.target = place.rayOrigin;
+        v.normal = place.normal;
+        v.geometricNormal = place.geometricNormal;
         v.albedo = receiver.diffuseAlbedo;
-        v.seed = hashWords(point.seed, RenderSalt::bounceFirst, point.cameraRay);
-        v.pixelSeed = point.seed;
-        v.errorScale = point.errorScale *
+        v.seed = hashWords(slot.seed, RenderSalt::bounceFirst, slot.cameraRay);
+        v.pixelSeed = slot.seed;
+        v.errorScale = slot.errorScale *
                        std::max(receiver.diffuseAlbedo.dot(luminanceWeights), 1e-6f) *
                        static_cast<float>(1 / kPi);
-        if (receiver.lobe) {
-            v.lobe = static_cast<std::int32_t>(level.lobes.size());
-            level.lobes.push_back(*receiver.lobe);
-        }
-        const std::uint64_t sequence = hashWords(point.seed, RenderSalt::bounceSequence);
-        for (int k = 0; k < 2; ++k) {
-            owenSobol(point.cameraRay, k, sequence, word);
-            v.numbers[k] = toUnitFloat(word[0]);
-        }
+        if (!receiver.lobe) continue;
+        v.lobe = static_cast<std::int32_t>(level.lobes.size());
+        level.lobes.push_back(*receiver.lobe);
     }
     return level;
 }
 
-PathLevel nextLevel(const EstimatorContext& context, const PlainLook& plain,
-                    std::span<const std::uint32_t> order, PathLevel& level, std::uint64_t& rays) {
+DirectionNumbers firstNumbers(std::span<const BounceReceiver> receivers) {
+    DirectionNumbers numbers(receivers.size());
+    std::vector<std::uint32_t> word(1);
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        const BatchSlot& slot = receivers[i].point->slot;
+        const std::uint64_t sequence = hashWords(slot.seed, RenderSalt::bounceSequence);
+        for (const std::size_t k : {0u, 1u}) {
+            owenSobol(slot.cameraRay, static_cast<int>(k), sequence, word);
+            numbers[i][k] = toUnitFloat(word[0]);
+        }
+    }
+    return numbers;
+}
+
+PathStep nextVertices(const EstimatorContext& context, const PlainLook& plain,
+                      const PathVertices& level, std::span<const VertexChoice> choices,
+                      const DirectionNumbers& numbers, std::span<const std::uint32_t> order) {
     std::vector<std::vector<Steps::Met>> met((order.size() + kVerticesOfChunk - 1) /
                                              kVerticesOfChunk);
     std::vector<std::vector<GlossyLobe>> lobes(met.size());
     std::vector<std::uint64_t> counts(met.size());
     parallelFor(order.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
-        Steps steps(context, plain, level);
-        steps.run(order.subspan(chunk.begin, chunk.end - chunk.begin));
+        Steps steps(context, plain, level, choices);
+        steps.run(order.subspan(chunk.begin, chunk.end - chunk.begin), numbers);
         counts[chunk.index] = steps.rayCount();
         met[chunk.index] = std::move(steps.met);
         lobes[chunk.index] = std::move(steps.lobes);
     });
-    PathLevel next;
+    PathStep step;
+    step.children.resize(level.vertices.size());
+    std::vector<PathVertex>& next = step.next.vertices;
     std::vector<std::uint32_t> ofSet;  // items are of the set alone, not of what moves
     for (std::size_t c = 0; c < met.size(); ++c) {
-        rays += counts[c];
-        const auto firstLobe = static_cast<std::int32_t>(next.lobes.size());
-        next.lobes.insert(next.lobes.end(), lobes[c].begin(), lobes[c].end());
+        step.rays += counts[c];
+        const auto firstLobe = static_cast<std::int32_t>(step.next.lobes.size());
+        step.next.lobes.insert(step.next.lobes.end(), lobes[c].begin(), lobes[c].end());
         for (Steps::Met& found : met[c]) {
-            if (found.vertex.lobe >= 0) found.vertex.lobe += firstLobe;
-            PathVertex& from = level.vertices[found.from];
-            (found.byLobe ? from.lobeChild : from.diffuseChild) =
-                static_cast<std::int32_t>(next.vertices.size());
-            if (!found.moves) ofSet.push_back(static_cast<std::uint32_t>(next.vertices.size()));
-            next.vertices.push_back(found.vertex);
+            if (found.vertex.isGlossy()) found.vertex.lobe += firstLobe;
+            VertexChildren& children = step.children[found.from];
+            (found.byLobe ? children.lobe : children.diffuse) =
+                static_cast<std::int32_t>(next.size());
+            if (!found.moves) ofSet.push_back(static_cast<std::uint32_t>(next.size()));
+            next.push_back(found.vertex);
         }
         met[c] = {};
     }
     if (context.solve) findItems(context.solve->items(), context.scene.mesh().origin, ofSet, next);
-    return next;
+    return step;
 }
 
 }  // namespace shadowcache

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,46 +9,74 @@
 
 namespace shadowcache {
 
-/// Number of a vertex that is not there.
-inline constexpr std::int32_t kNoVertex = -1;
-
 /// A place where a path of light turns: one that a camera ray met, or one that a ray from an
 /// earlier vertex met. Directions are unit vectors; places are relative to the set's origin.
 struct PathVertex {
+    static constexpr std::int32_t kNotGlossy = -1;
+
     Vec3f origin;           ///< where its rays start
     Vec3f target;           ///< on its surface, just off it: where rays that look for it end
     Vec3f normal;           ///< shading normal, on the side that was met
     Vec3f geometricNormal;  ///< of the triangle, on that side
-    Rgb albedo;             ///< of the diffuse part, as seen along the ray that met it
-    Rgb emission;           ///< [radiance]
+
+    Rgb albedo;                      ///< of the diffuse part, as seen along the ray that met it
+    Rgb emission{0, 0, 0};           ///< [radiance]
+    std::int32_t lobe = kNotGlossy;  ///< number in PathVertices::lobes
+    std::uint32_t item = kNoItem;    ///< cache item that predicts its irradiance
+
     std::uint64_t seed = 0;
-    std::uint64_t pixelSeed = 0;   ///< alike for all that one pixel's camera rays met; else its own
-    std::uint32_t item = kNoItem;  ///< that predicts its irradiance
-    float weight = 1;              ///< by which its radiance counts in its pixel, about [luminance]
+    std::uint64_t pixelSeed = 0;  ///< alike for all that one pixel's camera rays met; else its own
+    float weight = 1;             ///< by which its radiance counts in its pixel, about [luminance]
     float errorScale = 0;      ///< luminance that errors of its pixel are relative to; 0: unknown
     Rgb throughLobe{0, 0, 0};  ///< reflected share of its radiance, if a lobe's ray met it
-    std::int32_t lobe = -1;    ///< of the level's lobes; -1: not glossy
-    std::int32_t diffuseChild = kNoVertex;  ///< in the next level: what its diffuse ray met
-    std::int32_t lobeChild = kNoVertex;     ///< and its lobe's ray
-    float diffuseChance = 0;                ///< with which it sends a diffuse ray; 0: it may not
-    float lobeChance = 0;                   ///< and a ray of its lobe
-    bool sendsDiffuse = false, sendsLobe = false;  ///< what was decided by these
-    bool isLit = false;                            ///< its direct light is estimated
-    float numbers[2] = {0, 0};                     ///< in [0, 1): direction of the diffuse ray
-    Rgb predicted{0, 0, 0};                        ///< irradiance that bounces are predicted to add
-    Rgb irradiance{0, 0, 0};  ///< what is known of it, from all bounces that are left
-    Rgb mirrored{0, 0, 0};    ///< radiance that its lobe sends to where it was met from
 
-    /// Radiance that it sends to all sides.
-    Rgb diffuseRadiance() const {
-        return emission + albedo * irradiance * static_cast<float>(1 / kPi);
+    bool isGlossy() const { return lobe != kNotGlossy; }
+};
+
+/// Vertices that are as many bounces from the camera.
+struct PathVertices {
+    std::vector<PathVertex> vertices;
+    std::vector<GlossyLobe> lobes;  ///< toward where the vertices were met from
+
+    const GlossyLobe& lobeOf(const PathVertex& v) const {
+        return lobes[static_cast<std::size_t>(v.lobe)];
     }
 };
 
-/// The vertices that are as many bounces from the camera.
-struct PathLevel {
-    std::vector<PathVertex> vertices;
-    std::vector<GlossyLobe> lobes;  ///< toward where they were met from
+/// What is decided of a vertex before any ray from it.
+struct VertexChoice {
+    float diffuseChance = 0;                       ///< with which it sends a diffuse ray
+    float lobeChance = 0;                          ///< and a ray of its lobe
+    bool sendsDiffuse = false, sendsLobe = false;  ///< what was decided by these
+    bool isLit = false;                            ///< its direct light is estimated
+
+    bool any() const { return sendsDiffuse || sendsLobe || isLit; }
 };
+
+/// What the rays of a vertex met: numbers of vertices in the next level.
+struct VertexChildren {
+    static constexpr std::int32_t kNone = -1;
+
+    std::int32_t diffuse = kNone;
+    std::int32_t lobe = kNone;
+};
+
+/// Light of a vertex, as far as it is known.
+struct VertexLight {
+    Rgb predicted{0, 0, 0};   ///< irradiance that bounces are predicted to add
+    Rgb irradiance{0, 0, 0};  ///< from all bounces that are left
+    Rgb mirrored{0, 0, 0};    ///< radiance that its lobe sends to where it was met from
+
+    /// Light by what is predicted alone.
+    static VertexLight of(const Rgb& predicted) { return {predicted, predicted, {0, 0, 0}}; }
+};
+
+/// Radiance that a vertex sends to all sides.
+inline Rgb diffuseRadiance(const PathVertex& v, const VertexLight& light) {
+    return v.emission + v.albedo * light.irradiance * static_cast<float>(1 / kPi);
+}
+
+/// Two numbers in [0, 1) for each vertex of a level: the direction of its diffuse ray.
+using DirectionNumbers = std::vector<std::array<float, 2>>;
 
 }  // namespace shadowcache

@@ -26,10 +26,15 @@ float highest(const Rgb& color) {
 }
 
 /// Whether a camera ray is the one of its run that sends.
-bool isSender(const ShadingPoint& point, std::uint32_t run) {
+bool isSender(const BatchSlot& slot, std::uint32_t run) {
     const std::uint64_t drawn =
-        hashWords(point.seed, RenderSalt::bounceSender, point.cameraRay / run) % run;
-    return point.cameraRay % run == drawn;
+        hashWords(slot.seed, RenderSalt::bounceSender, slot.cameraRay / run) % run;
+    return slot.cameraRay % run == drawn;
+}
+
+/// Number in [0, 1) that decides a choice of a vertex; choices have numbers of their own.
+float chanceOf(const PathVertex& vertex, std::uint64_t choice) {
+    return static_cast<float>(toUnit(hashWords(vertex.seed, RenderSalt::bounceSends, choice)));
 }
 
 float roulette(float reflectance, bool unlimited) {
@@ -37,10 +42,6 @@ float roulette(float reflectance, bool unlimited) {
 }
 
 }  // namespace
-
-float chanceOf(const PathVertex& vertex, std::uint64_t choice) {
-    return static_cast<float>(toUnit(hashWords(vertex.seed, RenderSalt::bounceSends, choice)));
-}
 
 LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe) {
     const auto number = [&](std::uint64_t dimension) {
@@ -57,45 +58,51 @@ LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe) {
     return ray;
 }
 
-void decideFirst(std::span<const BounceReceiver> receivers, PathLevel& level) {
-    parallelFor(level.vertices.size(), kChunk, [&](const Chunk& chunk) {
+std::vector<VertexChoice> chooseFirst(std::span<const BounceReceiver> receivers) {
+    std::vector<VertexChoice> choices(receivers.size());
+    parallelFor(receivers.size(), kChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const ShadingPoint& point = *receivers[i].point;
-            PathVertex& v = level.vertices[i];
-            const auto run = static_cast<std::uint32_t>(std::lround(1 / point.sampleFraction));
-            const bool sends = isSender(point, run);
+            const BatchSlot& slot = receivers[i].point->slot;
+            VertexChoice& choice = choices[i];
+            const auto run = static_cast<std::uint32_t>(std::lround(1 / slot.sampleFraction));
+            const bool sends = isSender(slot, run);
             if (receivers[i].diffuse) {
-                v.diffuseChance = point.sampleFraction;
-                v.sendsDiffuse = sends;
+                choice.diffuseChance = slot.sampleFraction;
+                choice.sendsDiffuse = sends;
             }
-            if (v.lobe < 0) continue;
-            v.lobeChance = point.sampleFraction;
-            v.sendsLobe = sends;
+            if (!receivers[i].lobe) continue;
+            choice.lobeChance = slot.sampleFraction;
+            choice.sendsLobe = sends;
         }
     });
+    return choices;
 }
 
-void decide(int bouncesLeft, PathLevel& level) {
+std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft) {
     const bool unlimited = bouncesLeft == kUnlimitedBounces;
-    parallelFor(level.vertices.size(), kChunk, [&](const Chunk& chunk) {
+    std::vector<VertexChoice> choices(level.vertices.size());
+    parallelFor(choices.size(), kChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            PathVertex& v = level.vertices[i];
+            const PathVertex& v = level.vertices[i];
+            VertexChoice& choice = choices[i];
             const float reflectance = highest(v.albedo);
-            if (reflectance <= 0 && v.lobe < 0) continue;
-            v.isLit = true;
+            if (reflectance <= 0 && !v.isGlossy()) continue;
+            choice.isLit = true;
             if (bouncesLeft == 0) continue;
             // With a chance q, the second moment of what paths correct grows by albedo^2 / q a
             // bounce in a closed room: q must not be below the albedo.
             if (reflectance > 0)
-                v.diffuseChance = std::max(v.item != kNoItem ? kBounceChance : 0.0f,
-                                           roulette(reflectance, unlimited));
-            v.sendsDiffuse = chanceOf(v, 1) < v.diffuseChance;
-            if (v.lobe < 0) continue;
-            const LobeRay ray = lobeRayOf(v, level.lobes[static_cast<std::size_t>(v.lobe)]);
-            if (ray.share != Rgb(0, 0, 0)) v.lobeChance = roulette(highest(ray.share), unlimited);
-            v.sendsLobe = chanceOf(v, 2) < v.lobeChance;
+                choice.diffuseChance = std::max(v.item != kNoItem ? kBounceChance : 0.0f,
+                                                roulette(reflectance, unlimited));
+            choice.sendsDiffuse = chanceOf(v, 1) < choice.diffuseChance;
+            if (!v.isGlossy()) continue;
+            const LobeRay ray = lobeRayOf(v, level.lobeOf(v));
+            if (ray.share != Rgb(0, 0, 0))
+                choice.lobeChance = roulette(highest(ray.share), unlimited);
+            choice.sendsLobe = chanceOf(v, 2) < choice.lobeChance;
         }
     });
+    return choices;
 }
 
 }  // namespace shadowcache

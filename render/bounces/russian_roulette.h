@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "render/bounces/bounce_task.h"
 #include "render/bounces/path_vertex.h"
@@ -15,19 +16,16 @@ struct LobeRay {
 };
 LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe);
 
-/// Number in [0, 1) that decides a choice of a vertex; choices have numbers of their own.
-float chanceOf(const PathVertex& vertex, std::uint64_t choice);
-
 /// Decides which of a frame's camera points, the vertices of the first level, send rays. All do,
 /// but of those that extra camera rays of a pixel met, in each run of as many rays as there are for
 /// one that was asked for, one.
-void decideFirst(std::span<const BounceReceiver> receivers, PathLevel& level);
+std::vector<VertexChoice> chooseFirst(std::span<const BounceReceiver> receivers);
 
 /// Decides which vertices send rays and which are lit, from their seeds, albedos and lobes alone.
 ///
 /// Where a vertex has an item, whose irradiance is predicted, rays only correct that.
 ///
 /// @param bouncesLeft  surfaces that light may still have met before these; kUnlimitedBounces
-void decide(int bouncesLeft, PathLevel& level);
+std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft);
 
 }  // namespace shadowcache

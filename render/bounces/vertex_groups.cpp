@@ -38,11 +38,10 @@ struct Range {
 /// Halves ranges of vertices at the median of the axis that they differ most along.
 class ClusterTree {
 public:
-    explicit ClusterTree(const PathLevel& level) {
-        for (std::uint32_t i = 0; i < level.vertices.size(); ++i) {
-            const PathVertex& v = level.vertices[i];
-            if (!v.isLit && !v.sendsDiffuse && !v.sendsLobe) continue;
-            const Vec3f &p = v.target, &n = v.normal;
+    ClusterTree(std::span<const PathVertex> vertices, std::span<const VertexChoice> choices) {
+        for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+            if (!choices[i].any()) continue;
+            const Vec3f &p = vertices[i].target, &n = vertices[i].normal;
             placed_.push_back({{p.x, p.y, p.z, n.x, n.y, n.z}, i});
         }
         Vec3f low(std::numeric_limits<float>::max()), high(-low);
@@ -132,8 +131,7 @@ struct DealKey {
     auto operator<=>(const DealKey&) const = default;
 };
 
-DealKey dealKey(const PathLevel& level, std::uint32_t number, bool ofPixels) {
-    const PathVertex& v = level.vertices[number];
+DealKey dealKey(const PathVertex& v, std::uint32_t number, bool ofPixels) {
     return {ofPixels ? v.pixelSeed : 0, hashWords(v.seed, RenderSalt::bounceShuffle), number};
 }
 
@@ -145,11 +143,12 @@ struct Deal {
 
 /// Cuts a cluster into groups of at most `sizes.vertices`. What one pixel's camera rays met follow
 /// each other in the sequence, and go to different groups.
-Deal deal(const PathLevel& level, std::span<const Placed> cluster, const GroupSizes& sizes) {
+Deal deal(std::span<const PathVertex> vertices, std::span<const VertexChoice> choices,
+          std::span<const Placed> cluster, const GroupSizes& sizes) {
     std::vector<DealKey> keys;
     for (const Placed& p : cluster)
-        if (level.vertices[p.number].sendsDiffuse)
-            keys.push_back(dealKey(level, p.number, sizes.ofPixels));
+        if (choices[p.number].sendsDiffuse)
+            keys.push_back(dealKey(vertices[p.number], p.number, sizes.ofPixels));
     std::ranges::sort(keys);
     const std::size_t count = keys.size(), parts = (count + sizes.vertices - 1) / sizes.vertices;
     Deal all;
@@ -168,17 +167,18 @@ Deal deal(const PathLevel& level, std::span<const Placed> cluster, const GroupSi
 
 }  // namespace
 
-VertexGroups groupVertices(const PathLevel& level, const GroupSizes& sizes) {
+VertexGroups groupVertices(std::span<const PathVertex> vertices,
+                           std::span<const VertexChoice> choices, const GroupSizes& sizes) {
     VertexGroups groups;
     groups.begins.push_back(0);
     groups.clusters.push_back(0);
-    ClusterTree tree(level);
+    ClusterTree tree(vertices, choices);
     if (tree.empty()) return groups;
     const std::vector<Range> clusters = tree.split(sizes.vertices * sizes.groups);
     std::vector<Deal> deals(clusters.size());
     parallelFor(clusters.size(), kClustersOfChunk, [&](const Chunk& chunk) {
         for (std::size_t c = chunk.begin; c < chunk.end; ++c)
-            deals[c] = deal(level, tree.of(clusters[c]), sizes);
+            deals[c] = deal(vertices, choices, tree.of(clusters[c]), sizes);
     });
     for (std::size_t c = 0; c < clusters.size(); ++c) {
         for (const Placed& p : tree.of(clusters[c])) groups.order.push_back(p.number);
@@ -192,23 +192,25 @@ VertexGroups groupVertices(const PathLevel& level, const GroupSizes& sizes) {
     return groups;
 }
 
-void stratifyNumbers(const VertexGroups& groups, PathLevel& level) {
+DirectionNumbers stratifiedNumbers(std::span<const PathVertex> vertices,
+                                   const VertexGroups& groups) {
+    DirectionNumbers numbers(vertices.size());
     parallelFor(groups.clusters.size() - 1, kClustersOfChunk, [&](const Chunk& chunk) {
         std::vector<std::uint32_t> words;
         for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
             const std::size_t begin = groups.clusters[c], end = groups.clusters[c + 1];
             if (begin == end) continue;
             const std::uint64_t seed =
-                hashWords(level.vertices[groups.members[begin]].seed, RenderSalt::bounceGroup);
+                hashWords(vertices[groups.members[begin]].seed, RenderSalt::bounceGroup);
             words.resize(end - begin);
-            for (int k = 0; k < 2; ++k) {
-                owenSobol(0, k, seed, words);
+            for (const std::size_t k : {0u, 1u}) {
+                owenSobol(0, static_cast<int>(k), seed, words);
                 for (std::size_t i = begin; i < end; ++i)
-                    level.vertices[groups.members[i]].numbers[k] =
-                        toUnitFloat(words[groups.places[i]]);
+                    numbers[groups.members[i]][k] = toUnitFloat(words[groups.places[i]]);
             }
         }
     });
+    return numbers;
 }
 
 }  // namespace shadowcache

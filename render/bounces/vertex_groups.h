@@ -34,10 +34,11 @@ struct GroupSizes {
 /// groups: at random, but vertices of one pixel to different groups, since what it gains grows with
 /// the number of pixels of its groups, and what they cost with the vertices. Decided by the
 /// vertices alone, in the same way for any number of threads.
-VertexGroups groupVertices(const PathLevel& level, const GroupSizes& sizes);
+VertexGroups groupVertices(std::span<const PathVertex> vertices,
+                           std::span<const VertexChoice> choices, const GroupSizes& sizes);
 
-/// Gives the members of each cluster's groups points of one (0, 2)-sequence as the numbers of their
-/// diffuse rays.
-void stratifyNumbers(const VertexGroups& groups, PathLevel& level);
+/// Points of one (0, 2)-sequence for the members of each cluster's groups.
+DirectionNumbers stratifiedNumbers(std::span<const PathVertex> vertices,
+                                   const VertexGroups& groups);
 
 }  // namespace shadowcache

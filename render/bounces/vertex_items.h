@@ -8,10 +8,10 @@
 
 namespace shadowcache {
 
-/// Sets the items that predict the irradiance of some vertices of a level, all of the set itself.
+/// Sets the items that predict the irradiance of vertices, by number: all are of the set itself.
 ///
 /// @param origin  of the set, world space
-void findItems(const ItemTable& items, const Vec3d& origin, std::span<const std::uint32_t> vertices,
-               PathLevel& level);
+void findItems(const ItemTable& items, const Vec3d& origin, std::span<const std::uint32_t> numbers,
+               std::span<PathVertex> vertices);
 
 }  // namespace shadowcache

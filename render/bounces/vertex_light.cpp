@@ -22,7 +22,7 @@ public:
         : estimator_(estimator), plan_(plan), level_(level) {}
 
     void add(std::uint32_t number) {
-        const PathVertex& v = level_.vertices[number];
+        const PathVertex& v = level_.at.vertices[number];
         const EstimatorContext& context = estimator_.context();
         const SetPlace place{v.origin, context.scene.mesh().origin + Vec3d(v.target), v.normal,
                              v.geometricNormal};
@@ -45,8 +45,7 @@ public:
         estimator_.estimate(batch, workspace, estimates);
         std::uint64_t rays = 0;
         for (std::size_t i = 0; i < points_.size(); ++i) {
-            PathVertex& v = level_.vertices[numbers_[i]];
-            v.irradiance += estimates[i].irradiance;
+            level_.light[numbers_[i]].irradiance += estimates[i].irradiance;
             rays += estimates[i].rays + estimates[i].reused;
         }
         return rays + lightLobes(batch, workspace);
@@ -57,9 +56,9 @@ private:
         std::vector<GlossyPoint> glossy;
         std::vector<std::uint32_t> of;
         for (std::size_t i = 0; i < points_.size(); ++i) {
-            const PathVertex& v = level_.vertices[numbers_[i]];
-            if (v.lobe < 0) continue;
-            glossy.push_back({points_[i], level_.lobes[static_cast<std::size_t>(v.lobe)]});
+            const PathVertex& v = level_.at.vertices[numbers_[i]];
+            if (!v.isGlossy()) continue;
+            glossy.push_back({points_[i], level_.at.lobeOf(v)});
             of.push_back(numbers_[i]);
         }
         if (glossy.empty()) return 0;
@@ -67,8 +66,7 @@ private:
         estimator_.estimateGloss(batch, glossy, workspace, estimates);
         std::uint64_t rays = 0;
         for (std::size_t i = 0; i < glossy.size(); ++i) {
-            PathVertex& v = level_.vertices[of[i]];
-            v.mirrored += estimates[i].radiance;
+            level_.light[of[i]].mirrored += estimates[i].radiance;
             rays += estimates[i].rays;
         }
         return rays;
@@ -84,11 +82,10 @@ private:
 }  // namespace
 
 std::uint64_t lightVertices(const Estimator& estimator, const EstimatorPlan* plan,
-                            const VertexGroups& groups, Pool<Workspace>& workspaces,
-                            PathLevel& level) {
+                            Pool<Workspace>& workspaces, PathLevel& level) {
     std::vector<std::uint32_t> lit;
-    for (const std::uint32_t i : groups.order)
-        if (level.vertices[i].isLit) lit.push_back(i);
+    for (const std::uint32_t i : level.groups.order)
+        if (level.choices[i].isLit) lit.push_back(i);
     std::vector<std::uint64_t> rays((lit.size() + kBatchVertices - 1) / kBatchVertices);
     parallelFor(lit.size(), kBatchVertices, [&](const Chunk& chunk) {
         std::unique_ptr<Workspace> workspace =

@@ -2,16 +2,15 @@
 
 #include "common/base/pool.h"
 #include "render/bounces/bounce_task.h"
-#include "render/bounces/vertex_groups.h"
+#include "render/bounces/path_level.h"
 
 namespace shadowcache {
 
-/// Estimates the direct light of the vertices that are to be lit, with one sample each: adds it to
-/// their irradiance, and what their lobes reflect of it to `mirrored`.
+/// Adds the direct light of the vertices that are to be lit to the level's light, estimated with
+/// one sample each: to the irradiance, and what lobes reflect of it to `mirrored`.
 ///
 /// @return shadow rays
 std::uint64_t lightVertices(const Estimator& estimator, const EstimatorPlan* plan,
-                            const VertexGroups& groups, Pool<Workspace>& workspaces,
-                            PathLevel& level);
+                            Pool<Workspace>& workspaces, PathLevel& level);
 
 }  // namespace shadowcache

@@ -43,15 +43,16 @@ public:
         Stopwatch watch;
         if (batch.samples == 0) {
             for (std::size_t i = 0; i < batch.points.size(); ++i)
-                estimates[i].irradiance = countedPreview(batch.points[i], w);
+                estimates[i].irradiance = countedPreview(batch.points[i].place, w);
             w.setupNanoseconds += watch.sinceLast();
             return;
         }
         if (batch.predict)
             for (std::size_t i = 0; i < batch.points.size(); ++i)
-                estimates[i].predicted = countedPreview(batch.points[i], w);
-        CosineLight light(context_, planOf(batch.plan), batch, splitter_, w.lookup, w.cosines, w);
-        lightBatch(context_, batch, light, w.cosines, w, estimates);
+                estimates[i].predicted = countedPreview(batch.points[i].place, w);
+        const CachedBatch lit{context_, planOf(batch.plan), batch, w.lookup, w};
+        CosineLight light(lit, splitter_, w.cosines);
+        lightBatch(lit, light, w.cosines, estimates);
     }
 
     void estimateGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
@@ -63,19 +64,19 @@ public:
         own.points.clear();
         for (const GlossyPoint& glossy : points) {
             ShadingPoint& point = own.points.emplace_back(glossy.point);
-            point.seed = hashWords(point.seed, RenderSalt::glossCluster);
+            point.slot.seed = hashWords(point.slot.seed, RenderSalt::glossCluster);
         }
         own.estimates.assign(points.size(), {});
         PointBatch ofLobes = batch;
         ofLobes.points = own.points;
-        LobeLight light(context_, planOf(batch.plan), ofLobes, points, lobeTables_.of(context_),
-                        splitter_.leastNoise(), w.lookup, own);
+        const CachedBatch lit{context_, planOf(batch.plan), ofLobes, w.lookup, w};
+        LobeLight light(lit, points, lobeTables_.of(context_), splitter_.leastNoise(), own);
         if (batch.samples == 0) {
             Stopwatch watch;
             light.predict(own.estimates);
             w.traceNanoseconds += watch.sinceLast();
         } else {
-            lightBatch(context_, ofLobes, light, own.tools, w, own.estimates);
+            lightBatch(lit, light, own.tools, own.estimates);
         }
         for (std::size_t i = 0; i < points.size(); ++i) {
             const Estimate& e = own.estimates[i];
@@ -104,11 +105,12 @@ private:
         const CachePlan& plan = planOf(ofFrame);
         auto& w = static_cast<CacheWorkspace&>(workspace);
         CacheInsight insight;
-        insight.items = w.lookup.pool(context_.scene, point, 0);
-        insight.openness = openness_.measure(w.lookup.pooled(), point.normal);
+        const SetPlace& place = point.place;
+        insight.items = w.lookup.pool(context_.scene, place, 0);
+        insight.openness = openness_.measure(w.lookup.pooled(), place.normal);
         const Regions& regions =
             w.cosines.builder
-                .build(CosineIntegrand(context_.environment, splitter_, point.normal, 0, 0),
+                .build(CosineIntegrand(context_.environment, splitter_, place.normal, 0, 0),
                        w.lookup.pooled(), plan.calibration)
                 .regions;
         for (const RegionGroup& group : regions.groups)
@@ -116,37 +118,37 @@ private:
                 static_cast<int>(std::count_if(group.deviation, group.deviation + kBlockCells,
                                                [](float deviation) { return deviation > 0; }));
         if (samples > 0)
-            insight.expectedNoise =
-                static_cast<float>(deviationOf(regions) /
-                                   std::sqrt(plan.samplesOf(plan.noiseOf(regions, point), samples) *
-                                             static_cast<double>(point.sampleFraction)));
+            insight.expectedNoise = static_cast<float>(
+                deviationOf(regions) /
+                std::sqrt(plan.samplesOf(plan.noiseOf(regions, point.slot), samples) *
+                          static_cast<double>(point.slot.sampleFraction)));
         return insight;
     }
 
     /// The irradiance without any ray. What moves hides other things from each pixel; without it
     /// items can be summed up once for all pixels.
-    Rgb preview(const ShadingPoint& point, CacheWorkspace& w, IrradianceWithoutRays& predicted,
+    Rgb preview(const SetPlace& place, CacheWorkspace& w, IrradianceWithoutRays& predicted,
                 bool& known) const {
         if (!context_.scene.movingBalls().empty()) {
-            known = w.lookup.pool(context_.scene, point, 0) > 0;
-            return predicted.preview.irradiance(w.lookup.pooled(), point.normal);
+            known = w.lookup.pool(context_.scene, place, 0) > 0;
+            return predicted.preview.irradiance(w.lookup.pooled(), place.normal);
         }
-        const std::span<const ItemView> found = w.lookup.find(point);
+        const std::span<const ItemView> found = w.lookup.find(place);
         known = !found.empty();
-        return predicted.byItem.mean(found, point.normal);
+        return predicted.byItem.mean(found, place.normal);
     }
 
-    Rgb countedPreview(const ShadingPoint& point, CacheWorkspace& w) const {
+    Rgb countedPreview(const SetPlace& place, CacheWorkspace& w) const {
         bool known = false;
-        const Rgb irradiance = preview(point, w, w.preview, known);
+        const Rgb irradiance = preview(place, w, w.preview, known);
         w.pointsWithoutItems += known ? 0 : 1;
         return irradiance;
     }
 
-    Rgb predict(const ShadingPoint& point, Workspace& workspace) const override {
+    Rgb predict(const SetPlace& place, Workspace& workspace) const override {
         bool known = false;
         auto& w = static_cast<CacheWorkspace&>(workspace);
-        return preview(point, w, w.rough, known);
+        return preview(place, w, w.rough, known);
     }
 };
 

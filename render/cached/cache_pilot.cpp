@@ -78,12 +78,13 @@ const Regions& calibrate(std::span<const RegionEvidence> place, const Calibratio
 }
 
 const Regions& PilotLook::build(const ShadingPoint& point, float leastNoise) {
-    const CosineIntegrand cosine(context_.environment, splitter_, point.normal, 0, leastNoise);
+    const CosineIntegrand cosine(context_.environment, splitter_, point.place.normal, 0,
+                                 leastNoise);
     return builder_.build(cosine, lookup_.pooled(), uncalibrated_).regions;
 }
 
 std::uint64_t PilotLook::look(const ShadingPoint& point, PilotPlace& place, Calibration& found) {
-    lookup_.pool(context_.scene, point, 0);
+    lookup_.pool(context_.scene, point.place, 0);
     const std::uint64_t rays = trace(point, build(point, 0), found);
     place.fine.assign(builder_.evidence().begin(), builder_.evidence().end());
     build(point, std::numeric_limits<float>::max());
@@ -109,7 +110,7 @@ std::uint64_t PilotLook::trace(const ShadingPoint& point, const Regions& regions
     posteriors_.clear();
     for (int k = 0; k < 2 && sums[k] > 0; ++k) draw(point, k, sums[k]);
     Estimate unused;
-    samples_.trace(context_.scene, point, context_.environment, unused);
+    samples_.trace(context_.scene, point.place, context_.environment, unused);
     for (std::size_t i = 0; i < samples_.size(); ++i)
         found.add(posteriors_[i], samples_.visible(i));
     return unused.rays;
@@ -120,7 +121,7 @@ void PilotLook::draw(const ShadingPoint& point, int k, double sum) {
     const int each = kPilotRays / 2;
     int j = 0;
     const auto numberOf = [&](int dimension) {
-        return hashWords(point.seed, RenderSalt::pilotRay,
+        return hashWords(point.slot.seed, RenderSalt::pilotRay,
                          static_cast<std::uint64_t>(j) * 8 + static_cast<std::uint64_t>(k) * 4 +
                              static_cast<std::uint64_t>(dimension));
     };
@@ -133,7 +134,7 @@ void PilotLook::draw(const ShadingPoint& point, int k, double sum) {
             const EnvironmentSample s = context_.environment.sampleCell(
                 r.level, r.cell, toUnit(numberOf(2)), toUnitFloat(static_cast<std::uint32_t>(h)),
                 toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
-            if (s.direction.dot(point.normal) <= 0) continue;
+            if (s.direction.dot(point.place.normal) <= 0) continue;
             samples_.add(s.direction, Rgb(0, 0, 0));
             posteriors_.push_back(r.posterior);
         }
@@ -199,7 +200,8 @@ std::unique_ptr<const CachePlan> planByCache(const EstimatorContext& context, bo
     planByMeans(predicted, plan);
     std::vector<PredictedNoise> noise;
     for (std::size_t i = 0; i < points.size(); ++i)
-        noise.push_back(plan.noiseOf(predicted[i].luminance, predicted[i].deviation, points[i]));
+        noise.push_back(
+            plan.noiseOf(predicted[i].luminance, predicted[i].deviation, points[i].slot));
     if (adaptive) {
         plan.budget.emplace(noise, samples);
         plan.predictedError = plan.budget->predictedError();

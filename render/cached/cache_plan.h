@@ -29,12 +29,12 @@ struct CachePlan final : EstimatorPlan {
     /// How bright places are beside their samples.
     Brightness brightness() const { return {darkest, budget ? kUnsureShare : kUnsureShareUniform}; }
     /// @param luminance, deviation  predicted of the point's irradiance, and of one sample
-    PredictedNoise noiseOf(double luminance, double deviation, const ShadingPoint& point) const {
-        return {deviation, point.errorScale > 0 ? static_cast<double>(point.errorScale)
-                                                : std::hypot(luminance, floor)};
+    PredictedNoise noiseOf(double luminance, double deviation, const BatchSlot& slot) const {
+        return {deviation, slot.errorScale > 0 ? static_cast<double>(slot.errorScale)
+                                               : std::hypot(luminance, floor)};
     }
-    PredictedNoise noiseOf(const Regions& regions, const ShadingPoint& point) const {
-        return noiseOf(regions.predictedLuminance, deviationOf(regions), point);
+    PredictedNoise noiseOf(const Regions& regions, const BatchSlot& slot) const {
+        return noiseOf(regions.predictedLuminance, deviationOf(regions), slot);
     }
     /// Samples of a point of so much noise, where `mean` are the mean.
     double samplesOf(const PredictedNoise& noise, int mean) const {

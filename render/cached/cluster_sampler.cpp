@@ -37,7 +37,7 @@ std::span<const ClusterSample> ClusterSampler::draw(const PointBatch& batch,
         const RegionDistribution::Choice choice =
             walk.next(static_cast<double>(number.key) * 0x1p-64);
         samples_.push_back(
-            {members[number.member], choice.place,
+            {number.member, choice.place,
              static_cast<float>(choice.inverseChance / counts[number.member].divisor),
              distribution.startDraw(choice), number.jitter});
     }
@@ -50,17 +50,16 @@ void ClusterSampler::drawNumbers(const PointBatch& batch, std::span<const std::u
                                  std::span<const SampleCount> counts, Sequence sequence) {
     numbers_.clear();
     for (std::size_t i = 0; i < members.size(); ++i) {
-        const ShadingPoint& point = batch.points[members[i]];
+        const BatchSlot& slot = batch.points[members[i]].slot;
         const int count = counts[i].drawn;
-        const std::uint64_t base =
-            hashWords(point.seed, RenderSalt::clusterJitter, point.cameraRay);
+        const std::uint64_t base = hashWords(slot.seed, RenderSalt::clusterJitter, slot.cameraRay);
         for (int j = 0; j < count; ++j)
             numbers_.push_back(
                 {0, static_cast<std::uint32_t>(i),
                  mixBits(base + static_cast<std::uint64_t>(j) * 0x9e3779b97f4a7c15ull)});
     }
     words_.resize(numbers_.size());
-    const ShadingPoint& first = batch.points[members.front()];
+    const BatchSlot& first = batch.points[members.front()].slot;
     sequence.fill(0, 0, hashWords(first.seed, RenderSalt::clusterOrder, first.cameraRay), words_);
     for (std::size_t k = 0; k < numbers_.size(); ++k)
         numbers_[k].key = std::uint64_t{words_[k]} << 32 | mixBits(numbers_[k].jitter) >> 32;

@@ -12,7 +12,7 @@ namespace shadowcache {
 
 /// A sample of a cluster: for which point, and where in which region.
 struct ClusterSample {
-    std::uint32_t point;  ///< number in the batch
+    std::uint32_t member;  ///< number of the point in the cluster
     RegionPlace place;
     float inverseCount;  ///< 1 / (number of samples expected of the point in the region)
     Environment::Draw draw;
@@ -29,6 +29,15 @@ struct SampleCount {
     int drawn;
     double divisor;   ///< what they are divided by: their number, or the chance of the only one
     double expected;  ///< their number on average. Numbers of different points depend on each other
+};
+
+/// Samples of a cluster's points, in the order of its members.
+struct ClusterCounts {
+    std::span<const SampleCount> ofRegions;
+    std::span<const SampleCount> ofLobes = {};  ///< drawn from the points' own lobes; may be none
+    double judged = kJudgedSamples;  ///< of a point, by which the plan judges what is heavy
+    /// Irradiance from which on one of a point's samples is heavy [luminance]; empty: none is.
+    std::span<const double> heavyFrom = {};
 };
 
 /// Rounds what is wanted of a cluster's points to numbers of samples, on average the same.

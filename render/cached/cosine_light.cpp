@@ -2,70 +2,73 @@
 
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
+#include "render/cached/drawn_sample.h"
 
 namespace shadowcache {
 
-const FittedRegions<CosineIntegrand>& CosineLight::regionsOf(
-    const PointCluster& cluster, std::span<const std::uint32_t> members) {
-    const ShadingPoint& centre = batch_.points[cluster.centre];
-    if (lookup_.pool(context_.scene, centre, cluster.radius) == 0)
-        watch_.pointsWithoutItems += members.size();
+CosineLight::Model CosineLight::modelOf(const PointCluster& cluster) {
+    const PointBatch& batch = batch_.points;
+    const SetPlace& centre = batch.points[cluster.centre].place;
+    if (batch_.lookup.pool(batch_.context.scene, centre, cluster.radius) == 0)
+        batch_.workspace.pointsWithoutItems += cluster.members.size();
     double samples = 0;
-    for (const std::uint32_t member : members)
-        samples += static_cast<double>(batch_.points[member].sampleFraction) * batch_.samples;
-    return tools_.builder.build(
-        CosineIntegrand(context_.environment, splitter_, centre.normal, cluster.tilt,
-                        static_cast<float>(frame_.splitNoise / samples)),
-        lookup_.pooled(), frame_.calibration);
+    for (const std::uint32_t member : cluster.members)
+        samples += static_cast<double>(batch.points[member].slot.sampleFraction) * batch.samples;
+    return {tools_.builder.build(
+        CosineIntegrand(batch_.context.environment, splitter_, centre.normal, cluster.tilt,
+                        static_cast<float>(batch_.plan.splitNoise / samples)),
+        batch_.lookup.pooled(), batch_.plan.calibration)};
 }
 
-const SamplingPlan& CosineLight::plan(const Regions& regions,
-                                      std::span<const std::uint32_t> members) {
+ClusterCounts CosineLight::countSamples(const PointCluster& cluster, const Model& model) {
+    const PointBatch& batch = batch_.points;
+    const CachePlan& plan = batch_.plan;
     tools_.wanted.clear();
     heavyFrom_.clear();
     double samples = 0, rays = 0;
-    for (const std::uint32_t member : members) {
-        const ShadingPoint& point = batch_.points[member];
-        const PredictedNoise noise = frame_.noiseOf(regions, point);
-        const auto part = static_cast<double>(point.sampleFraction);
-        tools_.wanted.push_back(part * frame_.samplesOf(noise, batch_.samples));
-        heavyFrom_.push_back(frame_.heavy * noise.scale * kJudgedSamples / (batch_.samples * part));
+    for (const std::uint32_t member : cluster.members) {
+        const BatchSlot& slot = batch.points[member].slot;
+        const PredictedNoise noise = plan.noiseOf(model.fitted.regions, slot);
+        const auto part = static_cast<double>(slot.sampleFraction);
+        tools_.wanted.push_back(part * plan.samplesOf(noise, batch.samples));
+        heavyFrom_.push_back(plan.heavy * noise.scale * kJudgedSamples / (batch.samples * part));
         samples += tools_.wanted.back();
         rays += part;
     }
-    const ShadingPoint& first = batch_.points[members.front()];
-    roundCounts(tools_.wanted,
-                toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay)),
-                tools_.counts);
+    const BatchSlot& first = batch.points[cluster.members.front()].slot;
+    const double offset = toUnit(hashWords(first.seed, RenderSalt::shareRounding, first.cameraRay));
     const double mean = samples / rays;  // of the camera rays that were asked for
-    return tools_.planner.plan(regions, kJudgedSamples * mean / batch_.samples, frame_.brightness(),
-                               frame_.heavy);
+    return {.ofRegions = roundCounts(tools_.wanted, offset, tools_.counts),
+            .judged = kJudgedSamples * mean / batch.samples,
+            .heavyFrom = heavyFrom_};
 }
 
-void CosineLight::addIntegrals(const FittedRegions<CosineIntegrand>& fitted,
-                               const SamplingPlan& plan, std::span<const std::uint32_t> members,
-                               std::span<Estimate> estimates) const {
-    const CosineIntegral integral(context_.environment, fitted, plan);
-    for (const std::uint32_t point : members)
-        estimates[point].irradiance = integral.at(batch_.points[point].normal);
+const SamplingPlan& CosineLight::planSamples(const Regions& regions, const ClusterCounts& counts) {
+    return tools_.planner.plan(regions, counts.judged, batch_.plan.brightness(), batch_.plan.heavy);
 }
 
-void CosineLight::trace(const PlannedCluster<CosineIntegrand>& cluster,
+void CosineLight::integrate(const PlannedCluster<CosineLight>& cluster,
+                            std::span<Estimate> estimates) const {
+    const CosineIntegral integral(batch_.context.environment, cluster.model.fitted, cluster.plan);
+    for (const std::uint32_t point : cluster.members)
+        estimates[point].irradiance = integral.at(batch_.points.points[point].place.normal);
+}
+
+void CosineLight::trace(const PlannedCluster<CosineLight>& cluster,
                         std::span<const ClusterSample> samples, SampleTracer::Run& run) const {
-    const Environment& environment = context_.environment;
     for (const ClusterSample& sample : samples) {
-        const ShadingPoint& point = batch_.points[sample.point];
-        const RegionPlace& place = sample.place;
-        const EnvironmentSample s = sample.finish(environment);
-        watch_.watch(point, s.direction);
-        const float x = s.direction.dot(point.normal);
-        const float c = cluster.plan.groups[place.group].visibility[place.lane];
+        const std::uint32_t number = cluster.members[sample.member];
+        const ShadingPoint& point = batch_.points.points[number];
+        const RegionPlace& region = sample.place;
+        const EnvironmentSample s = sample.finish(batch_.context.environment);
+        batch_.workspace.watch(point.slot, s.direction);
+        const float x = s.direction.dot(point.place.normal);
+        const float c = cluster.plan.groups[region.group].visibility[region.lane];
         traceSample<CosineIntegrand>(
             cluster.plan,
-            {sample.point, place, s,
-             static_cast<double>(s.density) * cluster.distribution.light(place),
+            {number, region, s, static_cast<double>(s.density) * cluster.distribution.light(region),
              sample.inverseCount / s.density},
-            x > 0, x, c * cluster.fitted.fits[place.group].value(place.lane, x), run);
+            x > 0, x, c * cluster.model.fitted.fits[region.group].value(region.lane, x), run);
     }
 }
 

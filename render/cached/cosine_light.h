@@ -3,51 +3,40 @@
 #include <span>
 #include <vector>
 
-#include "render/cached/cache_plan.h"
 #include "render/cached/light_batch.h"
-#include "render/cached/place_lookup.h"
 #include "render/regions/cosine_integrand.h"
 
 namespace shadowcache {
 
-/// The irradiance of a batch's points, step by step of lightBatch().
+/// The irradiance of a batch's points: the steps of lightBatch().
 class CosineLight {
 public:
     using Integrand = CosineIntegrand;
+    /// The light around a cluster, and what stands in for the cosine of its points.
+    struct Model {
+        const FittedRegions<CosineIntegrand>& fitted;
+    };
 
     /// All are used until the batch is lit.
-    CosineLight(const EstimatorContext& context, const CachePlan& plan, const PointBatch& batch,
-                const CellSplitter& splitter, PlaceLookup& lookup,
-                LightTools<CosineIntegrand>& tools, Workspace& watch)
-        : context_(context),
-          frame_(plan),
-          batch_(batch),
-          splitter_(splitter),
-          lookup_(lookup),
-          tools_(tools),
-          watch_(watch) {}
+    CosineLight(const CachedBatch& batch, const CellSplitter& splitter,
+                LightTools<CosineIntegrand>& tools)
+        : batch_(batch), splitter_(splitter), tools_(tools) {}
 
-    CosineIntegrand::Points points() const { return {batch_.points}; }
-    /// For each point, irradiance from which on one of its samples is heavy [luminance].
-    std::span<const double> heavyFrom() const { return heavyFrom_; }
+    CosineIntegrand::Points points() const { return {batch_.points.points}; }
 
-    const FittedRegions<CosineIntegrand>& regionsOf(const PointCluster& cluster,
-                                                    std::span<const std::uint32_t> members);
-    /// Numbers of samples of the points go to tools.counts.
-    const SamplingPlan& plan(const Regions& regions, std::span<const std::uint32_t> members);
-    void addIntegrals(const FittedRegions<CosineIntegrand>& fitted, const SamplingPlan& plan,
-                      std::span<const std::uint32_t> members, std::span<Estimate> estimates) const;
-    void trace(const PlannedCluster<CosineIntegrand>& cluster,
-               std::span<const ClusterSample> samples, SampleTracer::Run& run) const;
+    Model modelOf(const PointCluster& cluster);
+    /// Shares samples out by the noise that is predicted of each point.
+    ClusterCounts countSamples(const PointCluster& cluster, const Model& model);
+    const SamplingPlan& planSamples(const Regions& regions, const ClusterCounts& counts);
+    /// Sets the irradiance to the integral of what stands in for the integrand.
+    void integrate(const PlannedCluster<CosineLight>& cluster, std::span<Estimate> estimates) const;
+    void trace(const PlannedCluster<CosineLight>& cluster, std::span<const ClusterSample> samples,
+               SampleTracer::Run& run) const;
 
 private:
-    const EstimatorContext& context_;
-    const CachePlan& frame_;
-    const PointBatch& batch_;
+    const CachedBatch& batch_;
     const CellSplitter& splitter_;
-    PlaceLookup& lookup_;
     LightTools<CosineIntegrand>& tools_;
-    Workspace& watch_;
     std::vector<double> heavyFrom_;
 };
 

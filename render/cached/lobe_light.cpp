@@ -4,6 +4,7 @@
 
 #include "common/base/tuned.h"
 #include "common/random/sequence.h"
+#include "render/cached/drawn_sample.h"
 
 namespace shadowcache {
 
@@ -47,108 +48,93 @@ const LobeTables& LazyLobeTables::of(const EstimatorContext& context) const {
     return *tables_;
 }
 
-LobeLight::LobeLight(const EstimatorContext& context, const CachePlan& plan,
-                     const PointBatch& batch, std::span<const GlossyPoint> points,
-                     const LobeTables& tables, float leastNoise, PlaceLookup& lookup,
-                     LobeWorkspace& w)
-    : context_(context),
-      frame_(plan),
-      batch_(batch),
-      points_(points),
-      tables_(tables),
-      leastNoise_(leastNoise),
-      lookup_(lookup),
-      w_(w) {
-    w_.lobeSamples.assign(points.size(), 0);
-    w_.memberOf.resize(points.size());
-}
-
 const FittedRegions<LobeIntegrand>& LobeLight::build(const GlossyLobe& lobe, float misfit) {
+    const EstimatorContext& context = batch_.context;
     return w_.tools.builder.build(
-        LobeIntegrand(context_.environment, tables_.cells, context_.cache->header().tiers(),
+        LobeIntegrand(context.environment, tables_.cells, context.cache->header().tiers(),
                       leastNoise_, lobe, misfit),
-        lookup_.pooled(), frame_.calibration);
+        batch_.lookup.pooled(), batch_.plan.calibration);
 }
 
-const FittedRegions<LobeIntegrand>& LobeLight::match(const PointCluster& cluster,
-                                                     std::span<const std::uint32_t> members,
-                                                     bool fitted) {
+LobeLight::Model LobeLight::match(const PointCluster& cluster, bool fitted) {
     const GlossyLobe& central = points_[cluster.centre].lobe;
-    lookup_.pool(context_.scene, batch_.points[cluster.centre], cluster.radius);
+    const SetPlace& centre = batch_.points.points[cluster.centre].place;
+    batch_.lookup.pool(batch_.context.scene, centre, cluster.radius);
     const LobeMatch match(central);
     float misfit = 0;
     w_.matches.clear();
-    for (const std::uint32_t point : members) {
+    for (const std::uint32_t point : cluster.members) {
         w_.matches.push_back(match.fit(points_[point].lobe));
-        misfit += w_.matches.back().misfit / static_cast<float>(members.size());
+        misfit += w_.matches.back().misfit / static_cast<float>(cluster.members.size());
         if (!fitted) w_.matches.back().factor = Rgb(0.0f);
     }
-    return build(central.widened(kLeastFittedAlpha), fitted ? misfit : 1.0f);
+    return {build(central.widened(kLeastFittedAlpha), fitted ? misfit : 1.0f), w_.matches,
+            partOfLobes(central)};
 }
 
-const FittedRegions<LobeIntegrand>& LobeLight::regionsOf(const PointCluster& cluster,
-                                                         std::span<const std::uint32_t> members) {
-    const GlossyLobe& central = points_[cluster.centre].lobe;
-    partOfLobes_ = partOfLobes(central);
-    return match(cluster, members, central.alpha() >= kLeastFittedAlpha);
+LobeLight::Model LobeLight::modelOf(const PointCluster& cluster) {
+    return match(cluster, points_[cluster.centre].lobe.alpha() >= kLeastFittedAlpha);
 }
 
-void LobeLight::roundSamples(std::span<const std::uint32_t> members, double part, RenderSalt salt,
-                             std::vector<SampleCount>& counts) {
+std::span<const SampleCount> LobeLight::round(const PointCluster& cluster, double part,
+                                              RenderSalt salt, std::vector<SampleCount>& counts) {
+    const PointBatch& batch = batch_.points;
     w_.tools.wanted.clear();
-    for (const std::uint32_t member : members)
-        w_.tools.wanted.push_back(batch_.samples * part *
-                                  static_cast<double>(batch_.points[member].sampleFraction));
-    const ShadingPoint& first = batch_.points[members.front()];
-    roundCounts(w_.tools.wanted, toUnit(hashWords(first.seed, salt, first.cameraRay)), counts);
+    for (const std::uint32_t member : cluster.members)
+        w_.tools.wanted.push_back(batch.samples * part *
+                                  static_cast<double>(batch.points[member].slot.sampleFraction));
+    const BatchSlot& first = batch.points[cluster.members.front()].slot;
+    return roundCounts(w_.tools.wanted, toUnit(hashWords(first.seed, salt, first.cameraRay)),
+                       counts);
 }
 
-const SamplingPlan& LobeLight::plan(const Regions& regions,
-                                    std::span<const std::uint32_t> members) {
-    roundSamples(members, 1 - partOfLobes_, RenderSalt::glossShare, w_.tools.counts);
-    roundSamples(members, partOfLobes_, RenderSalt::glossRounding, w_.lobeCounts);
-    for (std::uint32_t k = 0; k < members.size(); ++k) {
-        w_.memberOf[members[k]] = k;
-        w_.lobeSamples[members[k]] = w_.lobeCounts[k].expected;
-    }
-    return w_.tools.planner.plan(regions, kJudgedSamples,
-                                 {frame_.darkest / kPi, kUnsureShareUniform}, kGlossyHeavy);
+ClusterCounts LobeLight::countSamples(const PointCluster& cluster, const Model& model) {
+    return {
+        .ofRegions = round(cluster, 1 - model.partOfLobes, RenderSalt::glossShare, w_.tools.counts),
+        .ofLobes = round(cluster, model.partOfLobes, RenderSalt::glossRounding, w_.lobeCounts)};
 }
 
-void LobeLight::addIntegrals(const FittedRegions<LobeIntegrand>& fitted, const SamplingPlan& plan,
-                             std::span<const std::uint32_t> members,
-                             std::span<Estimate> estimates) const {
-    const Rgb integral = integralOf(tables_.cells, fitted, plan);
-    for (std::size_t k = 0; k < members.size(); ++k)
-        estimates[members[k]].irradiance = integral * w_.matches[k].factor;
+const SamplingPlan& LobeLight::planSamples(const Regions& regions, const ClusterCounts& counts) {
+    return w_.tools.planner.plan(regions, counts.judged,
+                                 {batch_.plan.darkest / kPi, kUnsureShareUniform}, kGlossyHeavy);
 }
 
-void LobeLight::trace(const PlannedCluster<LobeIntegrand>& cluster,
+void LobeLight::integrate(const PlannedCluster<LobeLight>& cluster,
+                          std::span<Estimate> estimates) const {
+    const Rgb integral = integralOf(tables_.cells, cluster.model.fitted, cluster.plan);
+    for (std::size_t k = 0; k < cluster.members.size(); ++k)
+        estimates[cluster.members[k]].irradiance = integral * cluster.model.matches[k].factor;
+}
+
+void LobeLight::trace(const PlannedCluster<LobeLight>& cluster,
                       std::span<const ClusterSample> samples, SampleTracer::Run& run) {
     for (const ClusterSample& sample : samples) {
-        const EnvironmentSample s = sample.finish(context_.environment);
-        traceOne(cluster, w_.memberOf[sample.point], sample.place, s,
+        const EnvironmentSample s = sample.finish(batch_.context.environment);
+        traceOne(cluster, sample.member, sample.place, s,
                  static_cast<double>(s.density) * cluster.distribution.light(sample.place), run);
     }
     traceLobes(cluster, run);
 }
 
 /// All points draw from one sequence, one after the other.
-void LobeLight::traceLobes(const PlannedCluster<LobeIntegrand>& cluster, SampleTracer::Run& run) {
+void LobeLight::traceLobes(const PlannedCluster<LobeLight>& cluster, SampleTracer::Run& run) {
+    const EstimatorContext& context = batch_.context;
+    const std::span<const std::uint32_t> members = cluster.members;
+    const std::span<const SampleCount> counts = cluster.counts.ofLobes;
     std::size_t total = 0;
-    for (const SampleCount& count : w_.lobeCounts) total += static_cast<std::size_t>(count.drawn);
+    for (const SampleCount& count : counts) total += static_cast<std::size_t>(count.drawn);
     if (total == 0) return;
     w_.u.resize(total);
     w_.v.resize(total);
-    const ShadingPoint& first = batch_.points[cluster.members.front()];
+    const BatchSlot& first = batch_.points.points[members.front()].slot;
     const std::uint64_t seed = hashWords(first.seed, RenderSalt::glossLobes, first.cameraRay);
-    context_.sequence.fill(0, 0, seed, w_.u);
-    context_.sequence.fill(0, 1, seed, w_.v);
-    const Environment& environment = context_.environment;
+    context.sequence.fill(0, 0, seed, w_.u);
+    context.sequence.fill(0, 1, seed, w_.v);
+    const Environment& environment = context.environment;
     std::size_t number = 0;
-    for (std::uint32_t k = 0; k < cluster.members.size(); ++k) {
-        const GlossyLobe& lobe = points_[cluster.members[k]].lobe;
-        for (int j = 0; j < w_.lobeCounts[k].drawn; ++j, ++number) {
+    for (std::uint32_t k = 0; k < members.size(); ++k) {
+        const GlossyLobe& lobe = points_[members[k]].lobe;
+        for (int j = 0; j < counts[k].drawn; ++j, ++number) {
             const EnvironmentSample s = environment.lookUp(
                 lobe.sample(toUnitFloat(w_.u[number]), toUnitFloat(w_.v[number])));
             traceOne(cluster, k, cluster.distribution.find(s.cell), s,
@@ -157,41 +143,43 @@ void LobeLight::traceLobes(const PlannedCluster<LobeIntegrand>& cluster, SampleT
     }
 }
 
-void LobeLight::traceOne(const PlannedCluster<LobeIntegrand>& cluster, std::uint32_t member,
-                         const RegionPlace& place, const EnvironmentSample& s, double lightDensity,
+void LobeLight::traceOne(const PlannedCluster<LobeLight>& cluster, std::uint32_t member,
+                         const RegionPlace& region, const EnvironmentSample& s, double lightDensity,
                          SampleTracer::Run& run) const {
     const std::uint32_t point = cluster.members[member];
     const GlossyLobe& lobe = points_[point].lobe;
     const double density =
-        w_.lobeCounts[member].divisor * static_cast<double>(lobe.density(s.direction)) +
-        cluster.counts[member].divisor * cluster.distribution.pdf(place, lightDensity);
+        cluster.counts.ofLobes[member].divisor * static_cast<double>(lobe.density(s.direction)) +
+        cluster.counts.ofRegions[member].divisor * cluster.distribution.pdf(region, lightDensity);
     if (!(density > 0)) return run.add(point, Rgb(0.0f));
-    const float c = place.found() ? cluster.plan.groups[place.group].visibility[place.lane] : 0.0f;
+    const float c =
+        region.found() ? cluster.plan.groups[region.group].visibility[region.lane] : 0.0f;
     Rgb standIn(0.0f);
     if (c > 0) {
-        const RegionGroup& group = cluster.fitted.regions.groups[place.group];
-        standIn = tables_.cells.value(cluster.fitted.fits[place.group], group.level,
-                                      group.firstCell + static_cast<std::uint32_t>(place.lane),
+        const FittedRegions<LobeIntegrand>& fitted = cluster.model.fitted;
+        const RegionGroup& group = fitted.regions.groups[region.group];
+        standIn = tables_.cells.value(fitted.fits[region.group], group.level,
+                                      group.firstCell + static_cast<std::uint32_t>(region.lane),
                                       s.direction) *
-                  w_.matches[member].factor * c;
+                  cluster.model.matches[member].factor * c;
     }
     traceSample<LobeIntegrand>(
-        cluster.plan, {point, place, s, lightDensity, static_cast<float>(1 / density)},
+        cluster.plan, {point, region, s, lightDensity, static_cast<float>(1 / density)},
         s.direction.dot(lobe.normal()) > 0, lobe.value(s.direction), standIn, run);
 }
 
 void LobeLight::predict(std::span<Estimate> estimates) {
-    PointClusters& clusters = w_.tools.clusters;
-    clusters.build(batch_.points, context_.cache->header().spacing, batch_.cameraRays, 0);
-    for (const PointCluster& cluster : clusters.clusters()) {
-        const std::span<const std::uint32_t> members = clusters.membersOf(cluster);
-        const Rgb predicted = predictionOf(tables_.cells, match(cluster, members, true));
-        for (std::size_t k = 0; k < members.size(); ++k) {
-            Rgb& estimate = estimates[members[k]].irradiance;
-            estimate = predicted * w_.matches[k].factor;
-            if (w_.matches[k].factor != Rgb(0.0f)) continue;
-            const GlossyLobe lobe = points_[members[k]].lobe.widened(kLeastFittedAlpha);
-            estimate = predictionOf(tables_.cells, build(lobe, 0));
+    const PointBatch& batch = batch_.points;
+    for (const PointCluster& cluster : w_.tools.clusters.build(
+             batch.points, batch_.context.cache->header().spacing, batch.cameraRays, 0)) {
+        const Model model = match(cluster, true);
+        const Rgb predicted = predictionOf(tables_.cells, model.fitted);
+        for (std::size_t k = 0; k < cluster.members.size(); ++k) {
+            const std::uint32_t point = cluster.members[k];
+            estimates[point].irradiance = predicted * model.matches[k].factor;
+            if (model.matches[k].factor != Rgb(0.0f)) continue;
+            const GlossyLobe lobe = points_[point].lobe.widened(kLeastFittedAlpha);
+            estimates[point].irradiance = predictionOf(tables_.cells, build(lobe, 0));
         }
     }
 }

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "common/random/salts.h"
-#include "render/cached/cache_plan.h"
 #include "render/cached/light_batch.h"
-#include "render/cached/place_lookup.h"
 #include "render/regions/lobe_integrand.h"
 #include "render/regions/lobe_match.h"
 
@@ -43,38 +41,40 @@ struct LobeWorkspace {
     LightTools<LobeIntegrand> tools;
     std::vector<ShadingPoint> points;
     std::vector<Estimate> estimates;
-    std::vector<LobeMatch::Fit> matches;  ///< by member
+    std::vector<LobeMatch::Fit> matches;  ///< by member of a cluster
     std::vector<SampleCount> lobeCounts;  ///< of samples of the lobes, by member
-    std::vector<double> lobeSamples;      ///< expected of these, by point
-    std::vector<std::uint32_t> memberOf;  ///< by point
     std::vector<std::uint32_t> u, v;
 };
 
-/// What a batch's glossy points reflect, step by step of lightBatch(): beside samples of the
+/// What a batch's glossy points reflect, by the steps of lightBatch(): beside samples of the
 /// regions, samples of the points' own lobes. The balance heuristic combines them.
 class LobeLight {
 public:
     using Integrand = LobeIntegrand;
+    /// The light around a cluster, and what stands in for the lobes of its points.
+    struct Model {
+        const FittedRegions<LobeIntegrand>& fitted;  ///< for the central lobe
+        std::span<const LobeMatch::Fit> matches;     ///< how far that stands for the others
+        double partOfLobes = 0;                      ///< of the samples, drawn from the lobes
+    };
 
     /// All are used until the batch is lit.
     ///
     /// @param points  whose places are the batch's
     /// @param leastNoise  of an irradiance, below which a cell stays whole [radiance sr]
-    LobeLight(const EstimatorContext& context, const CachePlan& plan, const PointBatch& batch,
-              std::span<const GlossyPoint> points, const LobeTables& tables, float leastNoise,
-              PlaceLookup& lookup, LobeWorkspace& w);
+    LobeLight(const CachedBatch& batch, std::span<const GlossyPoint> points,
+              const LobeTables& tables, float leastNoise, LobeWorkspace& w)
+        : batch_(batch), points_(points), tables_(tables), leastNoise_(leastNoise), w_(w) {}
 
-    LobeIntegrand::Points points() const { return {points_, w_.lobeSamples}; }
-    /// None: nothing is too heavy for a group.
-    std::span<const double> heavyFrom() const { return {}; }
+    LobeIntegrand::Points points() const { return {points_}; }
 
-    const FittedRegions<LobeIntegrand>& regionsOf(const PointCluster& cluster,
-                                                  std::span<const std::uint32_t> members);
-    /// Numbers of samples of the points go to tools.counts.
-    const SamplingPlan& plan(const Regions& regions, std::span<const std::uint32_t> members);
-    void addIntegrals(const FittedRegions<LobeIntegrand>& fitted, const SamplingPlan& plan,
-                      std::span<const std::uint32_t> members, std::span<Estimate> estimates) const;
-    void trace(const PlannedCluster<LobeIntegrand>& cluster, std::span<const ClusterSample> samples,
+    Model modelOf(const PointCluster& cluster);
+    ClusterCounts countSamples(const PointCluster& cluster, const Model& model);
+    const SamplingPlan& planSamples(const Regions& regions, const ClusterCounts& counts);
+    /// Sets what is reflected to the integral of what stands in for the integrand.
+    void integrate(const PlannedCluster<LobeLight>& cluster, std::span<Estimate> estimates) const;
+    /// Traces samples of the regions, and as many of the lobes as are counted.
+    void trace(const PlannedCluster<LobeLight>& cluster, std::span<const ClusterSample> samples,
                SampleTracer::Run& run);
 
     /// What the cache predicts of all points, without a ray.
@@ -84,25 +84,20 @@ private:
     const FittedRegions<LobeIntegrand>& build(const GlossyLobe& lobe, float misfit);
     /// Pools the counts around a cluster and matches its lobes to the central one.
     ///
-    /// @return the regions, whose fits are of use if `fitted`
-    const FittedRegions<LobeIntegrand>& match(const PointCluster& cluster,
-                                              std::span<const std::uint32_t> members, bool fitted);
-    void roundSamples(std::span<const std::uint32_t> members, double part, RenderSalt salt,
-                      std::vector<SampleCount>& counts);
-    void traceLobes(const PlannedCluster<LobeIntegrand>& cluster, SampleTracer::Run& run);
-    void traceOne(const PlannedCluster<LobeIntegrand>& cluster, std::uint32_t member,
-                  const RegionPlace& place, const EnvironmentSample& s, double lightDensity,
+    /// @param fitted  whether the fits are of use
+    Model match(const PointCluster& cluster, bool fitted);
+    std::span<const SampleCount> round(const PointCluster& cluster, double part, RenderSalt salt,
+                                       std::vector<SampleCount>& counts);
+    void traceLobes(const PlannedCluster<LobeLight>& cluster, SampleTracer::Run& run);
+    void traceOne(const PlannedCluster<LobeLight>& cluster, std::uint32_t member,
+                  const RegionPlace& region, const EnvironmentSample& s, double lightDensity,
                   SampleTracer::Run& run) const;
 
-    const EstimatorContext& context_;
-    const CachePlan& frame_;
-    const PointBatch& batch_;
+    const CachedBatch& batch_;
     std::span<const GlossyPoint> points_;
     const LobeTables& tables_;
     float leastNoise_;
-    PlaceLookup& lookup_;
     LobeWorkspace& w_;
-    double partOfLobes_ = 0;  ///< of the cluster's samples, drawn from the lobes
 };
 
 }  // namespace shadowcache

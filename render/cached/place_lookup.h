@@ -17,13 +17,13 @@ public:
     explicit PlaceLookup(const ShadowCache& cache)
         : reader_(cache), items_(ShadowCache::kMaxItems), pooled_(cache.header().tiers()) {}
 
-    /// The items around a point; valid until the next call.
-    std::span<const ItemView> find(const ShadingPoint& point);
+    /// The items around a place; valid until the next call.
+    std::span<const ItemView> find(const SetPlace& place);
 
-    /// Pools the counts around a point, for it and all points within `radius`.
+    /// Pools the counts around a place, for it and all places within `radius`.
     ///
     /// @return number of items found
-    int pool(const Scene& scene, const ShadingPoint& point, float radius);
+    int pool(const Scene& scene, const SetPlace& place, float radius);
     /// What was pooled last.
     const PooledVisibility& pooled() const { return pooled_; }
 

@@ -33,8 +33,9 @@ constexpr float kPlanar = 0.8f;
 
 }  // namespace
 
-void PointClusters::build(std::span<const ShadingPoint> points, double spacing,
-                          std::uint32_t cameraRays, int samples) {
+std::span<const PointCluster> PointClusters::build(std::span<const ShadingPoint> points,
+                                                   double spacing, std::uint32_t cameraRays,
+                                                   int samples) {
     points_ = points;
     spacing_ = spacing;
     fewPoints_ = std::min(std::max(kFewPoints, kFewPixels * cameraRays),
@@ -45,11 +46,12 @@ void PointClusters::build(std::span<const ShadingPoint> points, double spacing,
     keys_.resize(points.size());
     clusters_.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3f place((points[i].position - points[0].position) / spacing);
-        const Vec3f normal = points[i].normal * kNormalWeight;
-        keys_[i] = {{place.x, place.y, place.z, normal.x, normal.y, normal.z, 0, 0}};
+        const Vec3f at((points[i].place.position - points[0].place.position) / spacing);
+        const Vec3f normal = points[i].place.normal * kNormalWeight;
+        keys_[i] = {{at.x, at.y, at.z, normal.x, normal.y, normal.z, 0, 0}};
     }
     if (!points.empty()) split(0, static_cast<std::uint32_t>(points.size()));
+    return clusters_;
 }
 
 void PointClusters::split(std::uint32_t begin, std::uint32_t end) {
@@ -121,7 +123,8 @@ void PointClusters::addCluster(std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t i = begin; i < end; ++i)
         for (std::size_t k = 0; k < mean.at.size(); ++k)
             mean.at[k] += share * keys_[order_[i]].at[k];
-    PointCluster cluster{begin, end, order_[begin]};
+    PointCluster cluster{.members = std::span(order_).subspan(begin, end - begin),
+                         .centre = order_[begin]};
     float nearest = std::numeric_limits<float>::max();
     for (std::uint32_t i = begin; i < end; ++i) {
         float distance = 0;
@@ -131,10 +134,10 @@ void PointClusters::addCluster(std::uint32_t begin, std::uint32_t end) {
         }
         if (distance < nearest) nearest = distance, cluster.centre = order_[i];
     }
-    const ShadingPoint& centre = points_[cluster.centre];
+    const SetPlace& centre = points_[cluster.centre].place;
     double radius2 = 0;
     for (std::uint32_t i = begin; i < end; ++i) {
-        const ShadingPoint& point = points_[order_[i]];
+        const SetPlace& point = points_[order_[i]].place;
         cluster.tilt = std::max(cluster.tilt, point.normal.cross(centre.normal).length());
         // Beyond a right angle the sine would fall again.
         if (point.normal.dot(centre.normal) < 0) cluster.tilt = 1;

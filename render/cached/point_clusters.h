@@ -12,8 +12,7 @@ namespace shadowcache {
 /// Points that are alike enough for one set-up: near each other in place and normal, and in one
 /// plane.
 struct PointCluster {
-    std::uint32_t begin = 0;   ///< of PointClusters::order()
-    std::uint32_t end = 0;     ///< past the last
+    std::span<const std::uint32_t> members;  ///< numbers of its points, which ascend
     std::uint32_t centre = 0;  ///< number of the point that is nearest to the others' mean
     float tilt = 0;            ///< sine of the widest angle between its normal and another's
     float radius = 0;          ///< greatest distance from it to another [world]
@@ -25,16 +24,9 @@ public:
     /// @param spacing  of the cache's items [world], > 0
     /// @param cameraRays  of a pixel in the batch, > 0
     /// @param samples  of a point, on average; 0 for a prediction
-    void build(std::span<const ShadingPoint> points, double spacing, std::uint32_t cameraRays,
-               int samples);
-
-    std::span<const PointCluster> clusters() const { return clusters_; }
-    /// Numbers of a cluster's points, which ascend.
-    std::span<const std::uint32_t> membersOf(const PointCluster& cluster) const {
-        return std::span(order_).subspan(cluster.begin, cluster.end - cluster.begin);
-    }
-    /// Numbers of the points, cluster by cluster; in a cluster they ascend.
-    std::span<const std::uint32_t> order() const { return order_; }
+    /// @return valid until the next call
+    std::span<const PointCluster> build(std::span<const ShadingPoint> points, double spacing,
+                                        std::uint32_t cameraRays, int samples);
 
 private:
     static constexpr std::size_t kAxes = 6;

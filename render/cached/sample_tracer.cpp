@@ -48,7 +48,7 @@ void SampleTracer::Run::traceForReuse(const Misprediction& found, bool ifVisible
 
 void SampleTracer::Run::queue(std::uint32_t point, const Vec3f& direction) {
     tracer_.pending_[tracer_.queued_].point = point;
-    tracer_.packet_.set(tracer_.queued_++, batch_.points[point].rayOrigin, direction);
+    tracer_.packet_.set(tracer_.queued_++, batch_.points[point].place.rayOrigin, direction);
     if (tracer_.queued_ == RayPacket::kSize) flush();
 }
 

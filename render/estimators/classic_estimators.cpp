@@ -16,12 +16,12 @@ class Uniform final : public PointEstimator {
     using PointEstimator::PointEstimator;
 
     Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
-        const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
-        const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
+        const auto u = w.numbers(context_.sequence, point.slot.seed, 0, slice.first, slice.count);
+        const auto v = w.numbers(context_.sequence, point.slot.seed, 1, slice.first, slice.count);
         for (std::size_t i = 0; i < u.size(); ++i) {
             const Vec3f direction =
-                aroundNormal(point.normal, toUnitFloat(u[i]), toUnitFloat(v[i]));
-            const float cosine = std::max(0.0f, direction.dot(point.normal));
+                aroundNormal(point.place.normal, toUnitFloat(u[i]), toUnitFloat(v[i]));
+            const float cosine = std::max(0.0f, direction.dot(point.place.normal));
             const float weight =
                 2 * static_cast<float>(kPi) * cosine / static_cast<float>(slice.count);
             w.samples.add(direction, context_.environment.radiance(direction) * weight);
@@ -43,8 +43,8 @@ protected:
     void addEnvironmentSamples(const ShadingPoint& point, const SampleSlice& slice, float samples,
                                Workspace& w) const {
         const WholeMap map{context_.environment};
-        drawFromMap(context_, point.seed, slice, w, map, [&](const EnvironmentSample& s) {
-            const float cosine = s.direction.dot(point.normal);
+        drawFromMap(context_, point.slot.seed, slice, w, map, [&](const EnvironmentSample& s) {
+            const float cosine = s.direction.dot(point.place.normal);
             if (cosine > 0)
                 w.samples.add(s.direction,
                               s.radiance * (cosine / density(s.density, cosine, samples)));
@@ -56,11 +56,11 @@ protected:
 
     void addCosineSamples(const ShadingPoint& point, const SampleSlice& slice, float samples,
                           Workspace& w) const {
-        const auto a = w.numbers(context_.sequence, point.seed, 2, slice.first, slice.count);
-        const auto b = w.numbers(context_.sequence, point.seed, 3, slice.first, slice.count);
+        const auto a = w.numbers(context_.sequence, point.slot.seed, 2, slice.first, slice.count);
+        const auto b = w.numbers(context_.sequence, point.slot.seed, 3, slice.first, slice.count);
         for (std::size_t i = 0; i < a.size(); ++i) {
             const float cosine = std::sqrt(1 - toUnitFloat(a[i]));
-            const Vec3f direction = aroundNormal(point.normal, cosine, toUnitFloat(b[i]));
+            const Vec3f direction = aroundNormal(point.place.normal, cosine, toUnitFloat(b[i]));
             const EnvironmentSample s = context_.environment.lookUp(direction);
             w.samples.add(direction, s.radiance * (cosine / density(s.density, cosine, samples)));
         }
@@ -110,7 +110,7 @@ private:
     Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
         if (context_.environment.luminanceIntegral() <= 0) return {0, 0, 0};
         const auto turn =
-            static_cast<std::uint32_t>(hashWords(point.seed, RenderSalt::misTurn) >> 63);
+            static_cast<std::uint32_t>(hashWords(point.slot.seed, RenderSalt::misTurn) >> 63);
         const auto samples = static_cast<float>(slice.count);
         addEnvironmentSamples(point, everySecond(slice, turn), samples, w);
         addCosineSamples(point, everySecond(slice, 1 - turn), samples, w);

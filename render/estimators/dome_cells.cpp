@@ -80,24 +80,25 @@ void DomeCells::setScale(std::span<const ShadingPoint> places) {
     const auto count = static_cast<double>(places.size());
     double film[2] = {0, 0};
     for (const ShadingPoint& p : places) {
-        origin_ += p.position / count;
-        film[0] += p.filmX / count;
-        film[1] += p.filmY / count;
+        origin_ += p.place.position / count;
+        film[0] += p.slot.filmX / count;
+        film[1] += p.slot.filmY / count;
     }
     double filmVariance = 0, worldVariance = 0;
     for (const ShadingPoint& p : places) {
-        filmVariance += (std::pow(p.filmX - film[0], 2) + std::pow(p.filmY - film[1], 2)) / count;
-        worldVariance += (p.position - origin_).length2() / count;
+        filmVariance +=
+            (std::pow(p.slot.filmX - film[0], 2) + std::pow(p.slot.filmY - film[1], 2)) / count;
+        worldVariance += (p.place.position - origin_).length2() / count;
     }
     filmScale_ = filmVariance > 0 ? 1 / std::sqrt(filmVariance) : 0;
     worldScale_ = worldVariance > 0 ? 1 / std::sqrt(worldVariance) : 0;
 }
 
 DomeCells::Key DomeCells::keyOf(const ShadingPoint& point) const noexcept {
-    const Vec3f world((point.position - origin_) * worldScale_);
-    const Vec3f normal = point.normal * kNormalScale;
-    return {static_cast<float>(point.filmX * filmScale_),
-            static_cast<float>(point.filmY * filmScale_),
+    const Vec3f world((point.place.position - origin_) * worldScale_);
+    const Vec3f normal = point.place.normal * kNormalScale;
+    return {static_cast<float>(point.slot.filmX * filmScale_),
+            static_cast<float>(point.slot.filmY * filmScale_),
             world.x,
             world.y,
             world.z,

@@ -122,29 +122,29 @@ private:
     std::uint8_t trace(const ShadingPoint& point, DomeWorkspace& w, TileRay* out) const {
         w.samples.clear();
         w.cosines.resize(tiles_.size());
-        tiles_.cosines(point.normal, w.cosines);
+        tiles_.cosines(point.place.normal, w.cosines);
         for (std::size_t t = 0; t < tiles_.size(); ++t)
             w.cosines[t] *= std::sqrt(tiles_.light()[t]);
         if (!w.choice.set(w.cosines)) return 0;
         std::uint8_t count = 0;
         for (std::size_t j = 0; j < kPilotRays; ++j) {
             double u = (static_cast<double>(j) +
-                        toUnit(hashWords(point.seed, RenderSalt::domePilotTile, j))) /
+                        toUnit(hashWords(point.slot.seed, RenderSalt::domePilotTile, j))) /
                        kPilotRays;
             const std::size_t tile = w.choice.choose(u);
-            const std::uint64_t h = hashWords(point.seed, RenderSalt::domePilotTexel, j);
+            const std::uint64_t h = hashWords(point.slot.seed, RenderSalt::domePilotTexel, j);
             const Vec3f direction =
                 context_.environment
                     .sampleCell(tiles_[tile].level, tiles_[tile].cell, u,
                                 toUnitFloat(static_cast<std::uint32_t>(h)),
                                 toUnitFloat(static_cast<std::uint32_t>(h >> 32)))
                     .direction;
-            if (direction.dot(point.normal) <= 0) continue;
+            if (direction.dot(point.place.normal) <= 0) continue;
             w.samples.add(direction, Rgb(0, 0, 0));
             out[count++].tile = static_cast<std::uint8_t>(tile);
         }
         Estimate unused;
-        w.samples.trace(context_.scene, point, context_.environment, unused);
+        w.samples.trace(context_.scene, point.place, context_.environment, unused);
         for (std::size_t k = 0; k < count; ++k) out[k].visible = w.samples.visible(k);
         return count;
     }
@@ -188,7 +188,7 @@ private:
         auto& w = static_cast<DomeWorkspace&>(workspace);
         const bool anyTile = chooseTiles(point, w);
         const auto turn = static_cast<std::uint32_t>(
-            toUnit(hashWords(point.seed, RenderSalt::domeTurn)) * kCosinePeriod);
+            toUnit(hashWords(point.slot.seed, RenderSalt::domeTurn)) * kCosinePeriod);
         const auto cosinesBefore = [turn](std::uint32_t i) {
             return (i + turn + kCosinePeriod - 1) / kCosinePeriod -
                    (turn + kCosinePeriod - 1) / kCosinePeriod;
@@ -209,7 +209,7 @@ private:
         const std::size_t count = tiles_.size();
         w.cosines.resize(count);
         w.weights.resize(count);
-        tiles_.cosines(point.normal, w.cosines);
+        tiles_.cosines(point.place.normal, w.cosines);
         float* plain = w.cosines.data();
         float* learned = w.weights.data();
         const float* light = tiles_.light().data();
@@ -228,18 +228,18 @@ private:
 
     void addTileSamples(const ShadingPoint& point, const SampleSlice& slice, int samples,
                         DomeWorkspace& w) const {
-        const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
-        const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
+        const auto u = w.numbers(context_.sequence, point.slot.seed, 0, slice.first, slice.count);
+        const auto v = w.numbers(context_.sequence, point.slot.seed, 1, slice.first, slice.count);
         for (std::size_t k = 0; k < u.size(); ++k) {
             const std::uint64_t number = slice.first + k;
-            double place = fullPrecision(u[k], point.seed, number);
+            double place = fullPrecision(u[k], point.slot.seed, number);
             const std::size_t tile = w.choice.choose(place);
             const auto jitter = static_cast<std::uint32_t>(
-                hashWords(point.seed, RenderSalt::domeTexel, number) >> 32);
+                hashWords(point.slot.seed, RenderSalt::domeTexel, number) >> 32);
             const EnvironmentSample s =
                 context_.environment.sampleCell(tiles_[tile].level, tiles_[tile].cell, place,
                                                 toUnitFloat(v[k]), toUnitFloat(jitter));
-            const float cosine = s.direction.dot(point.normal);
+            const float cosine = s.direction.dot(point.place.normal);
             if (cosine > 0)
                 w.samples.add(s.direction,
                               s.radiance * (cosine / density(w.choice.probability(tile) * s.density,
@@ -252,11 +252,11 @@ private:
 
     void addCosineSamples(const ShadingPoint& point, const SampleSlice& slice, int samples,
                           bool anyTile, DomeWorkspace& w) const {
-        const auto a = w.numbers(context_.sequence, point.seed, 2, slice.first, slice.count);
-        const auto b = w.numbers(context_.sequence, point.seed, 3, slice.first, slice.count);
+        const auto a = w.numbers(context_.sequence, point.slot.seed, 2, slice.first, slice.count);
+        const auto b = w.numbers(context_.sequence, point.slot.seed, 3, slice.first, slice.count);
         for (std::size_t i = 0; i < a.size(); ++i) {
             const float cosine = std::sqrt(1 - toUnitFloat(a[i]));
-            const Vec3f direction = aroundNormal(point.normal, cosine, toUnitFloat(b[i]));
+            const Vec3f direction = aroundNormal(point.place.normal, cosine, toUnitFloat(b[i]));
             const EnvironmentSample s = context_.environment.lookUp(direction);
             float ofTiles = 0;
             if (anyTile && s.density > 0) {

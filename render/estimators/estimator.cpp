@@ -17,12 +17,12 @@ void PointEstimator::estimate(const PointBatch& batch, Workspace& workspace,
         const ShadingPoint& point = batch.points[i];
         workspace.samples.clear();
         estimates[i] = {};
-        estimates[i].irradiance = prepare(point, sliceOf(batch, point), workspace);
+        estimates[i].irradiance = prepare(point, sliceOf(batch, point.slot), workspace);
         workspace.setupNanoseconds += watch.sinceLast();
         if (workspace.samples.size() == 0) continue;
         for (std::size_t j = 0; workspace.watchedPixel && j < workspace.samples.size(); ++j)
-            workspace.watch(point, workspace.samples.direction(j));
-        workspace.samples.trace(context_.scene, point, context_.environment, estimates[i]);
+            workspace.watch(point.slot, workspace.samples.direction(j));
+        workspace.samples.trace(context_.scene, point.place, context_.environment, estimates[i]);
         workspace.traceNanoseconds += watch.sinceLast();
     }
 }
@@ -31,8 +31,9 @@ void Estimator::estimate(std::span<const ShadingPoint> points, int samples, Work
                          std::span<Estimate> estimates, const EstimatorPlan* plan) const {
     std::vector<ShadingPoint> alone(points.begin(), points.end());
     for (std::size_t i = 0; i < alone.size(); ++i) {
-        alone[i].pixel = static_cast<std::uint32_t>(i);
-        alone[i].cameraRay = alone[i].row = 0;
+        BatchSlot& slot = alone[i].slot;
+        slot.pixel = static_cast<std::uint32_t>(i);
+        slot.cameraRay = slot.row = 0;
     }
     PointBatch batch{alone, samples, static_cast<std::uint32_t>(alone.size())};
     batch.plan = plan;

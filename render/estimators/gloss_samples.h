@@ -14,7 +14,7 @@ template <class Light>
 void queueGloss(const EstimatorContext& context, const GlossyPoint& glossy,
                 const SampleSlice& slice, const Light& light, Workspace& w) {
     const GlossyLobe& lobe = glossy.lobe;
-    const std::uint64_t seed = hashWords(glossy.point.seed, RenderSalt::gloss);
+    const std::uint64_t seed = hashWords(glossy.point.slot.seed, RenderSalt::gloss);
     const auto turn = static_cast<std::uint32_t>(hashWords(seed, RenderSalt::glossTurn) >> 63);
     const auto add = [&](const EnvironmentSample& s) {
         const Rgb value = lobe.value(s.direction);
@@ -37,7 +37,7 @@ void queueGloss(const EstimatorContext& context, const GlossyPoint& glossy,
     w.samples.endGroup();
 }
 
-/// Traces the samples that were queued of a point.
-GlossEstimate traceGloss(const EstimatorContext& context, const ShadingPoint& point, Workspace& w);
+/// Traces the samples that were queued of the point at a place.
+GlossEstimate traceGloss(const EstimatorContext& context, const SetPlace& place, Workspace& w);
 
 }  // namespace shadowcache

@@ -5,9 +5,9 @@
 
 namespace shadowcache {
 
-GlossEstimate traceGloss(const EstimatorContext& context, const ShadingPoint& point, Workspace& w) {
+GlossEstimate traceGloss(const EstimatorContext& context, const SetPlace& place, Workspace& w) {
     Estimate sum;
-    w.samples.trace(context.scene, point, context.environment, sum);
+    w.samples.trace(context.scene, place, context.environment, sum);
     return {sum.irradiance, sum.variance, sum.rays};
 }
 
@@ -19,10 +19,10 @@ void Estimator::estimateGloss(const PointBatch& batch, std::span<const GlossyPoi
         estimates[i] = {};
         if (dark || batch.samples == 0) continue;
         workspace.samples.clear();
-        queueGloss(context_, points[i], sliceOf(batch, points[i].point),
+        queueGloss(context_, points[i], sliceOf(batch, points[i].point.slot),
                    WholeMap{context_.environment}, workspace);
         workspace.setupNanoseconds += watch.sinceLast();
-        estimates[i] = traceGloss(context_, points[i].point, workspace);
+        estimates[i] = traceGloss(context_, points[i].point.place, workspace);
         workspace.traceNanoseconds += watch.sinceLast();
     }
 }

@@ -10,7 +10,7 @@ class LightPrediction {
 public:
     virtual ~LightPrediction() = default;
     /// @return [radiance sr]
-    virtual Rgb predict(const ShadingPoint& point, Workspace& workspace) const = 0;
+    virtual Rgb predict(const SetPlace& place, Workspace& workspace) const = 0;
 };
 
 }  // namespace shadowcache

@@ -15,8 +15,8 @@ void LightSamples::add(const Vec3f& direction, const Rgb& ifVisible, const Rgb& 
     ifOccluded_.push_back(ifOccluded);
 }
 
-void LightSamples::trace(const Scene& scene, const ShadingPoint& point,
-                         const Environment& environment, Estimate& estimate) {
+void LightSamples::trace(const Scene& scene, const SetPlace& place, const Environment& environment,
+                         Estimate& estimate) {
     visible_.assign(size(), 0);
     RayPacket packet{};
     std::size_t sampleOf[RayPacket::kSize];
@@ -29,7 +29,7 @@ void LightSamples::trace(const Scene& scene, const ShadingPoint& point,
     };
     for (std::size_t i = 0; i < size(); ++i) {
         if (direction_[i] == Vec3f(0, 0, 0)) continue;
-        packet.set(queued, point.rayOrigin, direction_[i]);
+        packet.set(queued, place.rayOrigin, direction_[i]);
         sampleOf[queued++] = i;
         if (queued == RayPacket::kSize) flush();
     }

@@ -28,8 +28,8 @@ public:
     /// differences within groups.
     void endGroup() { groupEnds_.push_back(size()); }
 
-    /// Traces all rays from `point`; the sum of the contributions is added to `estimate`.
-    void trace(const Scene& scene, const ShadingPoint& point, const Environment& environment,
+    /// Traces all rays from `place`; the sum of the contributions is added to `estimate`.
+    void trace(const Scene& scene, const SetPlace& place, const Environment& environment,
                Estimate& estimate);
 
 private:

@@ -16,7 +16,7 @@ struct SetPlace {
     Vec3f geometricNormal;  ///< unit, on that side of the surface: for lookups
 };
 
-/// What a point is among those that are lit with it, and on the film.
+/// Where a point belongs: its number among the points that are lit with it, and its pixel.
 struct BatchSlot {
     std::uint64_t seed = 0;  ///< of the pixel: all of its camera rays draw from one sequence
     int filmX = 0;           ///< pixel of the camera ray that found it
@@ -32,8 +32,11 @@ struct BatchSlot {
     float sampleFraction = 1;
 };
 
-/// A place to light.
-struct ShadingPoint : SetPlace, BatchSlot {};
+/// A place to light, and where its light goes.
+struct ShadingPoint {
+    SetPlace place;
+    BatchSlot slot;
+};
 
 /// A place on a glossy surface, and what it reflects to the viewer.
 struct GlossyPoint {
@@ -60,9 +63,9 @@ struct SampleSlice {
     int count = 1;            ///< of the point
 };
 
-/// That of a point of a batch.
-inline SampleSlice sliceOf(const PointBatch& batch, const ShadingPoint& point) {
-    return {point.cameraRay * static_cast<std::uint32_t>(batch.samples), batch.samples};
+/// The slice of a point of a batch.
+inline SampleSlice sliceOf(const PointBatch& batch, const BatchSlot& slot) {
+    return {slot.cameraRay * static_cast<std::uint32_t>(batch.samples), batch.samples};
 }
 
 }  // namespace shadowcache

@@ -25,8 +25,8 @@ struct Workspace {
     std::optional<std::uint32_t> watchedPixel;
     std::vector<WatchedSample> watched;
 
-    void watch(const ShadingPoint& point, const Vec3f& direction) {
-        if (watchedPixel == point.pixel) watched.push_back({point.cameraRay, direction});
+    void watch(const BatchSlot& slot, const Vec3f& direction) {
+        if (watchedPixel == slot.pixel) watched.push_back({slot.cameraRay, direction});
     }
 
     LightSamples samples;

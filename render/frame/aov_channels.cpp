@@ -17,13 +17,13 @@ struct Aov {
     bool insight = false;
 };
 
-template <float Pixel::*Member>
+template <auto Member>
 float valueOf(const Pixel& p) {
     return p.*Member;
 }
 
 /// An AOV of one channel that is drawn in false colour.
-template <float Pixel::*Member>
+template <auto Member>
 Aov scalarAov(const char* name, float most) {
     return {name,
             {"Y"},

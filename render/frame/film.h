@@ -7,8 +7,8 @@
 
 namespace shadowcache {
 
-/// What the renderer found at one pixel, averaged over its camera rays.
-struct Pixel {
+/// What a camera ray shows; of a pixel, the mean of its camera rays. World space.
+struct RayValues {
     Rgb color{0, 0, 0};            ///< outgoing radiance, or the sky's: the sum of the next three
     Rgb diffuse{0, 0, 0};          ///< irradiance times diffuseAlbedo / pi
     Rgb glossy{0, 0, 0};           ///< reflected besides: GlossyLobe
@@ -23,10 +23,22 @@ struct Pixel {
     Rgb diffuseAlbedo{0, 0, 0};  ///< of the diffuse part
     Rgb mirrorColor{0, 0, 0};    ///< reflectance of the glossy part at normal incidence
     float roughness = 0;
-    Vec3f normal{0, 0, 0};    ///< world space, toward the viewer
-    Vec3f position{0, 0, 0};  ///< world space
-    float depth = 0;          ///< distance from the camera; 0: the sky
-    float axialDepth = 0;     ///< its part along the view
+    Vec3f normal{0, 0, 0};  ///< toward the viewer
+    Vec3f position{0, 0, 0};
+    float depth = 0;       ///< distance from the camera; 0: the sky
+    float axialDepth = 0;  ///< its part along the view
+    // What the cache predicts before any ray, if RenderOptions::insight.
+    float openness = 0;  ///< visible share of the sky, weighted by the cosine
+    float items = 0;     ///< cache items found
+    float regions = 0;   ///< regions that samples are drawn from
+    float misses = 0;    ///< 1 where the camera ray met the set and found no item
+
+    RayValues& operator+=(const RayValues& other);
+    RayValues& operator*=(float factor);
+};
+
+/// What the renderer found at one pixel: the mean of its camera rays, and how sure it is.
+struct Pixel : RayValues {
     float variance = 0;    ///< of the irradiance's luminance, from the spread of the camera rays;
                            ///< of one camera ray, from its samples
     float covariance = 0;  ///< of its camera rays' estimates, summed over all pairs
@@ -37,13 +49,9 @@ struct Pixel {
     float sampleVariance = 0;  ///< of the luminance of the irradiance over the set, from the
                                ///< samples alone
     float cameraRays = 0;
-    float coverage = 0;  ///< share of the camera rays that meet the set
-    // What the cache predicts before any ray, if RenderOptions::insight.
-    float openness = 0;       ///< visible share of the sky, weighted by the cosine
-    float expectedNoise = 0;  ///< standard deviation of the irradiance's luminance
-    float items = 0;          ///< cache items found
-    float regions = 0;        ///< regions that samples are drawn from
-    float misses = 0;         ///< share of the camera rays that met the set and found no item
+    float coverage = 0;       ///< share of the camera rays that meet the set
+    float expectedNoise = 0;  ///< standard deviation of the irradiance's luminance that the cache
+                              ///< predicts, if RenderOptions::insight
 };
 
 struct Film {

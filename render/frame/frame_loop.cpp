@@ -1,76 +1,105 @@
 #include "render/frame/frame_loop.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "common/base/parallel.h"
+#include "render/frame/time_keeper.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// The pixels of a tile by their sums.
-std::vector<Pixel> averagesOf(const TileRenderer& renderer, std::span<const PixelSum> sums,
-                              RayCounts& count) {
-    std::vector<Pixel> pixels;
-    pixels.reserve(sums.size());
-    for (const PixelSum& sum : sums) {
-        pixels.push_back(renderer.average(sum));
-        count.add(pixels.back());
-    }
-    return pixels;
-}
+/// Blocks of one tile that a thread takes at a time.
+constexpr std::size_t kBlocksOfChunk = 4;
 
-/// Tile by tile: no light bounces from one to the next.
-void renderOneByOne(const FrameRequest& frame, std::span<const std::size_t> tiles,
-                    RenderStats& stats, const TileSink& sink) {
-    const TileRenderer renderer(frame);
-    Workspaces workspaces(frame.estimator);
-    std::vector<RayCounts> counts(tiles.size());
-    forEachTile(frame, tiles, workspaces, stats, [&](const TileTurn& turn) {
-        std::vector<PixelSum> sums(turn.places.size());
-        renderer.renderTile(turn.places, frame.raysOfTile(turn.index), turn.scratch, turn.workspace,
-                            sums);
-        sink.take({turn.index, turn.places, averagesOf(renderer, sums, counts[turn.index])});
-        sink.taken(1);
-    });
-    for (const RayCounts& count : counts) count.addTo(stats);
-}
-
-/// Block by block: the paths of a block go on together.
-void renderBlocks(const FrameRequest& frame, const TileBlocks& blocks, RenderStats& stats,
-                  const TileSink& sink) {
-    const TileRenderer renderer(frame);
-    Workspaces workspaces(frame.estimator);
-    const BlockRenderer block(frame, renderer, workspaces);
-    const Tiles all(frame.options);
-    const RenderOptions& options = frame.options;
-    const int passes = (options.cameraRays + options.passRays - 1) / options.passRays;
-    RayCounts counts;
-    std::vector<FilmPlace> places;
-    for (std::size_t b = 0; b < blocks.count(); ++b) {
-        const auto tiles = blocks.block(b);
-        std::vector<std::vector<PixelSum>> sums(tiles.size());
-        BlockProgress progress = BlockRenderer::progressOf(tiles, passes, sink.taken);
-        for (int first = 0; first < options.cameraRays; first += options.passRays)
-            block.addCameraRays(tiles, first,
-                                std::min(options.passRays, options.cameraRays - first), sums,
-                                progress, stats);
-        progress.finish();
-        for (std::size_t i = 0; i < tiles.size(); ++i) {
-            if (!tiles[i].index) continue;
-            all.findPlaces(tiles[i].tile, places);
-            sink.take({*tiles[i].index, places, averagesOf(renderer, sums[i], counts)});
-        }
-    }
-    counts.addTo(stats);
+/// How far `passes` over a block are.
+BlockProgress progressOf(const TileBlock& block, int passes, const LoopObserver& observer) {
+    const auto wanted =
+        std::ranges::count_if(block, [](const BlockTile& tile) { return tile.index.has_value(); });
+    // Direct light and what bounces take about the same time.
+    return {static_cast<std::size_t>(wanted), 2 * block.size() * static_cast<std::size_t>(passes),
+            observer.onProgress};
 }
 
 }  // namespace
 
+void RayCounts::add(const Pixel& pixel) {
+    camera += static_cast<std::uint64_t>(pixel.cameraRays);
+    shadow += static_cast<std::uint64_t>(pixel.rays);
+    reused += static_cast<std::uint64_t>(pixel.reusedRays);
+}
+
+void RayCounts::add(const RayCounts& other) {
+    camera += other.camera;
+    shadow += other.shadow;
+    reused += other.reused;
+}
+
+void RayCounts::addTo(RenderStats& stats) const {
+    stats.cameraRays += camera;
+    stats.shadowRays += shadow;
+    stats.reusedRays += reused;
+}
+
+FrameLoop::FrameLoop(const FrameRequest& frame, std::vector<TileBlock> blocks,
+                     std::optional<WatchedPixel> watched)
+    : frame_(frame),
+      blocks_(std::move(blocks)),
+      renderer_(frame, watched),
+      pixels_(blocks_.size()) {}
+
+RayCounts FrameLoop::run(RayRange rays, RenderStats& stats, const LoopObserver& observer) {
+    const TimeKeeper time(stats);
+    const bool inTurn = frame_.options.bounces != 0;
+    const bool isLast = rays.first + rays.count >= frame_.options.cameraRays;
+    std::vector<RayCounts> counts(blocks_.size());
+    std::vector<BounceCounts> bounces(blocks_.size());
+    parallelFor(blocks_.size(), inTurn ? std::max<std::size_t>(1, blocks_.size()) : kBlocksOfChunk,
+                [&](const Chunk& chunk) {
+                    for (std::size_t b = chunk.begin; b < chunk.end; ++b) {
+                        observer.onBlock();
+                        render(b, rays, bounces[b], observer);
+                        counts[b] = finish(b, observer);
+                        if (isLast) pixels_[b] = {};
+                    }
+                });
+    renderer_.tools().addCounts(stats);
+    RayCounts all;
+    for (const RayCounts& count : counts) all.add(count);
+    for (const BounceCounts& count : bounces) stats.bounces.add(count);
+    return all;
+}
+
+void FrameLoop::render(std::size_t block, RayRange rays, BounceCounts& bounces,
+                       const LoopObserver& observer) {
+    const int pass = frame_.options.passRays, end = rays.first + rays.count;
+    pixels_[block].resize(blocks_[block].size());
+    BlockProgress progress = progressOf(blocks_[block], (rays.count + pass - 1) / pass, observer);
+    for (int first = rays.first; first < end; first += pass)
+        renderer_.addCameraRays(blocks_[block], {first, std::min(pass, end - first)},
+                                pixels_[block], progress, bounces);
+    progress.finish();
+}
+
+RayCounts FrameLoop::finish(std::size_t block, const LoopObserver& observer) const {
+    RayCounts counts;
+    for (std::size_t t = 0; t < blocks_[block].size(); ++t) {
+        const std::optional<std::size_t> index = blocks_[block][t].index;
+        if (!index) continue;
+        const TilePixels& tile = pixels_[block][t];
+        const std::vector<Pixel> pixels = renderer_.average(tile);
+        for (const Pixel& pixel : pixels) counts.add(pixel);
+        observer.onTile({*index, tile.places, pixels});
+    }
+    return counts;
+}
+
 void renderTiles(const FrameRequest& frame, std::span<const std::size_t> tiles, BlockExtent extent,
-                 RenderStats& stats, const TileSink& sink) {
-    if (frame.options.bounces == 0)
-        renderOneByOne(frame, tiles, stats, sink);
-    else
-        renderBlocks(frame, TileBlocks(frame, tiles, extent), stats, sink);
+                 RenderStats& stats, const LoopObserver& observer) {
+    FrameLoop(frame, blocksOf(frame, tiles, extent))
+        .run({0, frame.options.cameraRays}, stats, observer)
+        .addTo(stats);
 }
 
 }  // namespace shadowcache

@@ -20,11 +20,9 @@ Film render(const FrameRequest& wanted, RenderStats& stats) {
     Film film = makeFilm(options);
     const std::vector<std::size_t> tiles = Tiles(options).touching(options.region());
     Progress progress(fmt::format("frame {}", frame.number), tiles.size());
-    const auto place = [&](const RenderedTile& tile) {
-        placePixels(tile.places, tile.pixels, film);
-    };
     renderTiles(frame, tiles, BlockExtent::wholeFrame, stats,
-                {place, [&](std::size_t count) { progress.add(count); }});
+                {.onTile = [&](const RenderedTile& t) { placePixels(t.places, t.pixels, film); },
+                 .onProgress = [&](std::size_t count) { progress.add(count); }});
     requireFinite(film, frame.number, options.seed);
     return finishFilm(wanted, std::move(film), stats);
 }
@@ -41,39 +39,34 @@ std::vector<std::vector<Pixel>> renderSomeTiles(const FrameRequest& frame,
         some.tileRays.push_back(frame.raysOfTile(number));
     }
     std::vector<std::vector<Pixel>> parts(tiles.size());
-    const auto keep = [&](const RenderedTile& tile) {
-        parts[tile.index].assign(tile.pixels.begin(), tile.pixels.end());
-    };
-    renderTiles(some, tiles, BlockExtent::given, stats, {keep});
+    renderTiles(some, tiles, BlockExtent::given, stats, {.onTile = [&](const RenderedTile& tile) {
+                    parts[tile.index].assign(tile.pixels.begin(), tile.pixels.end());
+                }});
     return parts;
 }
 
 Pixel renderPixel(const FrameRequest& frame, int x, int y, const CameraSampleObserver& observer) {
-    TileRenderer renderer(frame);
-    renderer.observe(x, y, observer);
-    Workspaces workspaces(frame.estimator);
-    const Tiles all(frame.options);
     const RenderOptions& options = frame.options;
-    const std::size_t tile = all.tileOf(x, y);
-    // Without a plan for the region's tiles, a pixel beside the region will do.
+    const Tiles all(options);
+    // Without camera rays of each tile of the region, a pixel beside the region will do.
     const std::vector<std::size_t> tiles =
         all.touching(frame.tileRays.empty() ? FilmRectangle{0, 0, options.width, options.height}
                                             : options.region());
-    const TileBlocks blocks(frame, tiles, BlockExtent::wholeFrame);
-    const auto [block, number] = blocks.find(tile);
-    std::vector<std::vector<PixelSum>> sums(blocks.block(block).size());
-    const BlockRenderer tool(frame, renderer, workspaces);
+    std::vector<TileBlock> blocks = blocksOf(frame, tiles, BlockExtent::wholeFrame);
+    const std::size_t wanted = all.tileOf(x, y);
+    std::erase_if(blocks, [&](const TileBlock& block) {
+        return std::ranges::find(block, wanted, &BlockTile::tile) == block.end();
+    });
+    Pixel pixel;
+    const auto find = [&](const RenderedTile& tile) {
+        const auto place = std::ranges::find(tile.places, FilmPlace{x, y});
+        if (place != tile.places.end())
+            pixel = tile.pixels[static_cast<std::size_t>(place - tile.places.begin())];
+    };
     RenderStats stats;
-    BlockProgress untold;
-    for (int first = 0; first < options.cameraRays; first += options.passRays)
-        tool.addCameraRays(blocks.block(block), first,
-                           std::min(options.passRays, options.cameraRays - first), sums, untold,
-                           stats);
-    std::vector<FilmPlace> places;
-    all.findPlaces(tile, places);
-    const auto place =
-        std::ranges::find_if(places, [&](const FilmPlace& p) { return p.x == x && p.y == y; });
-    return renderer.average(sums[number][static_cast<std::size_t>(place - places.begin())]);
+    FrameLoop(frame, std::move(blocks), WatchedPixel{{x, y}, observer})
+        .run({0, options.cameraRays}, stats, {.onTile = find});
+    return pixel;
 }
 
 }  // namespace shadowcache

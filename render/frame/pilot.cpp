@@ -13,8 +13,9 @@
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
-#include "render/frame/tile_loop.h"
-#include "render/frame/tile_renderer.h"
+#include "render/estimators/set_place.h"
+#include "render/frame/predicted_rates.h"
+#include "render/frame/shading.h"
 
 namespace shadowcache {
 
@@ -30,13 +31,13 @@ constexpr std::size_t kChunk = 32;
 constexpr double kJudgedCameraRays = 16;
 
 /// What some pixels are predicted to show; nothing where their camera rays do not matter.
-std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const TileRenderer& renderer,
-                                        Workspaces& workspaces) {
+std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const FilmRays& film,
+                                        ToolPool& pool) {
     const RenderOptions& options = frame.options;
     if (options.cameraRays < 2 || !frame.estimator.prediction()) return {};
     std::vector<PredictedSpread> pixels(kRulePixels);
     parallelFor(kRulePixels, kChunk, [&](const Chunk& chunk) {
-        std::unique_ptr<TileTools> tools = workspaces.take();
+        std::unique_ptr<TileTools> tools = pool.take();
         std::vector<FilmPlace> some;
         for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
             const std::uint64_t seed =
@@ -46,10 +47,9 @@ std::optional<FrameSpread> predictFrame(const FrameRequest& frame, const TileRen
             };
             some.push_back({at(0, options.width), at(1, options.height)});
         }
-        std::ranges::copy(
-            renderer.predictSpreads(some, kMostSpreadRays, tools->scratch, *tools->workspace),
-            pixels.begin() + static_cast<std::ptrdiff_t>(chunk.begin));
-        workspaces.giveBack(std::move(tools));
+        std::ranges::copy(predictSpreads(frame, film, some, kMostSpreadRays, *tools),
+                          pixels.begin() + static_cast<std::ptrdiff_t>(chunk.begin));
+        pool.giveBack(std::move(tools));
     });
     return spreadOf(pixels);
 }
@@ -68,6 +68,32 @@ std::vector<FilmPosition> pilotPlaces(const FrameRequest& frame, std::size_t cou
     return places;
 }
 
+/// A place that a pilot looks at, through a place of the film; nothing where that shows the sky.
+///
+/// @param floor  as AntialiasingRule has it; none: errors are relative to the place's own light
+std::optional<ShadingPoint> pilotPoint(const FrameRequest& frame, const FilmRays& film,
+                                       const FilmPosition& at, std::uint64_t seed,
+                                       std::optional<double> floor, TileTools& tools) {
+    const View view = film.look(at);
+    if (!view.hit.found) return {};
+    const RenderOptions& options = frame.options;
+    const EstimatorContext& context = frame.estimator.context();
+    const FilmPlace pixel{static_cast<int>(at.x * options.width),
+                          static_cast<int>(at.y * options.height)};
+    ShadingPoint point{placeOf(context.scene, view),
+                       {.seed = seed, .filmX = pixel.x, .filmY = pixel.y}};
+    if (floor) {
+        const double scale =
+            predictSpreads(frame, film, std::span(&pixel, 1), kMostSpreadRays, tools)
+                .front()
+                .errorScale(*floor);
+        const Rgb albedo = diffuseAlbedo(surfaceOf(view.hit, options.plain),
+                                         -point.place.normal.dot(view.direction));
+        point.slot.errorScale = irradianceScale(context.environment, scale, albedo);
+    }
+    return point;
+}
+
 }  // namespace
 
 FramePlan planFrame(const FrameRequest& frame, RenderStats& stats) {
@@ -76,26 +102,26 @@ FramePlan planFrame(const FrameRequest& frame, RenderStats& stats) {
     const FramePilot* pilot = frame.estimator.pilot();
     if (options.samples == 0 || !pilot) return plan;
     const auto start = std::chrono::steady_clock::now();
-    const TileRenderer renderer(frame);
+    const FilmRays film(frame);
     const std::size_t places = pilot->places(static_cast<std::uint64_t>(options.width) *
                                              static_cast<std::uint64_t>(options.height) *
                                              static_cast<std::uint64_t>(options.cameraRays) *
                                              static_cast<std::uint64_t>(options.samples));
-    Workspaces workspaces(frame.estimator);
-    const std::optional<FrameSpread> spread = predictFrame(frame, renderer, workspaces);
+    ToolPool pool(frame.estimator);
+    const std::optional<FrameSpread> spread = predictFrame(frame, film, pool);
     const auto floor = spread ? std::optional(spread->floor) : std::nullopt;
     const std::vector<FilmPosition> looked = pilotPlaces(frame, places);
     std::vector<std::optional<ShadingPoint>> seen(places);
     parallelFor(places, kChunk, [&](const Chunk& chunk) {
-        std::unique_ptr<TileTools> tools = workspaces.take();
+        std::unique_ptr<TileTools> tools = pool.take();
         for (std::size_t k = chunk.begin; k < chunk.end; ++k)
             // The numbers of a pilot belong to no pixel.
-            seen[k] = renderer.pilotPoint(
-                looked[k], pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k)),
-                floor, tools->scratch, *tools->workspace);
-        workspaces.giveBack(std::move(tools));
+            seen[k] = pilotPoint(frame, film, looked[k],
+                                 pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k)),
+                                 floor, *tools);
+        pool.giveBack(std::move(tools));
     });
-    workspaces.addCounts(stats);
+    pool.addCounts(stats);
     std::vector<ShadingPoint> points;
     for (const std::optional<ShadingPoint>& point : seen)
         if (point) points.push_back(*point);

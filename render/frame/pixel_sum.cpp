@@ -19,52 +19,59 @@ int spreadRunLength(int passRays) {
     return length;
 }
 
-Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights) {
-    Pixel pixel = sum.sum;
-    const float scale = 1.0f / static_cast<float>(std::max(1, sum.cameraRays));
-    pixel.color *= scale;
-    pixel.diffuse *= scale;
-    pixel.glossy *= scale;
-    pixel.diffuseIndirect *= scale;
-    pixel.glossyIndirect *= scale;
-    pixel.emission *= scale;
-    pixel.environment *= scale;
-    pixel.predicted *= scale;
-    pixel.irradiance *= scale;
-    pixel.albedo *= scale;
-    pixel.diffuseAlbedo *= scale;
-    pixel.mirrorColor *= scale;
-    pixel.roughness *= scale;
-    pixel.normal *= scale;
-    pixel.position *= scale;
-    pixel.depth *= scale;
-    pixel.axialDepth *= scale;
-    pixel.openness *= scale;
+void PixelSum::addSky(const Rgb& radiance, const SpreadRule& rule) {
+    values +=
+        {.color = radiance, .emission = radiance, .environment = radiance, .predicted = radiance};
+    color.add(rule.luminance(radiance), rule.runLength);
+    irradiance.add(0, rule.runLength);
+    ++cameraRays;
+}
+
+void PixelSum::addHit(const RayValues& ray, const Estimate& estimate, const GlossEstimate& gloss,
+                      const SpreadRule& rule) {
+    values += ray;
+    color.add(rule.luminance(ray.color), rule.runLength);
+    irradiance.add(rule.luminance(ray.irradiance), rule.runLength);
+    ++cameraRays;
+    ++hits;
+    variance += estimate.variance;
+    covariance += estimate.covariance;
+    glossVariance += gloss.variance;
+    rays += static_cast<float>(estimate.rays + estimate.reused + gloss.rays);
+    reusedRays += static_cast<float>(estimate.reused);
+}
+
+Pixel PixelSum::average(const SpreadRule& rule) const {
+    const float scale = 1.0f / static_cast<float>(std::max(1, cameraRays));
+    const auto ofHits = static_cast<float>(std::max(1, hits));
+    Pixel pixel{values};
+    pixel *= scale;
     // Errors of camera rays are independent.
-    pixel.expectedNoise = std::sqrt(sum.expectedVariance) * scale;
-    pixel.items *= scale;
-    pixel.regions *= scale;
-    pixel.misses *= scale;
-    pixel.cameraRays = static_cast<float>(sum.cameraRays);
-    pixel.coverage = static_cast<float>(sum.hits) * scale;
-    const auto hits = static_cast<float>(std::max(1, sum.hits));
-    pixel.sampleVariance = (sum.sum.variance + sum.sum.covariance) / (hits * hits);
-    const double reflectance = static_cast<double>(pixel.diffuseAlbedo.dot(luminanceWeights)) / kPi;
-    if (sum.cameraRays < 2) {
+    pixel.expectedNoise = std::sqrt(expectedVariance) * scale;
+    pixel.cameraRays = static_cast<float>(cameraRays);
+    pixel.coverage = static_cast<float>(hits) * scale;
+    pixel.rays = rays;
+    pixel.reusedRays = reusedRays;
+    pixel.covariance = covariance;
+    pixel.glossVariance = glossVariance;
+    pixel.sampleVariance = (variance + covariance) / (ofHits * ofHits);
+    const double reflectance = rule.luminance(pixel.diffuseAlbedo) / kPi;
+    if (cameraRays < 2) {
+        pixel.variance = variance;
         pixel.colorVariance =
-            static_cast<float>(reflectance * reflectance * static_cast<double>(pixel.variance)) +
-            pixel.glossVariance;
+            static_cast<float>(reflectance * reflectance * static_cast<double>(variance)) +
+            glossVariance;
     } else {
         // What values have in common widens their mean, and narrows their spread.
-        const double rays = sum.cameraRays;
-        const double common = static_cast<double>(sum.sum.covariance) / (rays * (rays - 1));
-        const double ofHits = reflectance * rays / static_cast<double>(hits);
-        const auto variance = [&](const RunSpread& spread, double shared) {
+        const double count = cameraRays;
+        const double common = static_cast<double>(covariance) / (count * (count - 1));
+        const double perHit = reflectance * count / static_cast<double>(ofHits);
+        const auto spreadWith = [&](const RunSpread& spread, double shared) {
             return static_cast<float>(
-                std::max(0.0, spread.varianceOfMean(runLength, sum.cameraRays) + shared));
+                std::max(0.0, spread.varianceOfMean(rule.runLength, cameraRays) + shared));
         };
-        pixel.variance = variance(sum.irradiance, common);
-        pixel.colorVariance = variance(sum.color, ofHits * ofHits * common);
+        pixel.variance = spreadWith(irradiance, common);
+        pixel.colorVariance = spreadWith(color, perHit * perHit * common);
     }
     return pixel;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/estimators/estimate.h"
 #include "render/frame/film.h"
 
 namespace shadowcache {
@@ -30,20 +31,34 @@ private:
 /// Values of a run for so many camera rays a pass: about the root.
 int spreadRunLength(int passRays);
 
-/// What a pixel's camera rays add up to so far.
-struct PixelSum {
-    Pixel sum;                    ///< `variance` of each ray's own samples
-    float expectedVariance = 0;   ///< square of CacheInsight::expectedNoise
-    RunSpread color, irradiance;  ///< of the luminance
-    int cameraRays = 0;
-    int rayFactor = 1;      ///< camera rays for each that is asked for
-    double errorScale = 0;  ///< luminance that its errors are relative to; 0: not predicted
-    int hits = 0;           ///< camera rays that meet the set
+/// How the spread of camera rays is measured in a frame.
+struct SpreadRule {
+    int runLength;
+    Rgb luminanceWeights;
+
+    double luminance(const Rgb& c) const { return static_cast<double>(luminanceWeights.dot(c)); }
 };
 
-/// The pixel so far.
-///
-/// @param runLength  as the spreads were added with
-Pixel averageOf(const PixelSum& sum, int runLength, const Rgb& luminanceWeights);
+/// What a pixel's camera rays add up to so far.
+struct PixelSum {
+    RayValues values;
+    RunSpread color, irradiance;  ///< of the luminance
+    int cameraRays = 0;
+    int hits = 0;          ///< camera rays that meet the set
+    float variance = 0;    ///< of the irradiance's luminance, from each ray's own samples
+    float covariance = 0;  ///< Estimate::covariance
+    float glossVariance = 0;
+    float expectedVariance = 0;  ///< square of CacheInsight::expectedNoise
+    float rays = 0;              ///< shadow rays
+    float reusedRays = 0;
+
+    /// Adds a camera ray that sees the sky.
+    void addSky(const Rgb& radiance, const SpreadRule& rule);
+    /// Adds a camera ray that meets the set.
+    void addHit(const RayValues& ray, const Estimate& estimate, const GlossEstimate& gloss,
+                const SpreadRule& rule);
+    /// The pixel so far.
+    Pixel average(const SpreadRule& rule) const;
+};
 
 }  // namespace shadowcache

@@ -6,7 +6,6 @@
 #include "common/base/parallel.h"
 #include "render/frame/film_parts.h"
 #include "render/frame/residual_filter.h"
-#include "render/frame/tile_loop.h"
 #include "render/frame/time_keeper.h"
 
 namespace shadowcache {

@@ -10,6 +10,8 @@ namespace shadowcache {
 /// A pixel's place on the film.
 struct FilmPlace {
     int x, y;
+
+    bool operator==(const FilmPlace&) const = default;
 };
 
 /// The tiles of a frame, row by row: squares of pixels with ragged borders, which are lit together.

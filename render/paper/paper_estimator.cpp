@@ -53,7 +53,7 @@ std::unique_ptr<Workspace> Paper::makeWorkspace() const {
 
 void Paper::lookUp(const ShadingPoint& point, PaperWorkspace& w) const {
     if (!w.reader) return;
-    const int found = w.reader->lookUp(point.position, point.geometricNormal, w.items);
+    const int found = w.reader->lookUp(point.place.position, point.place.geometricNormal, w.items);
     w.pooled->pool(std::span(w.items).first(static_cast<std::size_t>(found)));
 }
 
@@ -72,22 +72,23 @@ Rgb Paper::prepare(const ShadingPoint& point, const SampleSlice& slice,
     const double total = w.cdf.empty() ? 0.0 : w.cdf.back();
     if (!(total > 0)) return {0, 0, 0};
     const double beta = options_.beta;
-    const Vec3d n(point.normal);
-    const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
-    const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
+    const Vec3d n(point.place.normal);
+    const auto u = w.numbers(context_.sequence, point.slot.seed, 0, slice.first, slice.count);
+    const auto v = w.numbers(context_.sequence, point.slot.seed, 1, slice.first, slice.count);
     for (std::size_t j = 0; j < u.size(); ++j) {
-        const double x = fullPrecision(u[j], point.seed, slice.first + j);
+        const double x = fullPrecision(u[j], point.slot.seed, slice.first + j);
         Vec3f direction;
         std::uint32_t triangle = 0;
         if (x < beta) {
-            direction = aroundNormal(point.normal, static_cast<float>(x / beta), toUnitFloat(v[j]));
+            direction =
+                aroundNormal(point.place.normal, static_cast<float>(x / beta), toUnitFloat(v[j]));
             triangle = triangleAlong(direction);
         } else {
             direction =
                 drawDirection(w, n, (x - beta) / (1 - beta) * total, toUnitFloat(v[j]), triangle);
         }
         w.triangleOf.push_back(triangle);
-        const float cosine = direction.dot(point.normal);
+        const float cosine = direction.dot(point.place.normal);
         if (cosine <= 0) {
             w.samples.addZero();
             continue;
@@ -104,11 +105,12 @@ Rgb Paper::prepare(const ShadingPoint& point, const SampleSlice& slice,
 /// W_i of all triangles, clipped to the hemisphere, and their running sum.
 void Paper::buildImportance(const ShadingPoint& point, PaperWorkspace& w) const {
     lookUp(point, w);
-    convolveAll(point.normal, w.convolution);
+    convolveAll(point.place.normal, w.convolution);
     w.pieces.clear();
     w.cdf.clear();
     w.density.assign(triangles_.size(), 0.0);
-    for (std::uint32_t i = 0; i < triangles_.size(); ++i) addTriangle(i, Vec3d(point.normal), w);
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i)
+        addTriangle(i, Vec3d(point.place.normal), w);
 }
 
 void Paper::convolveAll(const Vec3f& n, std::vector<float>& out) const {

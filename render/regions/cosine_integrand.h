@@ -36,13 +36,14 @@ public:
     struct Points {
         std::span<const ShadingPoint> points;
 
-        const Vec3f& normal(std::uint32_t point) const { return points[point].normal; }
+        const Vec3f& normal(std::uint32_t point) const { return points[point].place.normal; }
         /// Of a point along a unit vector, over a density.
         float value(std::uint32_t point, const Vec3f& w, double density) const {
-            return static_cast<float>(static_cast<double>(w.dot(points[point].normal)) / density);
+            return static_cast<float>(static_cast<double>(w.dot(points[point].place.normal)) /
+                                      density);
         }
-        /// Density of samples beside those of the regions.
-        double otherDensity(std::uint32_t, const Vec3f&) const { return 0; }
+        /// None draws samples of its own beside those of the regions.
+        double lobeDensity(std::uint32_t, const Vec3f&) const { return 0; }
         static double groupPerFind() { return kGroupPerFind; }
     };
 

@@ -38,16 +38,15 @@ public:
     /// The lobes of a batch's points.
     struct Points {
         std::span<const GlossyPoint> points;
-        std::span<const double> lobeSamples;  ///< that each is expected to draw from its lobe
 
         const Vec3f& normal(std::uint32_t point) const { return points[point].lobe.normal(); }
         /// Of a point along a unit vector, over a density.
         Rgb value(std::uint32_t point, const Vec3f& w, double density) const {
             return points[point].lobe.value(w) * static_cast<float>(1 / density);
         }
-        /// Density of samples beside those of the regions.
-        double otherDensity(std::uint32_t point, const Vec3f& w) const {
-            return lobeSamples[point] * static_cast<double>(points[point].lobe.density(w));
+        /// Density of a sample that a point draws from its own lobe.
+        double lobeDensity(std::uint32_t point, const Vec3f& w) const {
+            return static_cast<double>(points[point].lobe.density(w));
         }
         static double groupPerFind() { return kGlossyGroupPerFind; }
     };

@@ -19,7 +19,8 @@ RegionDistribution::RegionDistribution(const Environment& environment)
     slots_.assign(firstSlot_.back(), -1);
 }
 
-void RegionDistribution::assign(const Regions& regions, const SamplingPlan& plan) {
+const RegionDistribution& RegionDistribution::assign(const Regions& regions,
+                                                     const SamplingPlan& plan) {
     for (const Group& group : groups_) slots_[slotOf(group.level, group.firstCell)] = -1;
     groups_.resize(regions.groups.size());
     weightSum_ = plan.weightSum;
@@ -36,6 +37,7 @@ void RegionDistribution::assign(const Regions& regions, const SamplingPlan& plan
         coarsest_ = std::min(coarsest_, group.level);
         finest_ = std::max(finest_, group.level);
     }
+    return *this;
 }
 
 EnvironmentSample RegionDistribution::sample(double u, float jitterX, float jitterY) const {

@@ -27,7 +27,7 @@ public:
     explicit RegionDistribution(const Environment& environment);
 
     /// Becomes the distribution of a plan. Memory is used again.
-    void assign(const Regions& regions, const SamplingPlan& plan);
+    const RegionDistribution& assign(const Regions& regions, const SamplingPlan& plan);
 
     /// Whether nothing can be drawn: pdf() is 0 everywhere.
     bool empty() const { return !(weightSum_ > 0); }

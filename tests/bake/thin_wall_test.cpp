@@ -62,11 +62,12 @@ TEST(ThinWall, OfOneSurfaceLeaksNeitherLightNorDark) {
     const ThinWall wall(std::move(mesh));
     for (const int samples : {0, 16}) {
         for (const ShadingPoint& point : wall.places(true)) {
-            EXPECT_EQ(wall.estimate(point, samples, 5).mean(0), 0.0) << point.position;
+            EXPECT_EQ(wall.estimate(point, samples, 5).mean(0), 0.0) << point.place.position;
         }
         for (const ShadingPoint& point : wall.places(false)) {
             // Regions across the horizon are left to samples.
-            EXPECT_NEAR(wall.estimate(point, samples, 5).mean(0) / kPi, 1, 2e-2) << point.position;
+            EXPECT_NEAR(wall.estimate(point, samples, 5).mean(0) / kPi, 1, 2e-2)
+                << point.place.position;
         }
     }
 }
@@ -79,16 +80,16 @@ TEST(ThinWall, OfTwoSkinsLeaksNoLight) {
     const ThinWall wall(std::move(mesh));
     for (const ShadingPoint& point : wall.places(true))
         for (const int samples : {0, 16})
-            EXPECT_EQ(wall.estimate(point, samples, 5).mean(0), 0.0) << point.position;
+            EXPECT_EQ(wall.estimate(point, samples, 5).mean(0), 0.0) << point.place.position;
     const auto places = wall.places(false);
     const double level = test::significance(places.size());
     for (const ShadingPoint& point : places) {
-        EXPECT_NEAR(wall.estimate(point, 0, 1).mean(0) / kPi, 1, 2e-2) << point.position;
+        EXPECT_NEAR(wall.estimate(point, 0, 1).mean(0) / kPi, 1, 2e-2) << point.place.position;
         const auto estimates = wall.estimate(point, 16, 200);
         const Rgb truth(static_cast<float>(kPi));
-        EXPECT_GT(test::agreementPValue(estimates, truth), level) << point.position;
+        EXPECT_GT(test::agreementPValue(estimates, truth), level) << point.place.position;
         // Control.
-        EXPECT_LT(test::agreementPValue(estimates, truth * 1.05f), level) << point.position;
+        EXPECT_LT(test::agreementPValue(estimates, truth * 1.05f), level) << point.place.position;
     }
 }
 

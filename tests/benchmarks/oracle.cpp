@@ -26,15 +26,15 @@ test::TestCache cacheAt(const Scene& scene, const ShadingPoint& point, const Bak
     baked.header.spacing = options.spacing;
     baked.header.bakes = {{.rays = options.rays}};
     Patch patch;
-    patch.code.side = sideOf(point.normal);
-    patch.seed = point.seed;
-    patch.normal = point.normal;
+    patch.code.side = sideOf(point.place.normal);
+    patch.seed = point.slot.seed;
+    patch.normal = point.place.normal;
     patch.meanPosition = Vec3f(0, 0, 0);
-    patch.origin.fill(point.rayOrigin);
-    patch.originNormal.fill(point.normal);
+    patch.origin.fill(point.place.rayOrigin);
+    patch.originNormal.fill(point.place.normal);
     const ItemBaker baker(scene, options);
     const Pilot pilot = baker.tracePilot(patch);
-    const Vec3d voxel = point.position / options.spacing;
+    const Vec3d voxel = point.place.position / options.spacing;
     store(baker.refine(patch, pilot, pilot.mixed(), {}), patch,
           Vec3i(static_cast<int>(std::lround(voxel.x)), static_cast<int>(std::lround(voxel.y)),
                 static_cast<int>(std::lround(voxel.z))),
@@ -53,7 +53,7 @@ std::vector<ShadingPoint> places(const Set& set, const Settings& settings) {
         const Vec3f eye(camera.origin - set.scene->mesh().origin);
         if (!set.scene->intersect(eye, direction).found) continue;
         points.push_back(test::pointAlong(*set.scene, eye, direction));
-        points.back().seed = i;
+        points.back().slot.seed = i;
     }
     return points;
 }

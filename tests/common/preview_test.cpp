@@ -39,8 +39,8 @@ protected:
             if (outward.y < 0.1f) continue;
             const ShadingPoint point =
                 test::pointAlong(scene_, Vec3f(0, 0.5f, 0) + outward * 1.5f, -outward);
-            const int count = reader.lookUp(point.position, point.normal, found);
-            all.push_back({{found.begin(), found.begin() + count}, point.normal});
+            const int count = reader.lookUp(point.place.position, point.place.normal, found);
+            all.push_back({{found.begin(), found.begin() + count}, point.place.normal});
         }
         return all;
     }

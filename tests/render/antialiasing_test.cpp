@@ -166,9 +166,9 @@ protected:
             const ShadingPoint place = test::pointAlong(scene_, {0.2f, 1, 0.1f}, {0, -1, 0});
             for (std::uint32_t i = 0; i < 256; ++i) {
                 ShadingPoint& point = points.emplace_back(place);
-                point.seed = hashWords(i);
-                point.pixel = i;
-                point.errorScale = errorScale;
+                point.slot.seed = hashWords(i);
+                point.slot.pixel = i;
+                point.slot.errorScale = errorScale;
             }
             std::vector<Estimate> estimates(points.size());
             const auto workspace = frame.estimator.makeWorkspace();

@@ -112,7 +112,7 @@ TEST(Blend, LightIsDimmedByTheOpacity) {
     const ShadingPoint point = test::pointAlong(world.scene, {0, 0.25f, 0}, {0, -1, 0});
     const std::vector<Vec3d> veil{{-3, 1, -3}, {3, 1, -3}, {3, 1, 3}, {-3, 1, 3}};
     const double hidden = static_cast<double>(kOpacity) *
-                          test::polygonIrradiance(point.position, Vec3d(0, 1, 0), veil);
+                          test::polygonIrradiance(point.place.position, Vec3d(0, 1, 0), veil);
     const Rgb truth = Rgb(1, 0.5f, 2) * static_cast<float>(kPi - hidden);
     const std::vector<std::string> names{"mis", "paper", "cache"};
     for (const std::string& name : names) {

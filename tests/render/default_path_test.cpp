@@ -64,7 +64,7 @@ TEST(DefaultPathScene, IsWhatItsTruthTakesItFor) {
     for (const double x : {0.0, 0.5, 1.0})
         for (const double y : {0.0, 1.0}) {
             ShadingPoint point = View::place(x, y);
-            point.rayOrigin.y = 1e-5f;
+            point.place.rayOrigin.y = 1e-5f;
             const auto lit = [&](const std::array<int, 2>& texel) {
                 return test::tracedTexelIrradiance(floor.scene, point, Light::kMapWidth,
                                                    Light::kMapHeight, texel[0], texel[1], 40);

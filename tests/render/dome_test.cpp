@@ -99,11 +99,11 @@ TEST(DomeCells, KnowWhatIsVisibleFromWhere) {
     const std::vector<std::uint8_t> counts(kPlaces, kRays);
     for (std::size_t i = 0; i < kPlaces; ++i) {
         const float up = i % 2 == 0 ? 1.0f : -1.0f;
-        ShadingPoint& place = places.emplace_back();
-        place.position = Vec3d(toUnit(hashWords(i, 1)), 0, toUnit(hashWords(i, 2)));
-        place.normal = Vec3f(0, up, 0);
-        place.filmX = static_cast<int>(100 * place.position.x);
-        place.filmY = static_cast<int>(100 * place.position.z);
+        ShadingPoint& point = places.emplace_back();
+        point.place.position = Vec3d(toUnit(hashWords(i, 1)), 0, toUnit(hashWords(i, 2)));
+        point.place.normal = Vec3f(0, up, 0);
+        point.slot.filmX = static_cast<int>(100 * point.place.position.x);
+        point.slot.filmY = static_cast<int>(100 * point.place.position.z);
         for (std::size_t k = 0; k < kRays; ++k) {
             const auto tile = static_cast<std::uint8_t>(k % kTwo);
             rays.push_back({tile, (tile == 0) == (up > 0)});
@@ -113,11 +113,11 @@ TEST(DomeCells, KnowWhatIsVisibleFromWhere) {
     const DomeCells learned(places, rays, counts, kRays, kTwo);
     const DomeCells control(places, same, counts, kRays, kTwo);
     EXPECT_GT(learned.size(), 20u);
-    for (const ShadingPoint& place : places) {
-        const std::size_t seen = place.normal.y > 0 ? 0 : 1;
-        EXPECT_GT(learned.visibility(place)[seen], 0.9f);
-        EXPECT_LT(learned.visibility(place)[1 - seen], 0.1f);
-        EXPECT_GT(control.visibility(place)[0], 0.9f);
+    for (const ShadingPoint& point : places) {
+        const std::size_t seen = point.place.normal.y > 0 ? 0 : 1;
+        EXPECT_GT(learned.visibility(point)[seen], 0.9f);
+        EXPECT_LT(learned.visibility(point)[1 - seen], 0.1f);
+        EXPECT_GT(control.visibility(point)[0], 0.9f);
     }
 }
 
@@ -138,10 +138,10 @@ std::vector<ShadingPoint> placesOnFloor(const Scene& scene, double x0, double z0
     for (std::uint64_t i = 0; i < 2000; ++i) {
         const double x = width * toUnit(hashWords(i, 1)), z = depth * toUnit(hashWords(i, 2));
         const Vec3f from(static_cast<float>(x0 + x), 0.3f, static_cast<float>(z0 + z));
-        ShadingPoint& place = places.emplace_back(test::pointAlong(scene, from, {0, -1, 0}));
-        place.seed = hashWords(i, 3);
-        place.filmX = static_cast<int>(100 * x);
-        place.filmY = static_cast<int>(100 * z);
+        ShadingPoint& point = places.emplace_back(test::pointAlong(scene, from, {0, -1, 0}));
+        point.slot.seed = hashWords(i, 3);
+        point.slot.filmX = static_cast<int>(100 * x);
+        point.slot.filmY = static_cast<int>(100 * z);
     }
     return places;
 }
@@ -197,7 +197,7 @@ TEST(DomeLightInARoom, HasLessNoiseOnceItHasLearned) {
     EXPECT_LT(meanVariance(*dome, some, learned.get()), 0.5 * before);
 
     std::vector<ShadingPoint> wrong = places;
-    for (ShadingPoint& place : wrong) place.rayOrigin.y -= 0.01f;
+    for (ShadingPoint& point : wrong) point.place.rayOrigin.y -= 0.01f;
     const auto misled = dome->pilot()->plan(wrong, 16, 0);
     EXPECT_GT(meanVariance(*dome, some, misled.get()), 0.8 * before);
 }
@@ -219,9 +219,9 @@ TEST_F(DomeLight, IsUnbiasedWhateverItHasLearned) {
     for (const Lie& lie : lies) {
         const auto dome = findEstimator("dome").make(context_);
         std::vector<ShadingPoint> told = placesBelowRoof();
-        for (ShadingPoint& place : told) {
-            place.rayOrigin += lie.offset;
-            place.normal *= lie.normal;
+        for (ShadingPoint& point : told) {
+            point.place.rayOrigin += lie.offset;
+            point.place.normal *= lie.normal;
         }
         const auto plan = lie.normal != 0 ? dome->pilot()->plan(told, 16, 0) : nullptr;
         for (const Vec3f& place : places) {

@@ -178,7 +178,8 @@ TEST(Spacing, BelowWhatVoxelsCanCountIsRefused) {
 
 TEST(Samples, SixtyFiveThousandOfAPixelComeToTheTruth) {
     const LitPlace world = slabWorld(0.5);
-    const Camera camera = lookAt(Vec3d(0.01, 0.25, 0), world.point.position, Vec3d(0, 0, 1), 0.1);
+    const Camera camera =
+        lookAt(Vec3d(0.01, 0.25, 0), world.point.place.position, Vec3d(0, 0, 1), 0.1);
     RenderOptions options;
     options.width = options.height = 1;
     options.samples = 65536;

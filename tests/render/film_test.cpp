@@ -62,10 +62,10 @@ TEST(PixelSum, AddsWhatTheSpreadOfCameraRaysDoesNotShow) {
     PixelSum sum;
     sum.cameraRays = sum.hits = 4;
     for (const double value : {1.0, 2.0, 4.0, 9.0}) sum.irradiance.add(value, 1);
-    sum.sum.variance = 5;
+    sum.variance = 5;
     const auto pixel = [&](float covariance) {
-        sum.sum.covariance = covariance;
-        return averageOf(sum, 1, Rgb(0, 1, 0));
+        sum.covariance = covariance;
+        return sum.average({1, Rgb(0, 1, 0)});
     };
     EXPECT_FLOAT_EQ(pixel(0).variance, 38.0f / 3 / 4);
     EXPECT_FLOAT_EQ(pixel(8).variance, 38.0f / 3 / 4 + 8 / (4 * 3.0f));
@@ -79,10 +79,10 @@ TEST(PixelSum, VarianceOfColorAtAnEdgeIsThatOfTheRaysThatMeetTheSet) {
     PixelSum sum;
     sum.cameraRays = 4;
     sum.hits = 2;
-    sum.sum.diffuseAlbedo = Rgb(1, 1, 1);  // of two hits
-    sum.sum.covariance = 6;
+    sum.values.diffuseAlbedo = Rgb(1, 1, 1);  // of two hits
+    sum.covariance = 6;
     const double reflectance = 0.5 / kPi;
-    EXPECT_NEAR(averageOf(sum, 1, Rgb(0, 1, 0)).colorVariance,
+    EXPECT_NEAR(sum.average({1, Rgb(0, 1, 0)}).colorVariance,
                 reflectance * reflectance * 6 / (4 * 3), 1e-6);
 }
 

@@ -18,8 +18,8 @@ using test::GlossyLook;
 /// A direction to the viewer at `cosine` to the point's normal.
 Vec3f viewerAt(const ShadingPoint& point, double cosine) {
     Vec3d s, t;
-    tangentFrame(Vec3d(point.normal), s, t);
-    return Vec3f(Vec3d(point.normal) * cosine +
+    tangentFrame(Vec3d(point.place.normal), s, t);
+    return Vec3f(Vec3d(point.place.normal) * cosine +
                  (s * 0.8 + t * 0.6) * std::sqrt(1 - cosine * cosine));
 }
 
@@ -32,13 +32,13 @@ struct Reflections {
 Reflections reflect(const Estimator& estimator, ShadingPoint point, const GlossyLook& look,
                     const Vec3f& toViewer, int samples, int count) {
     const Surface surface = shadowcache::glossy(look.baseColor, look.gloss);
-    const GlossyLobe lobe(surface, point.normal, toViewer);
+    const GlossyLobe lobe(surface, point.place.normal, toViewer);
     const Rgb diffuse =
-        diffuseAlbedo(surface, point.normal.dot(toViewer)) * static_cast<float>(1 / kPi);
+        diffuseAlbedo(surface, point.place.normal.dot(toViewer)) * static_cast<float>(1 / kPi);
     const auto workspace = estimator.makeWorkspace();
     Reflections result;
     for (int k = 1; k <= count; ++k) {
-        point.seed = hashWords(static_cast<std::uint64_t>(k));
+        point.slot.seed = hashWords(static_cast<std::uint64_t>(k));
         PointBatch batch{{&point, 1}, samples};
         Estimate e;
         estimator.estimate(batch, *workspace, {&e, 1});
@@ -153,7 +153,7 @@ TEST(GlossyLight, OfAMirrorIsTheMapsTexel) {
     const test::World world(mesh, map);
     const ShadingPoint point = world.below();
     const Vec3f viewer = viewerAt(point, 0.7);
-    const Vec3f mirrored = point.normal * (2 * point.normal.dot(viewer)) - viewer;
+    const Vec3f mirrored = point.place.normal * (2 * point.place.normal.dot(viewer)) - viewer;
     const GlossyLook mirror{Rgb(1, 1, 1), {.metallic = 1, .roughness = 0}};
     const auto estimator = findEstimator("mis").make(world.context(), {});
     const test::Estimates found = reflect(*estimator, point, mirror, viewer, 64, 100).whole;

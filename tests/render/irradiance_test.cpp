@@ -68,21 +68,23 @@ std::vector<Case> cases() {
              [](const Scene&, const ShadingPoint&) { return kSky * static_cast<float>(kPi); }));
     all.push_back(bare("OneTexel", test::oneTexelMap(32, 16, 9, 4, kSky), tilted,
                        [](const Scene&, const ShadingPoint& p) {
-                           return kSky * static_cast<float>(
-                                             test::texelMoment(32, 16, 9, 4).dot(Vec3d(p.normal)));
+                           return kSky *
+                                  static_cast<float>(
+                                      test::texelMoment(32, 16, 9, 4).dot(Vec3d(p.place.normal)));
                        }));
-    all.push_back(bare("Gradient", test::gradientMap(512, 256, slope), tilted,
-                       [slope](const Scene&, const ShadingPoint& p) {
-                           return Rgb(
-                               static_cast<float>(kPi + 2 * kPi / 3 * slope.dot(Vec3d(p.normal))));
-                       }));
+    all.push_back(bare(
+        "Gradient", test::gradientMap(512, 256, slope), tilted,
+        [slope](const Scene&, const ShadingPoint& p) {
+            return Rgb(static_cast<float>(kPi + 2 * kPi / 3 * slope.dot(Vec3d(p.place.normal))));
+        }));
     // 40 degrees off: the shading cosine over the geometric hemisphere.
     const Vec3d off = (tilted * 0.766044443 - slope.cross(tilted).normalized() * 0.642787610);
     all.push_back(shaded(
         bare("ConstantMap", test::constantMap(kSky), tilted,
              [](const Scene&, const ShadingPoint& p) {
                  return kSky * static_cast<float>(
-                                   kPi / 2 * (1 + Vec3d(p.normal).dot(Vec3d(p.geometricNormal))));
+                                   kPi / 2 *
+                                   (1 + Vec3d(p.place.normal).dot(Vec3d(p.place.geometricNormal))));
              }),
         off));
     all.push_back(overFloor("HalfPlane", [](TriangleMesh& mesh) {

@@ -39,7 +39,9 @@ protected:
     LightAtAPlace() { aim(SampleAim::difference); }
 
     /// Goes to the place to draw samples of a kind.
-    void aim(SampleAim aim) { reader_.moveTo(Vec3d(point_.position), point_.normal, aim); }
+    void aim(SampleAim aim) {
+        reader_.moveTo(Vec3d(point_.place.position), point_.place.normal, aim);
+    }
 
     /// Sample number k; its place in a texel is at least `border` from the texel's border.
     LightSample draw(std::uint64_t k, float border = 0) const {
@@ -52,8 +54,9 @@ protected:
 
     /// Radiance times cosine that a ray finds.
     double lightAlong(const LightSample& s) const {
-        const float cosine = s.direction.dot(point_.normal);
-        if (cosine <= 0 || !world_.scene.isFree(point_.rayOrigin, s.direction * 1000.0f)) return 0;
+        const float cosine = s.direction.dot(point_.place.normal);
+        if (cosine <= 0 || !world_.scene.isFree(point_.place.rayOrigin, s.direction * 1000.0f))
+            return 0;
         return static_cast<double>(cosine * s.radiance.y);
     }
 
@@ -167,7 +170,7 @@ TEST_F(LightAtAPlace, CountsAreFollowed) {
     double hiddenLight = 0, all = 0;
     const auto share = [&](const LightSample& s) {
         const auto light = static_cast<double>(s.radiance.y) *
-                           std::max(0.0, static_cast<double>(s.direction.dot(point_.normal)));
+                           std::max(0.0, static_cast<double>(s.direction.dot(point_.place.normal)));
         all += light;
         if (lightAlong(s) > 0) return 0.0;
         hiddenLight += light;
@@ -180,7 +183,7 @@ TEST_F(LightAtAPlace, CountsAreFollowed) {
 
 // Light and cosine alone are followed where the cache holds nothing.
 TEST_F(LightAtAPlace, PlacesWithoutItemsAreUnbiased) {
-    EXPECT_FALSE(reader_.moveTo(Vec3d(point_.position) + Vec3d(0, 40, 0), {0, 1, 0}));
+    EXPECT_FALSE(reader_.moveTo(Vec3d(point_.place.position) + Vec3d(0, 40, 0), {0, 1, 0}));
     const double truth = sumOf(integrals([](const LightSample& s) {
         return static_cast<double>(s.radiance.y * std::max(0.0f, s.direction.y));
     }));
@@ -197,7 +200,7 @@ TEST_F(LightAtAPlace, PlacesWithoutItemsAreUnbiased) {
 TEST_F(LightAtAPlace, ManyPlacesAreTheSameAsEach) {
     constexpr std::size_t kSamples = 8;
     const double none = std::numeric_limits<double>::quiet_NaN();
-    const Vec3d at(point_.position);
+    const Vec3d at(point_.place.position);
     const std::vector<Vec3d> positions{at, {none, 0, 0}, at + Vec3d(0.3, 0, 0.1)};
     const std::vector<Vec3d> normals(3, {0, 2, 0});
     std::vector<LightSample> samples(positions.size() * kSamples);
@@ -227,7 +230,7 @@ TEST(LightSampler, ABlackSkyHasNoSamples) {
     const LightSampler sampler(world.cache.cache(), world.environment);
     LightSampler::Reader reader(sampler);
     const ShadingPoint point = world.below();
-    reader.moveTo(Vec3d(point.position), point.normal);
+    reader.moveTo(Vec3d(point.place.position), point.place.normal);
     EXPECT_TRUE(reader.empty());
     EXPECT_EQ(reader.integral(), Rgb(0.0f));
     EXPECT_EQ(reader.pdf({0, 1, 0}), 0);

@@ -97,11 +97,11 @@ std::vector<Rgb> reflectionOf(const Estimator& estimator, std::span<const Shadin
     std::vector<ShadingPoint> alone(points.begin(), points.end());
     std::vector<GlossyPoint> lobes;
     for (std::size_t i = 0; i < alone.size(); ++i) {
-        alone[i].pixel = static_cast<std::uint32_t>(i);
-        const float roughness = 0.28f + 0.8f * (alone[i].rayOrigin.x - 0.8f);
+        alone[i].slot.pixel = static_cast<std::uint32_t>(i);
+        const float roughness = 0.28f + 0.8f * (alone[i].place.rayOrigin.x - 0.8f);
         const Surface metal =
             glossy(Rgb(0.9f, 0.7f, 0.3f), {.metallic = 1, .roughness = roughness});
-        lobes.push_back({alone[i], GlossyLobe(metal, alone[i].normal, toViewer)});
+        lobes.push_back({alone[i], GlossyLobe(metal, alone[i].place.normal, toViewer)});
     }
     PointBatch batch{alone, samples, static_cast<std::uint32_t>(alone.size())};
     std::vector<GlossEstimate> found(points.size());
@@ -115,7 +115,7 @@ std::vector<Rgb> byShares(const Estimator& estimator, std::span<const ShadingPoi
                           int samples, Workspace& workspace) {
     std::vector<ShadingPoint> shared(points.begin(), points.end());
     for (std::size_t i = 0; i < shared.size(); ++i)
-        shared[i].sampleFraction = (i % 2 == 0 ? 1.5f : 0.5f) / static_cast<float>(samples);
+        shared[i].slot.sampleFraction = (i % 2 == 0 ? 1.5f : 0.5f) / static_cast<float>(samples);
     return light(estimator, shared, samples, workspace);
 }
 
@@ -127,7 +127,7 @@ std::vector<test::Estimates> run(LightPoints& light, const Estimator& estimator,
     const auto workspace = estimator.makeWorkspace();
     for (int i = 0; i < count; ++i) {
         for (std::size_t p = 0; p < points.size(); ++p)
-            points[p].seed = hashWords(static_cast<std::uint64_t>(i), p);
+            points[p].slot.seed = hashWords(static_cast<std::uint64_t>(i), p);
         std::vector<Rgb> found;
         if (together)
             found = light(estimator, points, samples, *workspace);
@@ -280,28 +280,29 @@ PixelSums sumPixels(const std::string& name, const Told& told, int samples, int 
     const auto workspace = estimator->makeWorkspace();
     std::vector<ShadingPoint> points = floorPoints(slit.scene);
     for (std::uint32_t i = 0; i < kPoints; ++i) {
-        points[i].cameraRay = i / kSide;
-        points[i].row = points[i].cameraRay / raysOfRow;
-        points[i].sampleFraction = i % 2 == 0 ? 1.0f : 1.0f / static_cast<float>(raysOfRow);
-        points[i].pixel = (i + i / kSide) % kSide;
-        points[i].errorScale = points[i].pixel < kSide / 2 ? kDark : bright;
+        points[i].slot.cameraRay = i / kSide;
+        points[i].slot.row = points[i].slot.cameraRay / raysOfRow;
+        points[i].slot.sampleFraction = i % 2 == 0 ? 1.0f : 1.0f / static_cast<float>(raysOfRow);
+        points[i].slot.pixel = (i + i / kSide) % kSide;
+        points[i].slot.errorScale = points[i].slot.pixel < kSide / 2 ? kDark : bright;
     }
     if (!apart)
         std::ranges::sort(points, {}, [](const ShadingPoint& point) {
-            return std::pair(point.pixel, point.cameraRay);
+            return std::pair(point.slot.pixel, point.slot.cameraRay);
         });
     PixelSums sums;
     for (int k = 0; k < count; ++k) {
         std::array<double, kSide> irradiance{};
         for (std::size_t i = 0; i < kPoints; ++i)
-            points[i].seed = hashWords(static_cast<std::uint64_t>(k), points[i].pixel);
+            points[i].slot.seed = hashWords(static_cast<std::uint64_t>(k), points[i].slot.pixel);
         const std::size_t together = apart ? kSide : kPoints;
         for (std::size_t begin = 0; begin < kPoints; begin += together) {
             PointBatch batch{{&points[begin], together}, samples, kSide, kSide};
             std::vector<Estimate> found(together);
             estimator->estimate(batch, *workspace, found);
             for (std::size_t i = 0; i < together; ++i) {
-                irradiance[points[begin + i].pixel] += static_cast<double>(found[i].irradiance.y);
+                irradiance[points[begin + i].slot.pixel] +=
+                    static_cast<double>(found[i].irradiance.y);
                 sums.ownVariance += static_cast<double>(found[i].variance) / count;
                 sums.covariance += static_cast<double>(found[i].covariance) / count;
             }
@@ -361,15 +362,15 @@ double noiseOfExtraRays(std::uint32_t raysOfRow) {
     for (std::uint32_t i = 0; i < kPoints; ++i) {
         ShadingPoint& point = points[i];
         const bool extra = i < kExtraRays;
-        point.pixel = extra ? 0 : 1 + (i - kExtraRays) / 2;
-        point.cameraRay = extra ? i : i % 2;
-        point.row = extra ? i / raysOfRow : i % 2;
-        point.sampleFraction = extra ? 0.25f : 1.0f;
-        point.errorScale = 100;  // too bright for reuse by all rows
+        point.slot.pixel = extra ? 0 : 1 + (i - kExtraRays) / 2;
+        point.slot.cameraRay = extra ? i : i % 2;
+        point.slot.row = extra ? i / raysOfRow : i % 2;
+        point.slot.sampleFraction = extra ? 0.25f : 1.0f;
+        point.slot.errorScale = 100;  // too bright for reuse by all rows
     }
     test::Estimates pixel;
     for (std::uint64_t k = 0; k < 4000; ++k) {
-        for (ShadingPoint& point : points) point.seed = hashWords(k, point.pixel);
+        for (ShadingPoint& point : points) point.slot.seed = hashWords(k, point.slot.pixel);
         PointBatch batch{points, 4, 1 + (kPoints - kExtraRays) / 2, kExtraRays};
         std::vector<Estimate> found(kPoints);
         estimator->estimate(batch, *workspace, found);

@@ -50,7 +50,7 @@ TEST(Pilot, LooksEvenlyOverTheFilm) {
         frame.plan = planFrame(frame, stats);
         std::vector<int> visits(1024);
         for (const ShadingPoint& point : looker.seen)
-            ++visits[static_cast<std::size_t>(point.filmY * 32 + point.filmX)];
+            ++visits[static_cast<std::size_t>(point.slot.filmY * 32 + point.slot.filmX)];
         return visits;
     };
     EXPECT_EQ(pixels(1), std::vector<int>(1024, 1));

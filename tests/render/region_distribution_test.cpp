@@ -36,12 +36,12 @@ protected:
         RegionBuilder<CosineIntegrand> ofCosine(world_.environment, tiers);
         const Regions& regions =
             ofCosine
-                .build(CosineIntegrand(world_.environment, splitter, point.normal, 0, 0),
+                .build(CosineIntegrand(world_.environment, splitter, point.place.normal, 0, 0),
                        lookup.pooled(), Calibration())
                 .regions;
         ofIrradiance_.assign(regions, SamplingPlanner().plan(regions, 64, {0, 0.4}, 0.045));
         const GlossyLobe lobe(glossy(Rgb(0.9f, 0.6f, 0.3f), {.metallic = 1, .roughness = 0.3f}),
-                              point.normal, Vec3f(0.5f, 0.8f, 0.2f).normalized());
+                              point.place.normal, Vec3f(0.5f, 0.8f, 0.2f).normalized());
         const QuadraticCells cells(world_.environment, tiers);
         RegionBuilder<LobeIntegrand> ofLobes(world_.environment, tiers);
         const Regions& ofLobe = ofLobes

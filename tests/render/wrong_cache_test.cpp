@@ -108,7 +108,7 @@ std::vector<WrongCache> wrongCaches() {
 /// Lets the estimator calibrate the cache, with numbers that no estimate uses.
 std::unique_ptr<const EstimatorPlan> planOf(const Estimator& estimator, const ShadingPoint& point) {
     std::vector<ShadingPoint> points(200, point);
-    for (std::size_t i = 0; i < points.size(); ++i) points[i].seed = hashWords(i, 1000);
+    for (std::size_t i = 0; i < points.size(); ++i) points[i].slot.seed = hashWords(i, 1000);
     return estimator.pilot() ? estimator.pilot()->plan(points, 64, 0) : nullptr;
 }
 
@@ -175,7 +175,7 @@ TEST(CalibratedWrongCache, CostsAtMostTwiceTheNoiseOfMis) {
         const Vec3f from(static_cast<float>(3 * toUnit(hashWords(i, 1)) - 1.5), 0.3f,
                          static_cast<float>(3 * toUnit(hashWords(i, 2)) - 1.5));
         points.push_back(test::pointAlong(scene, from, {0, -1, 0}));
-        points.back().seed = i;
+        points.back().slot.seed = i;
     }
     const EstimatorContext plain{scene, environment, nullptr, {}};
     const double mis = meanVariance(*findEstimator("mis").make(plain), points);

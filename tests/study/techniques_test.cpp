@@ -41,7 +41,7 @@ TEST(Preconvolved, IsTheIrradianceWhereNothingHides) {
     const Vec3d slope(0.3, -0.5, 0.6);
     const World world(floorMesh(), test::gradientMap(512, 256, slope));
     const ShadingPoint point = world.below();
-    const Rgb truth(static_cast<float>(kPi + 2 * kPi / 3 * slope.dot(Vec3d(point.normal))));
+    const Rgb truth(static_cast<float>(kPi + 2 * kPi / 3 * slope.dot(Vec3d(point.place.normal))));
     EXPECT_LT(relativeDifference(once(world, "preconvolved", point, 1), truth), 1e-4);
     EXPECT_GT(relativeDifference(once(world, "preconvolved", point, 1), truth * 1.01f), 1e-3);
     for (const char* name : {"ambient-occlusion", "ambient-occlusion-cached"})
@@ -144,7 +144,7 @@ TEST(Pixel, OnlyThePrintedFormMissesTheHorizon) {
     Rgb truth(0, 0, 0);
     for (int x = 0; x < static_cast<int>(kLit); ++x)
         truth +=
-            kSky * static_cast<float>(test::texelMoment(64, 32, x, kRow).dot(Vec3d(point.normal)));
+            kSky * static_cast<float>(test::texelMoment(64, 32, x, kRow).dot(Vec3d(point.place.normal)));
     const auto exact = makeEstimator("pixel", world.context(), options);
     const auto estimates = test::runEstimator(*exact, point, 64, 400);
     EXPECT_GT(test::agreementPValue(estimates, truth), test::significance(1));

@@ -129,14 +129,14 @@ double visibleNormalProbability(double alpha, double cosine, double a0, double a
 
 Rgb tracedReflection(const Scene& scene, const ShadingPoint& point, const GlossyLook& look,
                      const Vec3d& toViewer, const Environment& environment) {
-    const Vec3d n(point.normal);
+    const Vec3d n(point.place.normal);
     Vec3d sum(0.0);
     RayPacket packet{};
     for (std::size_t t = 0; t < environment.texelCount(); ++t) {
         const Environment::Texel texel = environment.texel(t);
         const Vec3d w(texel.center);
         if (!(n.dot(w) > 0)) continue;
-        packet.set(0, point.rayOrigin, texel.center);
+        packet.set(0, point.place.rayOrigin, texel.center);
         if (scene.visibility(packet, 1) == 0) continue;
         sum += Vec3d(texel.radiance) * referenceBrdf(look, n, toViewer, w) *
                (n.dot(w) * static_cast<double>(texel.solidAngle));

@@ -161,12 +161,12 @@ double polygonIrradiance(const Vec3d& p, const Vec3d& n, std::span<const Vec3d> 
 
 double hiddenByConvex(const TriangleMesh& mesh, std::size_t begin, std::size_t end,
                       const ShadingPoint& point) {
-    const Vec3d p = point.position - mesh.origin;
+    const Vec3d p = point.place.position - mesh.origin;
     double sum = 0;
     for (std::size_t i = begin; i < end; ++i) {
         const std::array<Vec3d, 3> t{corner(mesh, i, 0), corner(mesh, i, 1), corner(mesh, i, 2)};
         if ((t[1] - t[0]).cross(t[2] - t[0]).dot(p - t[0]) > 0)
-            sum += polygonIrradiance(p, Vec3d(point.normal), t);
+            sum += polygonIrradiance(p, Vec3d(point.place.normal), t);
     }
     return sum;
 }
@@ -195,9 +195,9 @@ double tracedTexelIrradiance(const Scene& scene, const ShadingPoint& point, int 
             const double polar = std::acos(cosTop + (cosBottom - cosTop) * (i + 0.5) / gridSize);
             const Vec3d direction =
                 latLong(polar, kPi - 2 * kPi * (x + (j + 0.5) / gridSize) / width);
-            const double cosine = direction.dot(Vec3d(point.normal));
+            const double cosine = direction.dot(Vec3d(point.place.normal));
             if (cosine <= 0) continue;
-            packet.set(0, point.rayOrigin, Vec3f(direction));
+            packet.set(0, point.place.rayOrigin, Vec3f(direction));
             if (scene.visibility(packet, 1)) sum += cosine;
         }
     return sum * 2 * kPi / width * (cosTop - cosBottom) / (gridSize * gridSize);
@@ -219,7 +219,7 @@ World::World(TriangleMesh set, const Image& map, const BakeOptions& options)
 double World::irradianceUnderSlab(const ShadingPoint& point) const {
     constexpr std::size_t kFloorTriangles = 2, kSlabTriangles = 12;
     ShadingPoint start = point;
-    start.position = mesh.origin + Vec3d(point.rayOrigin);
+    start.position = mesh.origin + Vec3d(point.place.rayOrigin);
     return kPi - hiddenByConvex(mesh, kFloorTriangles, kFloorTriangles + kSlabTriangles, start);
 }
 

@@ -71,7 +71,7 @@ private:
         auto& w = static_cast<ImageWorkspace&>(workspace);
         w.visible.assign(groups_, 0.0f);
         w.counted.assign(groups_, 0.0f);
-        const int column = point.filmX / kItemPixels, row = point.filmY / kItemPixels;
+        const int column = point.slot.filmX / kItemPixels, row = point.slot.filmY / kItemPixels;
         w.item = itemKey(column, row);
         for (int y = row - 1; y <= row + 1; ++y)
             for (int x = column - 1; x <= column + 1; ++x) {

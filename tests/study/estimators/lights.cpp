@@ -19,7 +19,7 @@ private:
 
     Rgb prepare(const ShadingPoint& point, const SampleSlice&, Workspace& w) const override {
         for (const DirectionalLight& light : lights_) {
-            const float cosine = light.direction.dot(point.normal);
+            const float cosine = light.direction.dot(point.place.normal);
             if (cosine <= 0) continue;
             w.samples.add(light.direction, light.radianceIntegral * cosine);
             w.samples.endGroup();

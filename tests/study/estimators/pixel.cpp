@@ -138,13 +138,13 @@ private:
         double total = 0;
         for (std::size_t k = 0; k < pixels_.size(); ++k) {
             const MapPixel& pixel = pixels_[k];
-            w.cdf[k] = total += cosineOf(pixel, point.normal) * pixel.luminance * pixel.area;
+            w.cdf[k] = total += cosineOf(pixel, point.place.normal) * pixel.luminance * pixel.area;
         }
         if (!(total > 0)) return {0, 0, 0};
-        const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
-        const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
+        const auto u = w.numbers(context_.sequence, point.slot.seed, 0, slice.first, slice.count);
+        const auto v = w.numbers(context_.sequence, point.slot.seed, 1, slice.first, slice.count);
         for (std::size_t j = 0; j < u.size(); ++j) {
-            const double x = fullPrecision(u[j], point.seed, slice.first + j) * total;
+            const double x = fullPrecision(u[j], point.slot.seed, slice.first + j) * total;
             auto k = static_cast<std::size_t>(std::upper_bound(w.cdf.begin(), w.cdf.end(), x) -
                                               w.cdf.begin());
             k = std::min(k, pixels_.size() - 1);
@@ -163,7 +163,7 @@ private:
     void addSample(const ShadingPoint& point, std::size_t k, double s, double t, double density,
                    Workspace& w) const {
         const Vec3f direction(place(k, s, t));
-        const float cosine = direction.dot(point.normal);
+        const float cosine = direction.dot(point.place.normal);
         if (cosine > 0)
             w.samples.add(direction, context_.environment.radiance(direction) *
                                          (cosine / static_cast<float>(density)));

@@ -20,7 +20,7 @@ private:
     IrradianceTable map_;
 
     Rgb prepare(const ShadingPoint& point, const SampleSlice&, Workspace&) const override {
-        return map_.evaluate(point.normal);
+        return map_.evaluate(point.place.normal);
     }
 };
 
@@ -33,11 +33,12 @@ private:
     IrradianceTable map_;
 
     Rgb prepare(const ShadingPoint& point, const SampleSlice& slice, Workspace& w) const override {
-        const Rgb share = map_.evaluate(point.normal) / static_cast<float>(slice.count);
-        const auto u = w.numbers(context_.sequence, point.seed, 0, slice.first, slice.count);
-        const auto v = w.numbers(context_.sequence, point.seed, 1, slice.first, slice.count);
+        const Rgb share = map_.evaluate(point.place.normal) / static_cast<float>(slice.count);
+        const auto u = w.numbers(context_.sequence, point.slot.seed, 0, slice.first, slice.count);
+        const auto v = w.numbers(context_.sequence, point.slot.seed, 1, slice.first, slice.count);
         for (std::size_t i = 0; i < u.size(); ++i)
-            w.samples.add(aroundNormal(point.normal, toUnitFloat(u[i]), toUnitFloat(v[i])), share);
+            w.samples.add(aroundNormal(point.place.normal, toUnitFloat(u[i]), toUnitFloat(v[i])),
+                          share);
         w.samples.endGroup();
         return {0, 0, 0};
     }
@@ -75,9 +76,10 @@ private:
     Rgb prepare(const ShadingPoint& point, const SampleSlice&,
                 Workspace& workspace) const override {
         auto& w = static_cast<OcclusionWorkspace&>(workspace);
-        const int found = w.reader.lookUp(point.position, point.geometricNormal, w.items);
+        const int found =
+            w.reader.lookUp(point.place.position, point.place.geometricNormal, w.items);
         w.pooled.pool(std::span(w.items).first(static_cast<std::size_t>(found)));
-        const Vec3d n(point.normal);
+        const Vec3d n(point.place.normal);
         double visible = 0, all = 0;
         for (std::uint32_t c = 0; c < cells_.size(); ++c) {
             const double area = areaAbove(c, n);
@@ -86,7 +88,7 @@ private:
             visible += area * static_cast<double>(v.ratio);
             all += area;
         }
-        return map_.evaluate(point.normal) * static_cast<float>(visible / all);
+        return map_.evaluate(point.place.normal) * static_cast<float>(visible / all);
     }
 
     double areaAbove(std::uint32_t cell, const Vec3d& n) const {

@@ -1,0 +1,111 @@
+#include "render/frame/film_sum.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "render/frame/shading.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Light of a place that a camera ray met.
+struct PlaceLight {
+    Estimate irradiance;  ///< all of it, as `gloss`
+    GlossEstimate gloss;
+    BouncedLight bounced;
+};
+
+PlaceLight lightOf(const FrameRequest& frame, const RayBatch& batch, std::size_t number) {
+    const MetPlace& place = batch.met.places[number];
+    PlaceLight light;
+    if (place.diffuse) light.irradiance = batch.direct.irradiance[*place.diffuse];
+    if (place.glossy) light.gloss = batch.direct.gloss[*place.glossy];
+    if (batch.bounced.empty()) return light;
+    light.bounced = batch.bounced[number];
+    const float exposed = 1 / light.bounced.exposure;
+    light.irradiance.predicted *= exposed;
+    if (frame.options.samples == 0) light.irradiance.irradiance *= exposed;
+    light.irradiance.irradiance += light.bounced.irradiance;
+    light.irradiance.predicted += light.bounced.predicted;
+    light.gloss.radiance += light.bounced.glossy;
+    return light;
+}
+
+/// What a camera ray shows of a place.
+RayValues valuesOf(const FilmRay& ray, const MetPlace& place, const PlaceLight& light) {
+    const Surface& surface = place.surface;
+    const auto reflected = [&](const Rgb& irradiance) {
+        return place.diffuseAlbedo * irradiance * static_cast<float>(1 / kPi);
+    };
+    const Rgb diffuse = reflected(light.irradiance.irradiance), glossy = light.gloss.radiance;
+    const double depth = static_cast<double>(ray.view.hit.distance) + ray.ray.skipped;
+    return {.color = diffuse + glossy + surface.emission,
+            .diffuse = diffuse,
+            .glossy = glossy,
+            .diffuseIndirect = reflected(light.bounced.irradiance),
+            .glossyIndirect = light.bounced.glossy,
+            .emission = surface.emission,
+            .predicted = reflected(light.irradiance.predicted) + (glossy + surface.emission),
+            .irradiance = light.irradiance.irradiance,
+            .albedo = surface.baseColor,
+            .diffuseAlbedo = place.diffuseAlbedo,
+            .mirrorColor = surface.glossy ? surface.f0 : Rgb(0, 0, 0),
+            .roughness = surface.roughness,
+            .normal = place.point.place.normal,
+            .position = Vec3f(place.point.place.position),
+            .depth = static_cast<float>(depth),
+            .axialDepth = static_cast<float>(depth * ray.ray.cosine)};
+}
+
+/// Adds what the cache predicts at a place.
+void addInsight(const CacheInsight& insight, PixelSum& pixel, RayValues& values) {
+    pixel.expectedVariance += insight.expectedNoise * insight.expectedNoise;
+    values.openness = insight.openness;
+    values.items = static_cast<float>(insight.items);
+    values.regions = static_cast<float>(insight.regions);
+    values.misses = insight.items == 0 ? 1.0f : 0.0f;
+}
+
+}  // namespace
+
+SpreadRule spreadRuleOf(const FrameRequest& frame) {
+    const RenderOptions& options = frame.options;
+    const int fewest =
+        frame.tileRays.empty() ? options.cameraRays : *std::ranges::min_element(frame.tileRays);
+    return {spreadRunLength(std::min(fewest, options.passRays)),
+            frame.estimator.context().environment.luminanceWeights()};
+}
+
+void addToFilm(const FrameRequest& frame, const SpreadRule& rule, const RayBatch& batch,
+               std::span<PixelSum> tile) {
+    std::size_t met = 0;
+    for (const FilmRay& ray : batch.rays) {
+        PixelSum& pixel = tile[batch.firstPixel + ray.pixel];
+        if (!ray.view.hit.found) {
+            pixel.addSky(skyAlong(frame, ray.view.direction), rule);
+            continue;
+        }
+        const PlaceLight light = lightOf(frame, batch, met);
+        RayValues values = valuesOf(ray, batch.met.places[met], light);
+        if (!batch.direct.insights.empty()) addInsight(batch.direct.insights[met], pixel, values);
+        pixel.addHit(values, light.irradiance, light.gloss, rule);
+        ++met;
+    }
+}
+
+void showTo(const CameraSampleObserver& observer, const FilmPlace& pixel, const FrameRequest& frame,
+            const RayBatch& batch) {
+    for (std::size_t i = 0; i < batch.met.places.size(); ++i) {
+        const MetPlace& place = batch.met.places[i];
+        const BatchSlot& slot = place.point.slot;
+        if (slot.filmX != pixel.x || slot.filmY != pixel.y) continue;
+        const PlaceLight light = lightOf(frame, batch, i);
+        std::vector<Vec3f> directions;
+        for (const WatchedSample& sample : batch.direct.watched)
+            if (sample.cameraRay == slot.cameraRay) directions.push_back(sample.direction);
+        observer({place.point, place.surface, light.irradiance, light.gloss, directions});
+    }
+}
+
+}  // namespace shadowcache

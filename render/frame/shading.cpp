@@ -1,0 +1,101 @@
+#include "render/frame/shading.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "render/estimators/set_place.h"
+
+namespace shadowcache {
+
+SetPlace placeOf(const Scene& scene, const View& view) {
+    return {rayStartOf(scene, view), worldPosition(scene, view.hit), view.shadingNormal(),
+            view.geometricNormal()};
+}
+
+Rgb skyAlong(const FrameRequest& frame, const Vec3f& direction) {
+    return frame.options.transparent ? Rgb(0, 0, 0)
+                                     : frame.estimator.context().environment.radiance(direction);
+}
+
+float irradianceScale(const Environment& environment, double radiance, const Rgb& albedo) {
+    // On black, no error is seen.
+    const double share = std::max(static_cast<double>(environment.luminance(albedo)), 1e-6);
+    const auto most = static_cast<double>(std::numeric_limits<float>::max());
+    return static_cast<float>(std::min(kPi * radiance / share, most));
+}
+
+MetPlaces placesOf(const FrameRequest& frame, const BatchPixels& batch,
+                   std::span<const FilmRay> rays) {
+    const EstimatorContext& context = frame.estimator.context();
+    const RenderOptions& options = frame.options;
+    MetPlaces met;
+    met.places.reserve(rays.size());  // glossyPoints refer to them
+    for (const FilmRay& ray : rays) {
+        if (!ray.view.hit.found) continue;
+        const FilmPlace& pixel = batch.places[ray.pixel];
+        const AdaptiveRate& rate = batch.rates[ray.pixel];
+        const SetPlace at = placeOf(context.scene, ray.view);
+        const Surface surface = surfaceOf(ray.view.hit, options.plain);
+        const Rgb albedo = diffuseAlbedo(surface, -at.normal.dot(ray.view.direction));
+        const BatchSlot slot{
+            .seed = pixelSeed(options.seed, frame.number, pixel.x, pixel.y, 0),
+            .filmX = pixel.x,
+            .filmY = pixel.y,
+            .cameraRay = static_cast<std::uint32_t>(ray.number),
+            .row = static_cast<std::uint32_t>(ray.number / rate.rayFactor - batch.rays.first),
+            .pixel = ray.pixel,
+            .errorScale = irradianceScale(context.environment, rate.errorScale, albedo),
+            .sampleFraction = 1.0f / static_cast<float>(rate.rayFactor)};
+        MetPlace& place = met.places.emplace_back(
+            MetPlace{.point = {at, slot}, .surface = surface, .diffuseAlbedo = albedo});
+        // Of a Lambertian surface the irradiance is told, however black it is.
+        if (albedo != Rgb(0.0f) || !(surface.glossy || surface.unlit)) {
+            place.diffuse = static_cast<std::uint32_t>(met.points.size());
+            met.points.push_back(place.point);
+        }
+        if (surface.glossy) {
+            place.glossy = static_cast<std::uint32_t>(met.glossyPoints.size());
+            met.glossyPoints.push_back(
+                {place.point, GlossyLobe(surface, at.normal, -ray.view.direction)});
+        }
+    }
+    return met;
+}
+
+DirectLight lightDirectly(const FrameRequest& frame, const BatchPixels& pixels,
+                          const MetPlaces& met, std::optional<std::uint32_t> watched,
+                          Workspace& workspace) {
+    const RenderOptions& options = frame.options;
+    const EstimatorPlan* plan = frame.plan.estimator.get();
+    const int mostRays =
+        std::ranges::max(pixels.rates, {}, &AdaptiveRate::rayFactor).rayFactor * pixels.rays.count;
+    const PointBatch batch{.points = met.points,
+                           .samples = options.samples,
+                           .pixels = static_cast<std::uint32_t>(pixels.places.size()),
+                           .cameraRays = static_cast<std::uint32_t>(mostRays),
+                           .predict = options.preview,
+                           .plan = plan};
+    DirectLight light;
+    light.irradiance.resize(met.points.size());
+    light.gloss.resize(met.glossyPoints.size());
+    workspace.watchedPixel = watched;
+    workspace.watched.clear();
+    frame.estimator.estimate(batch, workspace, light.irradiance);
+    light.watched = workspace.watched;
+    if (!met.glossyPoints.empty())
+        frame.estimator.estimateGloss(batch, met.glossyPoints, workspace, light.gloss);
+    const InsightSource* source = options.insight ? frame.estimator.insights() : nullptr;
+    if (source)
+        for (const MetPlace& place : met.places)
+            light.insights.push_back(
+                source->insight(place.point, options.samples, plan, workspace));
+    return light;
+}
+
+void addReceivers(const MetPlaces& met, std::vector<BounceReceiver>& receivers) {
+    for (const MetPlace& place : met.places)
+        receivers.push_back({&place.point, place.diffuseAlbedo, place.diffuse.has_value(),
+                             place.glossy ? &met.glossyPoints[*place.glossy].lobe : nullptr});
+}
+
+}  // namespace shadowcache

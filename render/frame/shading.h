@@ -1,0 +1,30 @@
+#pragma once
+
+#include "render/frame/frame_request.h"
+#include "render/frame/ray_batch.h"
+
+namespace shadowcache {
+
+/// The place of a frame's set that a camera ray met.
+SetPlace placeOf(const Scene& scene, const View& view);
+
+/// What a pixel shows of the sky along a direction.
+Rgb skyAlong(const FrameRequest& frame, const Vec3f& direction);
+
+/// Irradiance by which a surface of such an albedo has a radiance.
+float irradianceScale(const Environment& environment, double radiance, const Rgb& albedo);
+
+/// The places that a batch's rays met.
+MetPlaces placesOf(const FrameRequest& frame, const BatchPixels& batch,
+                   std::span<const FilmRay> rays);
+
+/// Estimates their direct light.
+///
+/// @param watched  pixel of the batch whose samples are noted; may be none
+DirectLight lightDirectly(const FrameRequest& frame, const BatchPixels& batch, const MetPlaces& met,
+                          std::optional<std::uint32_t> watched, Workspace& workspace);
+
+/// Adds the places to which light bounces.
+void addReceivers(const MetPlaces& met, std::vector<BounceReceiver>& receivers);
+
+}  // namespace shadowcache
