@@ -18,7 +18,7 @@ from .blender_export.shown import other_layers
 # Nodes through which light goes straight, which an exported stand-in would stop.
 SEE_THROUGH = {"BSDF_TRANSPARENT", "HOLDOUT", "SCRIPT"}
 # Entries that are no reason for Cycles: lamps are its own in any case.
-OF_NONE = ("light ", SHARED)
+OF_NONE = ("light ", *SHARED)
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,8 @@ class SetFile:
     def load_fields(self, scene, cache):
         """Keys of the request load. cache: None: without one."""
         fields = {"set": [self.path], "stale-ok": True, "fps": fps(scene)}
+        if self.all_moves():
+            fields["set-frame"] = scene.frame_current
         return {**fields, "cache": cache} if cache else fields
 
     def left_out(self, state):

@@ -33,6 +33,7 @@ class Viewport:
         self.worker = Worker()
         self._set_left_out = None  # not yet known
         self._world_left_out = []
+        self._scene_left_out = []
         self._due_at = 0.0       # when the set is to be looked at; None: the file holds it
         self._places = None
         self._set_file = None
@@ -48,8 +49,10 @@ class Viewport:
 
     @property
     def left_out(self):
-        """Of the set and the world; None: not yet known."""
-        return None if self._set_left_out is None else self._set_left_out + self._world_left_out
+        """Of the set, the world and the scene; None: not yet known."""
+        if self._set_left_out is None:
+            return None
+        return self._set_left_out + self._world_left_out + self._scene_left_out
 
     def close(self):
         LIVE.discard(self)
@@ -65,6 +68,7 @@ class Viewport:
         if self._set_file and (places != self._places or changes_set(depsgraph)):
             self._due_at = time.monotonic() + REST
         self._places = places
+        self._scene_left_out = scene_check.left_out(depsgraph, depsgraph.scene.camera)
         try:
             self._update_world(depsgraph)
             self.error = ""

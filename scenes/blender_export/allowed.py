@@ -182,6 +182,11 @@ PROPERTIES = {
         **of(OWN, "samples"), **of(METHOD, "use_ao"), **of(MOVES, "use_motion_blur"), **of(HAIR, "use_strand"),
         **of(VOLUMES, "use_volumes"), "eevee": EEVEE,
         **of(Free("is of freestyle, which is named"), "freestyle_settings use_freestyle"),
+        **of(READ, "use_pass_mist use_pass_vector use_pass_uv use_pass_object_index use_pass_material_index "
+                   "use_pass_transmission_direct use_pass_transmission_indirect use_pass_transmission_color "
+                   "use_pass_subsurface_direct use_pass_subsurface_indirect use_pass_subsurface_color use_pass_shadow "
+                   "use_pass_ambient_occlusion use_pass_cryptomatte_object use_pass_cryptomatte_material "
+                   "use_pass_cryptomatte_asset"),
         **of(READ, "use_pass_z use_pass_normal use_pass_position use_pass_diffuse_direct use_pass_diffuse_indirect "
                    "use_pass_diffuse_color use_pass_glossy_direct use_pass_glossy_indirect use_pass_glossy_color "
                    "use_pass_emit use_pass_environment")},

@@ -18,7 +18,10 @@ from .texels import Lookup, border_matrix
 
 WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071}
 NOTHING = (0.8, 0.8, 0.8)  # albedo of Cycles where there is no material
-SHARED = "Principled BSDF: "  # begins an entry that all materials of the kind have
+# Of all materials of a kind, in one entry.
+LOBES = "Principled BSDF: its lobes are those of glTF, which Cycles' are up to 9 % darker or brighter than"
+TERMINATOR = "Normal Map: Cycles darkens what is lit from the side, where the map turns the normal to the light"
+SHARED = (LOBES, TERMINATOR)
 SHADERS = ("BSDF_PRINCIPLED", "BSDF_DIFFUSE", "EMISSION")
 
 
@@ -120,8 +123,7 @@ class MaterialWriter:
         self._write_specular(self._specular_of(shader), self._tint_of(shader, base))
         self._write_emission(versions.principled_input(shader, "Emission"), inputs["Emission Strength"])
         self._write_normal(shader)
-        self.report.share(SHARED + "its lobes are those of glTF, which Cycles' are up to 9 % darker or brighter than",
-                          self.material.name)
+        self.report.share(LOBES, self.material.name)
 
     def _specular_of(self, shader):
         value = self.reader.value(versions.principled_input(shader, "Specular"))
@@ -289,6 +291,7 @@ class MaterialWriter:
         info = self._texture((*rgb_of(map_of), None), False, map_of.image, change)
         if info:
             self.entry["normalTexture"] = info
+            self.report.share(TERMINATOR, self.material.name)
 
 
 def mixed_normals(pixels, strength):

@@ -107,8 +107,8 @@ class Pictures:
             self.report.add("image %s: values above 1" % next(iter(images)).name)
         if colour:
             pixels[..., :3] = encode_srgb(pixels[..., :3])
-        plain = not change and all(not i.is_float and not is_encoded(i) for i in images)
-        return write_png(pixels, 255 if colour or plain else 65535)
+        plain = not change and all(not i.is_float and is_encoded(i) == colour for i in images)
+        return write_png(pixels, 255 if plain else 65535)
 
     @staticmethod
     def _sized(rgba, height, width):

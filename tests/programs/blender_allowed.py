@@ -15,7 +15,7 @@ sys.path.insert(0, sys.argv[sys.argv.index("--") + 1])
 from blender_export import allowed, differences  # noqa: E402
 from blender_export.allowed import INPUTS, INSIDE, READ, Free  # noqa: E402
 from blender_export.gltf_file import GltfFile  # noqa: E402
-from blender_export.materials import Materials  # noqa: E402
+from blender_export.materials import SHARED, Materials  # noqa: E402
 from blender_export.pictures import Pictures  # noqa: E402
 from blender_export.report import Report  # noqa: E402
 
@@ -34,10 +34,10 @@ def node_types():
 
 
 def named(material):
-    """What is left out of a material; but for what all Principled have."""
+    """What is left out of a material, but for what all of its kind have."""
     report, file = Report(), GltfFile()
     Materials(file, Pictures(file, report), report).find(material)
-    return [entry for entry in report.entries() if not entry.startswith("Principled BSDF: ")]
+    return [entry for entry in report.entries() if not entry.startswith(SHARED)]
 
 
 def fresh(kind):
