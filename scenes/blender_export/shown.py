@@ -52,6 +52,9 @@ def look_at(thing, kind, depsgraph, report):
         return
     for text in differences(thing):
         report.add("object %s: %s" % (thing.name, text))
+    sizes = [axis.length for axis in thing.matrix_world.to_3x3().col]
+    if min(sizes) == 0 < max(sizes):
+        report.add("object %s: it is flat, by a scale of 0" % thing.name)
     layer = depsgraph.view_layer
     if thing.is_shadow_catcher:
         report.add("object %s: shadow catcher" % thing.name)
