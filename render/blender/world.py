@@ -14,7 +14,7 @@ from mathutils import Euler
 from . import exr, fingerprint
 from .blender_export.differences import differences, node_differences
 from .blender_export.node_values import Reader, constant, link_of, source
-from .blender_export.texels import DATA, LINEAR, linear_texels, unknown_of
+from .blender_export.texels import DATA, LINEAR, has_texels, linear_texels, unknown_of
 
 AXES = numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)    # of Blender to those of glTF
 MIDDLE = numpy.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], float)  # the image's, to +X
@@ -130,7 +130,7 @@ def file_of(image, folder):
         raise FileNotFoundError("image %s: no file %s" % (image.name, path))
     written = os.path.join(folder, "map-%s.exr" % fingerprint.digest_of(fingerprint.image_of(image)))
     if not os.path.exists(written):
-        if not image.has_data and not len(image.pixels) or 0 in tuple(image.size):
+        if not has_texels(image):
             raise ValueError("image %s: it has no texels" % image.name)
         os.makedirs(folder, exist_ok=True)
         exr.write(written, linear_texels(image))

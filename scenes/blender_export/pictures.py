@@ -7,7 +7,7 @@ import zlib
 import bpy
 import numpy
 
-from .texels import Lookup, Texels, encode_srgb, is_encoded, unknown_of
+from .texels import Lookup, Texels, encode_srgb, has_texels, is_encoded, unknown_of
 
 ONE = "one"  # a channel that is 1 everywhere; None is one that nothing reads
 MIME = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -80,7 +80,7 @@ class Pictures:
         if image.source not in ("FILE", "GENERATED"):
             self.report.add("image %s: %s" % (image.name, image.source.lower()))
             return False
-        if not (image.has_data or len(image.pixels)) or 0 in tuple(image.size):
+        if not has_texels(image):
             self.report.add("image %s: it has no texels" % image.name)
             return False
         unknown = unknown_of(image)

@@ -51,8 +51,14 @@ def is_encoded(image):
     return image.colorspace_settings.name in ENCODED
 
 
+def has_texels(image):
+    return bool(image.has_data or len(image.pixels)) and 0 not in tuple(image.size)
+
+
 def unknown_of(image):
-    """What of an image's storage is not read as Cycles does; empty if all is."""
+    """What of an image's storage is not read as Cycles does; empty if all is, or nothing is there."""
+    if not has_texels(image):
+        return ""
     if not image.is_float and image.colorspace_settings.name not in ENCODED + LINEAR + DATA:
         return "colour space %s" % image.colorspace_settings.name
     if image.alpha_mode == "PREMUL" and not image.packed_file and image.source == "FILE" and \
