@@ -10,6 +10,8 @@ import bpy
 import numpy
 
 from .blender_export import versions
+from .blender_export.coordinates import STORED
+from .blender_export.differences import differences
 from .blender_export.report import Report
 from .blender_export.shown import materials_of, walk, world_matrices
 from .blender_export.triangles import read
@@ -18,6 +20,7 @@ from .session import stamp
 # Of nodes and their sockets: where they are drawn.
 DRAWN = {"rna_type", "location", "width", "height", "width_hidden", "select", "hide", "dimensions", "color",
          "use_custom_color", "show_options", "show_preview", "show_texture", "label", "parent", "bl_icon"}
+READ_ABOVE = {"position", "material_index"}
 SIMPLE = {"BOOLEAN", "INT", "FLOAT", "STRING", "ENUM"}
 
 
@@ -86,8 +89,7 @@ def material_digest(material):
     if material is None:
         return ""
     return digest_of(material.name, bool(versions.setting_of(material, "use_transparent_shadow")), material.use_nodes,
-                     tuple(material.diffuse_color), material.blend_method, material.alpha_threshold,
-                     material.use_backface_culling,
+                     tuple(material.diffuse_color), list(differences(material)),
                      nodes_of(material.node_tree) if material.use_nodes else "")
 
 
@@ -103,10 +105,12 @@ def mesh_digest(mesh):
     for layer in mesh.uv_layers:
         texts += [layer.name, layer.active_render]
         arrays.append(read(layer.data, "uv", 2, numpy.float32))
-    for layer in mesh.color_attributes:
-        texts += [layer.name, layer.domain, layer.data_type]
-        arrays.append(read(layer.data, "color", 4, numpy.float32))
-    texts.append(mesh.color_attributes.active_color_index)
+    for layer in mesh.attributes:
+        if layer.data_type in STORED and layer.name not in READ_ABOVE:
+            texts += [layer.name, layer.domain, layer.data_type]
+            arrays.append(read(layer.data, *STORED[layer.data_type]))
+    texts += [mesh.color_attributes.render_color_index, tuple(mesh.texspace_location), tuple(mesh.texspace_size),
+              list(differences(mesh))]
     return digest_of(texts, *arrays)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a depsgraph to a picture: set, cache, light, camera, pixels."""
 
-from . import bake, hybrid, passes, pixels, preferences, view, world, world_map
-from .child import Cancelled, Gone
+from . import bake, hybrid, passes, pixels, preferences, scene_check, view, world_map
+from .child import Cancelled
 from .folders import folder_of, set_file_of
 from .options import options_of
 from .set_file import fps
@@ -55,21 +55,15 @@ class Frame:
     def render(self, on_picture=lambda picture: None):
         """The Picture; on_picture(picture) for those on the way to it. Raises Failed, Cancelled and what the export
         raises."""
-        is_new = self.session.start(self.programs)
         self._export()
-        try:
-            return self._render(on_picture)
-        except Gone:
-            # One that was there before may have ended for reasons of its own.
-            if is_new:
-                raise
-            self.session.start(self.programs)
-            return self._render(on_picture)
+        return self.session.serve(self.programs, lambda: self._render(on_picture))
 
     def _render(self, on_picture):
         self._load()
         self._tell_light()
-        self._tell_camera()
+        width, height = view.size_of(self.scene)
+        self.session.look(self._camera(), width, height)
+        self.session.tell("region", view.region_of(self.scene))
         return self._pixels(on_picture)
 
     def _set_frame(self, frame):
@@ -88,8 +82,7 @@ class Frame:
         else:
             self.left_out += self.set_file.left_out(state)
         self.left_out += passes.left_out(self.depsgraph.view_layer)
-        if self.scene.render.use_motion_blur:
-            self.left_out.append("motion blur: all is where it is at the frame")
+        self.left_out += scene_check.left_out(self.depsgraph, self._camera_object())
 
     def _camera_object(self):
         return self.engine.camera_override or self.scene.camera
@@ -113,19 +106,21 @@ class Frame:
         return bake.Views(frames, view.size_of(self.scene))
 
     def _load(self):
+        if self.set_file.all_moves():
+            self._tell_load(None)  # there is nothing to bake
+            return
         recipe = bake.Recipe(self.settings)
         views = self._views()
         why = bake.why_bake(self.set_file, recipe, views)
         if why:
             self._bake(recipe, views, why)
-        if self._tell_load()["stale"] and self.settings.stale == "BAKE":
+        if self._tell_load(self.set_file.cache)["stale"] and self.settings.stale == "BAKE":
             self._bake(recipe, views, "the set has changed")
-            self._tell_load()
+            self._tell_load(self.set_file.cache)
 
-    def _tell_load(self):
+    def _tell_load(self, cache):
         self._say("Load")
-        fields = {"set": [self.set_file.path], "cache": self.set_file.cache, "stale-ok": True, "fps": fps(self.scene)}
-        return self.session.tell("load", fields, (self.set_file.path, self.set_file.cache), **self._calls("Load"))
+        return self.session.load(self.set_file.load_fields(self.scene, cache), **self._calls("Load"))
 
     def _bake(self, recipe, views, why):
         def on_progress(task, share, left):
@@ -137,23 +132,11 @@ class Frame:
 
     def _tell_light(self):
         self._say("World")
-        folder = folder_of(self.scene)
-        is_plain = True
-        try:
-            fields = world.plain(self.scene.world, folder)
-        except world.NotPlain:
-            is_plain = False
-        self.left_out += world.left_out(self.scene.world, is_plain)
-        if not is_plain:
-            self._say("World: Cycles makes a map of its nodes")
-            fields = world_map.of_world(self.scene.world, self.scene.frame_current, folder, self._stopped)
-        self.session.tell("environment", fields, [fields["map"]] if "map" in fields else (), **self._calls("World"))
-
-    def _tell_camera(self):
-        width, height = view.size_of(self.scene)
-        self.session.tell("size", {"width": width, "height": height})
-        self.session.tell("region", view.region_of(self.scene))
-        self.session.tell("camera", {"view": self._camera()})
+        light, left_out = world_map.light_of(self.scene, self.depsgraph.view_layer, folder_of(self.scene))
+        self.left_out += left_out
+        if isinstance(light, world_map.Baking):
+            light.prepare(self.scene.world)
+        self.session.light(world_map.keys_of(light, self._stopped, self._say), **self._calls("World"))
 
     def _pixels(self, on_picture):
         aovs, of_centre = passes.aovs_of(self.wanted)

@@ -11,15 +11,14 @@ import bpy
 
 from . import world
 from .blender_export import versions
+from .blender_export.materials import SHARED
 from .blender_export.node_values import source
 from .blender_export.shown import other_layers
 
 # Nodes through which light goes straight, which an exported stand-in would stop.
 SEE_THROUGH = {"BSDF_TRANSPARENT", "HOLDOUT", "SCRIPT"}
-# Rays by which Cycles finds the sky beside its shadow rays.
-RAYS = {"visible_diffuse": "diffuse", "visible_glossy": "glossy"}
-# Entries of the export on other frames: each frame is exported with what it shows.
-OF_OTHER_FRAMES = (": its animation", ": its vertices move; it is as in frame", ": it is not there in frame")
+# Entries that are no reason for Cycles: lamps are its own in any case.
+OF_NONE = ("light ", *SHARED)
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,7 @@ def needs_of(depsgraph, entries):
     materials = [item for item in depsgraph.ids if isinstance(item, bpy.types.Material)]
     refused, masked = of_scene(depsgraph), {}
     for entry in entries:
-        if entry.startswith("light ") or any(words in entry for words in OF_OTHER_FRAMES):
+        if entry.startswith(OF_NONE):
             continue
         owners = [m for m in materials if is_about(entry, m)]
         masked.update((m.name, None) for m in owners)
@@ -53,10 +52,6 @@ def of_scene(depsgraph):
     found = ["view layer %s: expected one" % name for name in other_layers(depsgraph)]
     if depsgraph.view_layer.material_override:
         found.append("view layer %s: material override" % depsgraph.view_layer.name)
-    found += ["collection %s: indirect only" % c.name for c in layer_collections(depsgraph.view_layer.layer_collection)
-              if c.indirect_only]
-    found += ["object %s: hidden from %s rays" % (item.name, words) for item in depsgraph.ids
-              if isinstance(item, bpy.types.Object) for flag, words in RAYS.items() if not getattr(item, flag)]
     if scene.render.use_motion_blur:
         found.append("motion blur")
     if scene.render.use_multiview:
@@ -69,12 +64,6 @@ def of_scene(depsgraph):
         if output and source(output.inputs["Volume"]):
             found.append("world %s: Volume" % scene.world.name)
     return found
-
-
-def layer_collections(root):
-    yield root
-    for child in root.children:
-        yield from layer_collections(child)
 
 
 def is_about(entry, material):

@@ -4,7 +4,7 @@
 import os
 
 from . import pixels, programs
-from .child import Cancelled, Failed
+from .child import Cancelled, Failed, Gone
 from .client import Server
 
 
@@ -33,6 +33,28 @@ class Session:
         self.server = Server(program)
         self.pixels = pixels.new_path()
         return True
+
+    def serve(self, folder, work):
+        """work() while the process runs; once more where one that was there before has ended for reasons of its own."""
+        is_new = self.start(folder)
+        try:
+            return work()
+        except Gone:
+            if is_new:
+                raise
+        self.start(folder)
+        return work()
+
+    def load(self, fields, **calls):
+        """The set, and its cache if there is one."""
+        return self.tell("load", fields, [*fields["set"], fields.get("cache", "")], **calls)
+
+    def light(self, fields, **calls):
+        return self.tell("environment", fields, [fields["map"]] if "map" in fields else (), **calls)
+
+    def look(self, view, width, height):
+        self.tell("size", {"width": width, "height": height})
+        self.tell("camera", {"view": view})
 
     def tell(self, request, fields, watch=(), **calls):
         """Sends a request unless it was the last of its kind; `watch` are files whose content counts.

@@ -9,6 +9,8 @@ from .blender_export.gltf_export import GltfExport
 from .blender_export.report import Report
 
 FORMAT = 1
+# Entries of the export on other frames: each frame is exported with what it shows.
+OF_OTHER_FRAMES = (": its animation", ": its vertices move; it is as in frame", ": it is not there in frame")
 
 
 class SetFile:
@@ -44,9 +46,21 @@ class SetFile:
             return held[""] == state.places
         return bool(motion) and notes["fps"] == fps(scene) and held.get(str(scene.frame_current)) == state.places
 
+    def all_moves(self):
+        """Whether nothing of the set stands still, so that there is nothing to bake."""
+        return bool(self.read_notes().get("all_moves"))
+
+    def load_fields(self, scene, cache):
+        """Keys of the request load. cache: None: without one."""
+        fields = {"set": [self.path], "stale-ok": True, "fps": fps(scene)}
+        if self.all_moves():
+            fields["set-frame"] = scene.frame_current
+        return {**fields, "cache": cache} if cache else fields
+
     def left_out(self, state):
         """What the file cannot express, and what it does not hold of a state."""
-        return list(dict.fromkeys(state.left_out + self.read_notes().get("left_out", [])))
+        found = dict.fromkeys(state.left_out + self.read_notes().get("left_out", []))
+        return [entry for entry in found if not any(words in entry for words in OF_OTHER_FRAMES)]
 
     def update(self, depsgraph, set_frame, motion=True):
         """Exports the set unless the file holds it as it is in the current frame. set_frame(frame) as of
@@ -67,10 +81,11 @@ class SetFile:
         found = export.write(self.path + ".part.glb", set_frame)
         os.replace(self.path + ".part.glb", self.path)
         held = {"": state.places}
-        if found.tracks():
+        moving = set(found.tracks())
+        if moving:
             held = {str(f): fingerprint.places_digest(found.places(i), rows) for i, f in enumerate(found.frames)}
         notes.update(content=state.content, places=held, id=fingerprint.digest_of(state.content, sorted(held.items())),
-                     fps=fps(depsgraph.scene),
+                     fps=fps(depsgraph.scene), all_moves=bool(moving) and moving.issuperset(rows),
                      left_out=[entry for entry in report.entries() if entry not in state.left_out])
         self.write_notes(notes)
 

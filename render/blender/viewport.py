@@ -10,11 +10,11 @@ import weakref
 
 import bpy
 
-from . import draw, fingerprint, preferences, view_request, world, world_map
+from . import draw, fingerprint, preferences, scene_check, view_request, world_map
 from .folders import folder_of, set_file_of
 from .options import options_of
 from .session import stamp
-from .set_file import SetFile, fps
+from .set_file import SetFile
 from .wish import Wish
 from .worker import Worker
 
@@ -33,6 +33,7 @@ class Viewport:
         self.worker = Worker()
         self._set_left_out = None  # not yet known
         self._world_left_out = []
+        self._scene_left_out = []
         self._due_at = 0.0       # when the set is to be looked at; None: the file holds it
         self._places = None
         self._set_file = None
@@ -48,8 +49,10 @@ class Viewport:
 
     @property
     def left_out(self):
-        """Of the set and the world; None: not yet known."""
-        return None if self._set_left_out is None else self._set_left_out + self._world_left_out
+        """Of the set, the world and the scene; None: not yet known."""
+        if self._set_left_out is None:
+            return None
+        return self._set_left_out + self._world_left_out + self._scene_left_out
 
     def close(self):
         LIVE.discard(self)
@@ -65,8 +68,9 @@ class Viewport:
         if self._set_file and (places != self._places or changes_set(depsgraph)):
             self._due_at = time.monotonic() + REST
         self._places = places
+        self._scene_left_out = scene_check.left_out(depsgraph, depsgraph.scene.camera)
         try:
-            self._update_world(depsgraph.scene)
+            self._update_world(depsgraph)
             self.error = ""
         except (OSError, ValueError) as error:
             self.error = str(error)
@@ -86,20 +90,13 @@ class Viewport:
             draw.draw(engine, depsgraph.scene, self._texture, context.region.width, context.region.height)
         engine.update_stats("", self.error or self.worker.status)
 
-    def _update_world(self, scene):
-        folder = folder_of(scene)
-        is_plain = True
-        try:
-            self._world = world.plain(scene.world, folder)
-        except world.NotPlain:
-            is_plain = False
-        if not is_plain:
-            # Not in the handler: Blender's libraries.write leaks an exception, whose context would keep the engine.
-            baking = world_map.Baking(scene.world, scene.frame_current, folder)
-            if baking != self._world:
-                baking.prepare(scene.world)
-                self._world = baking
-        self._world_left_out = world.left_out(scene.world, is_plain)
+    def _update_world(self, depsgraph):
+        scene = depsgraph.scene
+        light, self._world_left_out = world_map.light_of(scene, depsgraph.view_layer, folder_of(scene))
+        if light != self._world:
+            if isinstance(light, world_map.Baking):
+                light.prepare(scene.world)
+            self._world = light
 
     def _update_set(self, depsgraph):
         """Finds the file that holds the set: that of F12, or one of the views' own."""
@@ -124,11 +121,9 @@ class Viewport:
 
     def _wish(self, engine, context, depsgraph):
         scene, space, region = depsgraph.scene, context.space_data, context.region
-        load = {"set": [self._set_file.path], "stale-ok": True, "fps": fps(scene)}
         cache = self._set_file.cache
         is_baked = os.path.exists(cache)
-        if is_baked:
-            load["cache"] = cache
+        load = self._set_file.load_fields(scene, cache if is_baked else None)
         camera = space.camera if space.use_local_camera else scene.camera
         view, aspect = view_request.view_of(context.region_data, camera, depsgraph)
         pixel = engine.get_preview_pixel_size(scene)

@@ -4,8 +4,8 @@
 import threading
 import time
 
-from . import draw, passes, pixels
-from .child import Cancelled, Failed, Gone
+from . import draw, passes, pixels, world_map
+from .child import Cancelled, Failed
 from .coarse import Coarse
 from .programs import Missing
 from .session import Session
@@ -93,14 +93,7 @@ class Worker:
         return {"should_stop": should_stop, "on_reply": on_reply, "patience": PATIENCE}
 
     def _serve(self, wish):
-        is_new = self._session.start(wish.programs)
-        try:
-            self._pictures(wish)
-        except Gone:
-            if is_new:
-                raise
-            self._session.start(wish.programs)
-            self._pictures(wish)
+        self._session.serve(wish.programs, lambda: self._pictures(wish))
 
     def _pictures(self, wish):
         note = self._set_up(wish)
@@ -121,16 +114,9 @@ class Worker:
 
     def _set_up(self, wish):
         """Set and world; returns what is to be said of the cache."""
-        loaded = self._session.tell("load", wish.load, [*wish.load["set"], wish.load.get("cache", "")],
-                                    **self._calls(self._ends, "Load"))
-        world = wish.world
-        if not isinstance(world, dict):
-            if not world.is_made():
-                self._say("World: Cycles makes a map of its nodes")
-            world.run(lambda: self._is_over(wish))
-            world = world.fields
-        self._session.tell("environment", world, [world["map"]] if "map" in world else (),
-                           **self._calls(self._ends, "World"))
+        loaded = self._session.load(wish.load, **self._calls(self._ends, "Load"))
+        light = world_map.keys_of(wish.world, lambda: self._is_over(wish), self._say)
+        self._session.light(light, **self._calls(self._ends, "World"))
         stale = "the cache is of another state of the set: F12 bakes it again" if loaded["stale"] else ""
         return "".join(", " + text for text in (wish.note, stale) if text)
 
@@ -156,9 +142,8 @@ class Worker:
         self._show(picture, "%d rays%s" % (total, note))
 
     def _render(self, wish, size, options, calls):
-        self._session.tell("size", {"width": size[0], "height": size[1]})
+        self._session.look(with_size(wish.view, wish.aspect, *size), *size)
         self._session.tell("options", options)
-        self._session.tell("camera", {"view": with_size(wish.view, wish.aspect, *size)})
         return self._session.render(wish.frame, **calls)
 
     def _show(self, reply, text):

@@ -8,7 +8,7 @@ import tempfile
 
 import bpy
 
-from . import child, fingerprint
+from . import child, fingerprint, world
 from .world import nodes_in, require_no_object
 
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "world_bake.py")
@@ -40,13 +40,13 @@ def animated_paths(animation):
 class Baking:
     """The map of a world: made once for each state of the nodes. All but run() reads Blender's data."""
 
-    def __init__(self, world, frame, folder):
-        require_no_object(world)
-        self.name = world.original.name
+    def __init__(self, of, frame, folder):
+        require_no_object(of)
+        self.name = of.original.name
         self.frame = frame
         self.folder = folder
         self.work = None
-        self.path = os.path.join(folder, "world-%s.exr" % fingerprint.digest_of(fingerprint.nodes_of(world.node_tree)))
+        self.path = os.path.join(folder, "world-%s.exr" % fingerprint.digest_of(fingerprint.nodes_of(of.node_tree)))
         # The panorama's middle is at +x, as that of an Environment Texture without Mapping.
         self.fields = {"map": self.path, "rotate": 90}
 
@@ -56,15 +56,15 @@ class Baking:
     def is_made(self):
         return os.path.exists(self.path)
 
-    def prepare(self, world):
+    def prepare(self, of):
         """Writes what run() needs, unless the map is there."""
         if self.is_made():
             return
         self.work = tempfile.TemporaryDirectory()
-        bpy.data.libraries.write(os.path.join(self.work.name, "world.blend"), {world.original}, path_remap="ABSOLUTE",
+        bpy.data.libraries.write(os.path.join(self.work.name, "world.blend"), {of.original}, path_remap="ABSOLUTE",
                                  fake_user=True)
         with open(os.path.join(self.work.name, "held.json"), "w", encoding="utf-8") as out:
-            json.dump(held_values(world.node_tree), out)
+            json.dump(held_values(of.node_tree), out)
 
     def run(self, should_stop):
         """Makes the map, in any thread. Raises Failed, Cancelled."""
@@ -83,9 +83,23 @@ class Baking:
         os.replace(self.path + ".part", self.path)
 
 
-def of_world(world, frame, folder, should_stop):
-    """Keys of the request environment."""
-    baking = Baking(world, frame, folder)
-    baking.prepare(world)
-    baking.run(should_stop)
-    return baking.fields
+def light_of(scene, layer, folder):
+    """Keys of the request environment, or the Baking that makes them; and what of the world is left out."""
+    if not layer.use_sky:
+        return world.DARK, []  # as in Cycles
+    try:
+        return world.plain(scene.world, folder), world.left_out(scene.world, True)
+    except world.NotPlain:
+        pass
+    # Not in the handler: Blender's libraries.write leaks an exception, whose context would keep the engine.
+    return Baking(scene.world, scene.frame_current, folder), world.left_out(scene.world, False)
+
+
+def keys_of(light, should_stop, say):
+    """Keys of the request environment, of what light_of() has found; a Baking is prepared. In any thread."""
+    if not isinstance(light, Baking):
+        return light
+    if not light.is_made():
+        say("World: Cycles makes a map of its nodes")
+    light.run(should_stop)
+    return light.fields

@@ -6,6 +6,7 @@ import math
 import numpy
 
 from . import matrices
+from .differences import differences
 from .report import Report
 
 STAND_IN = "shadowcache stand-in"  # a camera that a render without one is started with; never exported
@@ -19,11 +20,18 @@ def picture_size(camera, scene):
     return tuple((max(c[k] for c in corners) - min(c[k] for c in corners)) / distance for k in (0, 1))
 
 
+def differences_of(camera):
+    """What of a camera is not rendered, as texts."""
+    return ["camera %s: %s" % (camera.name, text) for text in differences(camera)]
+
+
 def entry(camera, scene, report):
     """A camera of a glTF document; None if it is a panorama."""
     if camera.type not in ("PERSP", "ORTHO"):
         report.add("camera %s: %s" % (camera.name, camera.type.lower()))
         return None
+    for text in differences_of(camera):
+        report.add(text)
     if camera.shift_x or camera.shift_y:
         report.add("camera %s: shift, which only CAMERA.json holds" % camera.name)
     if camera.dof.use_dof:
@@ -87,8 +95,8 @@ def export_camera(depsgraph, path, set_frame, first=None):
     scene, report, frames = depsgraph.scene, Report(), []
     if not scene.camera or scene.camera.name == STAND_IN or scene.camera.data.type not in ("PERSP", "ORTHO"):
         raise ValueError("%s: the scene has no perspective or orthographic camera" % path)
-    if scene.camera.data.dof.use_dof and scene.camera.data.dof.aperture_ratio != 1:
-        report.add("camera %s: aperture ratio" % scene.camera.name)
+    for text in differences_of(scene.camera.data):
+        report.add(text)
     for frame in range(scene.frame_start if first is None else first, scene.frame_end + 1):
         set_frame(frame)
         frames.append(frame_entry(scene.camera.evaluated_get(depsgraph), scene))

@@ -1,26 +1,35 @@
 """Materials of a glTF document from Blender's: Principled, Diffuse and Emission, and the viewport's where a material
 has no nodes.
 
-Opacity counts as in Cycles, whatever a material's blend mode is; Alpha Clip makes a mask of it. The shader is read as
-the depsgraph evaluated it: drivers and keys have their values of the frame.
+Opacity counts as in Cycles, whatever a material's blend mode is. The shader is read as the depsgraph evaluated it:
+drivers and keys have their values of the frame.
 """
 
 from dataclasses import dataclass, field, replace
 
-from . import node_values, versions
-from .node_values import Value, colour_of, number_of, placement, source
+import numpy
+
+from . import versions
+from .coordinates import coordinates_of
+from .differences import differences, node_differences
+from .node_values import Reader, Value, link_of, source, surface_of
 from .pictures import ONE
+from .texels import Lookup, border_matrix
 
 WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071}
-# Inputs of Principled that glTF's renderer here has nothing for, and the value that has no effect.
-WITHOUT = ("Subsurface", "Sheen", "Clearcoat", "Transmission")
+NOTHING = (0.8, 0.8, 0.8)  # albedo of Cycles where there is no material
+# Of all materials of a kind, in one entry.
+LOBES = "Principled BSDF: its lobes are those of glTF, which Cycles' are up to 9 % darker or brighter than"
+TERMINATOR = "Normal Map: Cycles darkens what is lit from the side, where the map turns the normal to the light"
+SHARED = (LOBES, TERMINATOR)
+SHADERS = ("BSDF_PRINCIPLED", "BSDF_DIFFUSE", "EMISSION")
 
 
 @dataclass
 class Look:
     """What meshes need to know of a material."""
-    number: object = None                      # in the document; None: none
-    maps: list = field(default_factory=list)   # names of texture coordinates by TEXCOORD, "" for the active ones
+    number: object = None                      # in the document
+    maps: list = field(default_factory=list)   # Coordinates by TEXCOORD
     colours: object = None                     # name of the colours, "" for the active ones; None: none
 
 
@@ -34,11 +43,12 @@ class Materials:
         self.known = {}
 
     def find(self, material):
-        if material is None:
-            return Look()
-        if material.name_full not in self.known:
-            self.known[material.name_full] = MaterialWriter(self.file, self.pictures, self.report, material).write()
-        return self.known[material.name_full]
+        """The look of a material, or of none."""
+        name = material.name_full if material else None
+        if name not in self.known:
+            writer = MaterialWriter(self.file, self.pictures, self.report, material)
+            self.known[name] = writer.write() if material else writer.write_nothing()
+        return self.known[name]
 
 
 class MaterialWriter:
@@ -49,23 +59,34 @@ class MaterialWriter:
         self.pictures = pictures
         self.report = report
         self.material = material
+        self.reader = Reader()
         self.look = Look()
-        self.entry = {"name": material.name, "doubleSided": not material.use_backface_culling}
+        self.entry = {"name": material.name if material else "no material", "doubleSided": True}
 
     def write(self):
         shader = self._shader()
         if shader is None:
-            self._write_plain(self.material.diffuse_color)
+            pass  # its plain look is written
         elif shader.type == "BSDF_PRINCIPLED":
             self._write_principled(shader)
         elif shader.type == "BSDF_DIFFUSE":
-            self._write_base(colour_of(shader.inputs["Color"]), Value((1,)))
+            self._write_base(self.reader.value(shader.inputs["Color"]), Value((1,)))
             self._write_gloss(Value((0,)), Value((1,)))
             self._write_specular(Value((0,)))
             self._write_normal(shader)
         else:
             self._write_plain((0, 0, 0))
             self._write_emission(shader.inputs["Color"], shader.inputs["Strength"])
+        for text in differences(self.material):
+            self.leave_out(text)
+        for node in self.reader.seen.values():
+            for text in node_differences(node):
+                self.leave_out(text)
+        self.look.number = self.file.add("materials", self.entry)
+        return self.look
+
+    def write_nothing(self):
+        self._write_plain(NOTHING)
         self.look.number = self.file.add("materials", self.entry)
         return self.look
 
@@ -73,16 +94,20 @@ class MaterialWriter:
         self.report.add("material %s: %s" % (self.material.name, what))
 
     def _shader(self):
-        """The node that is written; None for the colour of the viewport."""
+        """The node that is written; None if a plain look was written in its place."""
         if not self.material.use_nodes:
+            self._write_plain(self.material.diffuse_color)
             return None
-        socket, output = node_values.surface_of(self.material)
-        for name in ("Volume", "Displacement"):
-            if output and source(output.inputs[name]):
-                self.leave_out(name)
-        if socket and socket.node.type in ("BSDF_PRINCIPLED", "BSDF_DIFFUSE", "EMISSION"):
-            return socket.node
-        self.leave_out((socket.node.bl_label if socket else "no surface") + "; the viewport's colour is in its place")
+        socket, output = surface_of(self.material)
+        if output:
+            self.reader.see(output)
+        if socket is None:
+            self._write_plain((0, 0, 0))  # as in Cycles
+            return None
+        if socket.node.type in SHADERS:
+            return self.reader.see(socket.node)
+        self.leave_out(socket.node.bl_label + "; the viewport's colour is in its place")
+        self._write_plain(self.material.diffuse_color)
         return None
 
     def _write_plain(self, colour):
@@ -91,22 +116,17 @@ class MaterialWriter:
         self._write_specular(Value((0,)))
 
     def _write_principled(self, shader):
-        inputs = shader.inputs
-        base = colour_of(inputs["Base Color"])
-        self._write_base(base, number_of(inputs["Alpha"]))
-        self._write_gloss(number_of(inputs["Metallic"]), number_of(inputs["Roughness"]))
+        value, inputs = self.reader.value, shader.inputs
+        base = value(inputs["Base Color"])
+        self._write_base(base, value(inputs["Alpha"]))
+        self._write_gloss(value(inputs["Metallic"]), value(inputs["Roughness"]))
         self._write_specular(self._specular_of(shader), self._tint_of(shader, base))
         self._write_emission(versions.principled_input(shader, "Emission"), inputs["Emission Strength"])
         self._write_normal(shader)
-        for name in WITHOUT:
-            socket = versions.principled_input(shader, name)
-            if source(socket) or socket.default_value:
-                self.leave_out(name)
-        if inputs["Anisotropic"].default_value or source(inputs["Anisotropic"]):
-            self.leave_out("Anisotropic")
+        self.report.share(LOBES, self.material.name)
 
     def _specular_of(self, shader):
-        value = number_of(versions.principled_input(shader, "Specular"))
+        value = self.reader.value(versions.principled_input(shader, "Specular"))
         if versions.has_own_index(shader) and source(shader.inputs["IOR"]):
             self.leave_out("IOR: node %s" % source(shader.inputs["IOR"]).node.bl_label)
         scale = versions.specular_scale(shader)
@@ -117,36 +137,35 @@ class MaterialWriter:
             self.leave_out("%s: node %s" % (socket, value.unknown))
         return value
 
-    def _texture(self, channels, colour, node):
+    def _place(self, node):
+        """Coordinates of an image node's texels, and the name of a node that cannot be expressed, or None."""
+        where, unknown = coordinates_of(node, self.reader)
+        return where.then(border_matrix(node.image, Lookup.of(node))), unknown
+
+    def _texture(self, channels, colour, node, change=None):
         """A textureInfo of channels (see Pictures) at an image node's place; None if it cannot be had."""
-        if node.projection != "FLAT":
-            self.leave_out("image %s: %s projection" % (node.image.name, node.projection.lower()))
-        if node.extension == "CLIP":
-            self.leave_out("image %s: clipped outside of it" % node.image.name)
-        picture = self.pictures.write(channels, colour)
+        for text in differences(node.image):
+            self.report.add("image %s: %s" % (node.image.name, text))
+        picture = self.pictures.write(channels, colour, change)
         if picture is None:
             return None
-        name, transform, unknown = placement(node)
+        where, unknown = self._place(node)
         if unknown:
-            self.leave_out("image %s: placed by %s" % (node.image.name, unknown))
-        if name not in self.look.maps:
-            self.look.maps.append(name)
+            self.report.add("image %s: placed by %s" % (node.image.name, unknown))
+        if where not in self.look.maps:
+            self.look.maps.append(where)
         nearest = node.interpolation == "Closest"
         wrap = WRAPS.get(node.extension, 10497)
         sampler = self.file.add("samplers", {"magFilter": 9728 if nearest else 9729,
                                              "minFilter": 9728 if nearest else 9987, "wrapS": wrap, "wrapT": wrap})
-        info = {"index": self.file.add("textures", {"source": picture, "sampler": sampler}),
-                "texCoord": self.look.maps.index(name)}
-        if transform:
-            self.file.use("KHR_texture_transform")
-            info["extensions"] = {"KHR_texture_transform": transform}
-        return info
+        return {"index": self.file.add("textures", {"source": picture, "sampler": sampler}),
+                "texCoord": self.look.maps.index(where)}
 
     def _beside(self, value, other, socket):
         """Whether the images of two values can be channels of one texture."""
         if not (value.image and other.image) or value.image == other.image:
             return True
-        if placement(value.image) == placement(other.image) and value.image.extension == other.image.extension:
+        if self._place(value.image) == self._place(other.image) and value.image.extension == other.image.extension:
             return True
         self.leave_out("%s: its image is placed otherwise" % socket)
         return False
@@ -157,7 +176,9 @@ class MaterialWriter:
         if not self._beside(colour, alpha, "Alpha"):
             alpha = Value(alpha.factor)
         solid = alpha.image is None and alpha.colours is None and alpha.factor[0] >= 1
-        for value in (colour, alpha):
+        if None not in (colour.colours, alpha.colours) and colour.colours != alpha.colours:
+            self.leave_out("Alpha: colours %s" % alpha.colours)
+        for value in (alpha, colour):
             if value.colours is not None:
                 self.look.colours = value.colours
         pbr = self.entry["pbrMetallicRoughness"] = {
@@ -165,14 +186,10 @@ class MaterialWriter:
         if not solid:
             if versions.setting_of(self.material, "use_transparent_shadow") is False:
                 self.leave_out("Alpha: Transparent Shadows is off; here shadows have its holes")
-            mask = self.material.blend_method == "CLIP"
-            self.entry["alphaMode"] = "MASK" if mask else "BLEND"
-            if mask:
-                self.entry["alphaCutoff"] = self.material.alpha_threshold
+            self.entry["alphaMode"] = "BLEND"
         if colour.image or alpha.image:
-            image = colour.image and colour.image.image
-            rgb = [(image, k) for k in range(3)] if image else [ONE] * 3
-            opacity = (alpha.image.image, alpha.channel) if alpha.image else (None if solid else ONE)
+            rgb = rgb_of(colour) if colour.image else (ONE,) * 3
+            opacity = (alpha.image, alpha.channel) if alpha.image else (None if solid else ONE)
             info = self._texture((*rgb, opacity), True, colour.image or alpha.image)
             if info:
                 pbr["baseColorTexture"] = info
@@ -180,6 +197,9 @@ class MaterialWriter:
     def _write_gloss(self, metallic, roughness):
         self._known(metallic, "Metallic")
         self._known(roughness, "Roughness")
+        for value, socket in ((metallic, "Metallic"), (roughness, "Roughness")):
+            if value.colours is not None:
+                self.leave_out("%s: colours %s" % (socket, value.colours or "of the mesh"))
         if not self._beside(roughness, metallic, "Metallic"):
             metallic = Value(metallic.factor)
         pbr = self.entry["pbrMetallicRoughness"]
@@ -187,7 +207,7 @@ class MaterialWriter:
 
         def channel(value):
             if value.image:
-                return value.image.image, value.channel
+                return value.image, value.channel
             return ONE if value.factor[0] else None
 
         if metallic.image or roughness.image:
@@ -199,38 +219,40 @@ class MaterialWriter:
     def _tint_of(self, shader, base):
         """Factors of Principled's reflectance: a share of the base's hue; from 4.0 on a colour."""
         socket, none = shader.inputs["Specular Tint"], (1, 1, 1)
+        tint = self.reader.value(socket)
+        if tint.image or tint.colours is not None or tint.unknown:
+            self.leave_out("Specular Tint")
+            return none
         if versions.has_own_index(shader):
-            tint = colour_of(socket)
-            if tint.image or tint.colours is not None or tint.unknown:
-                self.leave_out("Specular Tint")
-                return none
             return tuple(tint.factor)
-        tint = socket.default_value
-        if not tint:
+        share = tint.factor[0]
+        if not share:
             return none
         if base.image or base.colours is not None:
             self.leave_out("Specular Tint")
             return none
         light = 0.2126 * base.factor[0] + 0.7152 * base.factor[1] + 0.0722 * base.factor[2]
-        return tuple(1 - tint + tint * (c / light if light else 1) for c in base.factor)
+        return tuple(1 - share + share * (c / light if light else 1) for c in base.factor)
 
     def _write_specular(self, specular, tint=(1, 1, 1)):
         """Principled's reflectance at normal incidence is 0.08 times Specular; glTF's is 0.04 times a colour."""
         self._known(specular, "Specular")
+        if specular.colours is not None:
+            self.leave_out("Specular: colours %s" % (specular.colours or "of the mesh"))
         strength = 2 * specular.factor[0]
         colour = [strength * factor for factor in tint]
         if colour == [1, 1, 1] and not specular.image:
             return
         extension = {"specularFactor": 0} if strength == 0 else {"specularColorFactor": colour}
         if specular.image:
-            info = self._texture((*[(specular.image.image, specular.channel)] * 3, None), True, specular.image)
+            info = self._texture((*[(specular.image, specular.channel)] * 3, None), True, specular.image)
             if info:
                 extension["specularColorTexture"] = info
         self.file.use("KHR_materials_specular")
         self.entry.setdefault("extensions", {})["KHR_materials_specular"] = extension
 
     def _write_emission(self, colour_socket, strength_socket):
-        colour, strength = colour_of(colour_socket), number_of(strength_socket)
+        colour, strength = self.reader.value(colour_socket), self.reader.value(strength_socket)
         if strength.image or strength.colours is not None or strength.unknown or colour.colours is not None:
             self.leave_out("Emission that varies over the surface otherwise than by one image")
         self._known(colour, "Emission")
@@ -244,7 +266,7 @@ class MaterialWriter:
             self.entry.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {"emissiveStrength": most}
         self.entry["emissiveFactor"] = light
         if colour.image:
-            info = self._texture((*((colour.image.image, k) for k in range(3)), None), True, colour.image)
+            info = self._texture((*rgb_of(colour), None), True, colour.image)
             if info:
                 self.entry["emissiveTexture"] = info
 
@@ -253,16 +275,37 @@ class MaterialWriter:
         if feeding is None:
             return
         node = feeding.node
-        map_of = colour_of(node.inputs["Color"]) if node.type == "NORMAL_MAP" else None
-        if map_of is None or node.space != "TANGENT" or not map_of.image or map_of.factor != (1, 1, 1):
+        map_of = self.reader.value(node.inputs["Color"]) if node.type == "NORMAL_MAP" else None
+        if map_of is None or node.space != "TANGENT" or map_of.factor != (1, 1, 1) or link_of(node.inputs["Strength"]):
             self.leave_out("Normal: node %s" % node.bl_label)
             return
-        if node.uv_map and placement(map_of.image)[0] != node.uv_map:
-            self.leave_out("Normal: tangents of another UV map than its image's")
-        info = self._texture((*((map_of.image.image, k) for k in range(3)), None), False, map_of.image)
+        if not map_of.image or map_of.channel is not None or map_of.colours is not None:
+            self.leave_out("Normal: node %s without an image" % node.bl_label)
+            return
+        self.reader.see(node)
+        where, _ = self._place(map_of.image)
+        if where.turns() or node.uv_map and where.name != node.uv_map:
+            self.leave_out("Normal: tangents of another map than its image's")
+        strength = max(node.inputs["Strength"].default_value, 0)
+        change = ("strength %g" % strength, lambda pixels: mixed_normals(pixels, strength)) if strength != 1 else None
+        info = self._texture((*rgb_of(map_of), None), False, map_of.image, change)
         if info:
-            info["scale"] = node.inputs["Strength"].default_value
             self.entry["normalTexture"] = info
+            self.report.share(TERMINATOR, self.material.name)
+
+
+def mixed_normals(pixels, strength):
+    """Normals of a map as Cycles mixes them with the surface's; glTF's scale makes another thing of them."""
+    normals = 2 * pixels - 1
+    normals /= numpy.maximum(numpy.linalg.norm(normals, axis=-1, keepdims=True), 1e-6)
+    normals = strength * normals + (1 - strength) * numpy.array((0, 0, 1), numpy.float32)
+    normals /= numpy.maximum(numpy.linalg.norm(normals, axis=-1, keepdims=True), 1e-6)
+    return normals / 2 + 0.5
+
+
+def rgb_of(value):
+    """Channels of a picture with the colour of a value that has an image; greys have one channel thrice."""
+    return tuple((value.image, k if value.channel is None else value.channel) for k in range(3))
 
 
 def unit(values):

@@ -4,6 +4,8 @@ import hashlib
 
 import numpy
 
+from .coordinates import layer_of, texture_places
+from .differences import differences
 from .triangles import MeshArrays, read, share
 from .versions import corner_normals
 
@@ -23,28 +25,11 @@ def material_numbers(mesh):
     return read(attribute.data, "value", 1, numpy.int32)
 
 
-def texture_places(mesh, name):
-    """Coordinates of the loops, t downwards as glTF has it; a missing map is 0 everywhere, as in Blender."""
-    layer = mesh.uv_layers.get(name) if name else next((u for u in mesh.uv_layers if u.active_render), None)
-    attribute = mesh.attributes.get(name) if name else None
-    if layer is not None:
-        places = read(layer.data, "uv", 2, numpy.float32)
-    elif attribute is not None and attribute.data_type == "FLOAT2" and attribute.domain == "CORNER":
-        places = read(attribute.data, "vector", 2, numpy.float32)
-    else:
-        places = numpy.zeros((len(mesh.loops), 2), numpy.float32)
-    places[:, 1] = 1 - places[:, 1]
-    return places
-
-
 def vertex_colours(mesh, name, vertex_of):
-    """Linear colour and opacity of the loops; None if the mesh has no such colours."""
+    """Linear colour and opacity of the loops; black where the mesh has no such colours, as in Cycles."""
     colours = mesh.color_attributes
-    attribute = colours.get(name) if name else (colours[colours.render_color_index] if len(colours) else None)
-    if attribute is None or attribute.domain not in ("POINT", "CORNER"):
-        return None
-    values = read(attribute.data, "color", 4, numpy.float32)
-    return values[vertex_of] if attribute.domain == "POINT" else values
+    active = colours[colours.render_color_index].name if len(colours) else ""
+    return layer_of(mesh, name or active, vertex_of)
 
 
 class MeshWriter:
@@ -59,6 +44,8 @@ class MeshWriter:
     def write(self, name, mesh, slots):
         """The number of a mesh with a material (or None) for each slot; None if it has no triangle."""
         arrays = MeshArrays(mesh)
+        for text in (*differences(mesh), *arrays.left_out()):
+            self.report.add("mesh %s: %s" % (mesh.name, text))
         if not len(arrays.corners):
             return None
         smooth = read(mesh.polygons, "use_smooth", 1, bool)
@@ -81,13 +68,9 @@ class MeshWriter:
     def _part(self, mesh, arrays, corners, material, normals, smooth):
         """Arrays of a primitive by attribute, with its indices and the number of its material."""
         look = self.materials.find(material)
-        layers = {"TEXCOORD_%d" % i: texture_places(mesh, name) for i, name in enumerate(look.maps)}
+        layers = {"TEXCOORD_%d" % i: texture_places(mesh, where, arrays.vertex_of) for i, where in enumerate(look.maps)}
         if look.colours is not None:
-            colours = vertex_colours(mesh, look.colours, arrays.vertex_of)
-            if colours is None:
-                self.report.add("mesh %s: colours %s of its material" % (mesh.name, look.colours or "(active)"))
-            else:
-                layers["COLOR_0"] = colours
+            layers["COLOR_0"] = vertex_colours(mesh, look.colours, arrays.vertex_of)
         if smooth and normals is not None:
             layers["NORMAL"] = normals
         loops, indices = share(corners, arrays.vertex_of, list(layers.values()), len(arrays.places))
@@ -117,7 +100,5 @@ class MeshWriter:
     def _primitive(self, part, indices, material):
         primitive = {"attributes": {name: self.file.add_accessor(values, bounds=name == "POSITION")
                                     for name, values in part.items()},
-                     "indices": self.file.add_accessor(indices)}
-        if material is not None:
-            primitive["material"] = material
+                     "indices": self.file.add_accessor(indices), "material": material}
         return primitive

@@ -1,29 +1,77 @@
 """What feeds a socket of a shader: constants times one image times one colour of the mesh."""
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 RED, GREEN, BLUE, ALPHA = range(4)
+LUMINANCE = (0.2126729, 0.7151522, 0.0721750)  # of Rec.709, as Cycles makes a number of a colour
+MISSING = (1, 0, 1)  # what Cycles shows of an image that is not there
 
 
-@dataclass
+@dataclass(frozen=True)
 class Value:
     """factor (3 numbers, or 1) times an image's channel, or its colour, times a colour attribute."""
     factor: tuple
     image: object = None      # the node of the image
-    channel: object = None    # of the image; None: its colour
+    channel: object = None    # of the image: a number, or weights of its colours; None: its colour
     colours: object = None    # name of the attribute, "" for the active one; None: none
     unknown: object = None    # name of a node that cannot be expressed; the factor is then the socket's constant
 
 
+@dataclass(frozen=True)
+class Feed:
+    """What feeds a socket through reroutes and muted nodes."""
+    output: object  # of a node; None: nothing, which is 0
+    kinds: tuple    # of the sockets between that convert the value, from the output on
+
+
+def link_of(socket):
+    """The link of an input that counts, or None."""
+    return next((link for link in socket.links if link.is_valid and not link.is_muted and link.from_socket.enabled), None)
+
+
+def feed_of(socket):
+    """As Cycles follows links: a muted node hands on what Blender links inside of it. None: the socket's own value."""
+    kinds = []
+    link = link_of(socket)
+    while link:
+        output, node = link.from_socket, link.from_node
+        if node.type == "REROUTE":
+            inner = node.inputs[0]
+        elif node.mute:
+            inner = next((inside.from_socket for inside in node.internal_links if inside.to_socket == output), None)
+        else:
+            return Feed(output, tuple(reversed(kinds)))
+        if inner is None:
+            break
+        kinds.append(inner.type)
+        link = link_of(inner)
+    return Feed(None, ()) if kinds else None
+
+
 def source(socket):
-    """The socket that feeds this one, through reroutes; None if it is not linked."""
-    while socket.is_linked and not socket.links[0].is_muted:
-        socket = socket.links[0].from_socket
-        if socket.node.type != "REROUTE":
-            return socket
-        socket = socket.node.inputs[0]
-    return None
+    """The output that feeds an input, or None."""
+    feed = feed_of(socket)
+    return feed.output if feed else None
+
+
+def constant(socket):
+    """An input's own value; numbers of a colour, or a number."""
+    value = socket.default_value
+    return tuple(value)[:3] if hasattr(value, "__len__") else (value,)
+
+
+def converted(value, kind):
+    """A value as a socket of a kind takes it; None if that cannot be expressed."""
+    if kind != "VALUE":
+        return value if len(value.factor) == 3 else replace(value, factor=value.factor * 3)
+    if len(value.factor) == 1:
+        return value
+    weights = tuple(w * f for w, f in zip(LUMINANCE, value.factor))
+    if value.colours is not None:
+        return None
+    if value.image and value.channel is None:
+        return replace(value, factor=(1,), channel=weights)
+    return replace(value, factor=(sum(weights),))
 
 
 def product(a, b):
@@ -36,97 +84,85 @@ def product(a, b):
 
 
 def attribute_name(node):
+    """Of a node that reads an attribute of the mesh; None for any other."""
     if node.type == "VERTEX_COLOR":
         return node.layer_name
     return node.attribute_name if node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY" else None
 
 
-def factors(node, numbers):
-    """The sockets, of numbers or of colours, that a node multiplies; empty if it does anything else."""
-    if numbers:
-        return list(node.inputs[:2]) if node.type == "MATH" and node.operation == "MULTIPLY" else []
+def factors(node):
+    """The sockets that a node multiplies; empty if it does anything else."""
+    if node.type == "MATH" and node.operation == "MULTIPLY":
+        return list(node.inputs[:2])
     if node.type == "MIX_RGB" and node.blend_type == "MULTIPLY":
         weight, sockets = node.inputs[0], node.inputs[1:3]
     elif node.type == "MIX" and node.data_type == "RGBA" and node.blend_type == "MULTIPLY":
         weight, sockets = node.inputs[0], [s for s in node.inputs if s.type == "RGBA"]
     else:
         return []
-    return list(sockets) if not weight.is_linked and weight.default_value == 1 else []
+    return list(sockets) if not link_of(weight) and weight.default_value == 1 else []
 
 
-def colour_of(socket):
-    """Of a colour socket."""
-    feeding = source(socket)
-    if feeding is None:
-        return Value(tuple(socket.default_value)[:3])
-    node = feeding.node
-    if node.type == "RGB":
-        return Value(tuple(feeding.default_value)[:3])
-    if node.type == "TEX_IMAGE" and node.image and feeding.name == "Color":
-        return Value((1, 1, 1), image=node)
-    if attribute_name(node) is not None and feeding.name == "Color":
-        return Value((1, 1, 1), colours=attribute_name(node))
-    return multiplied(node, colour_of) or Value(tuple(socket.default_value)[:3], unknown=node.bl_label)
+class Reader:
+    """Reads values, and remembers the nodes that it has read: what else these do is for differences.py."""
 
+    def __init__(self, image="TEX_IMAGE"):
+        self.image = image  # the type of nodes that look images up
+        self.seen = {}
 
-def multiplied(node, read):
-    sockets = factors(node, read is number_of)
-    return product(*(read(s) for s in sockets)) if len(sockets) == 2 else None
+    def see(self, node):
+        self.seen[node.name] = node
+        return node
 
+    def value(self, socket):
+        """Of a socket with a colour, or with a number."""
+        feed = feed_of(socket)
+        if feed is None:
+            return Value(constant(socket))
+        if feed.output is None:
+            return Value((0,) * len(constant(socket)))
+        value = self._output(feed.output)
+        for kind in (*feed.kinds, socket.type):
+            value = value and converted(value, kind)
+        if value is None:
+            return Value(constant(socket), unknown=feed.output.node.bl_label)
+        return value
 
-def number_of(socket):
-    """Of a socket with a single number; a colour that feeds one counts by its red, as greys do."""
-    feeding = source(socket)
-    if feeding is None:
-        return Value((socket.default_value,))
-    node = feeding.node
-    if node.type == "VALUE":
-        return Value((feeding.default_value,))
-    if node.type == "TEX_IMAGE" and node.image:
-        return Value((1,), image=node, channel=ALPHA if feeding.name == "Alpha" else RED)
-    if node.type in ("SEPARATE_COLOR", "SEPRGB") and getattr(node, "mode", "RGB") == "RGB":
-        inner = source(node.inputs[0])
-        if inner and inner.node.type == "TEX_IMAGE" and inner.node.image and inner.name == "Color":
-            return Value((1,), image=inner.node, channel=list(node.outputs).index(feeding))
-    if attribute_name(node) is not None and feeding.name == "Alpha":
-        return Value((1,), colours=attribute_name(node))
-    return multiplied(node, number_of) or Value((socket.default_value,), unknown=node.bl_label)
+    def _output(self, output):
+        """Of an output; None if it cannot be expressed."""
+        node = output.node
+        value = self._known(node, output)
+        if value is not None:
+            self.see(node)
+        return value
 
+    def _known(self, node, output):
+        if node.type == "RGB":
+            return Value(tuple(output.default_value)[:3])
+        if node.type == "VALUE":
+            return Value((output.default_value,))
+        if node.type == self.image:
+            if not node.image:
+                return Value(MISSING if output.name == "Color" else (1,))
+            return Value((1, 1, 1), image=node) if output.name == "Color" else Value((1,), image=node, channel=ALPHA)
+        if attribute_name(node) is not None and output.name in ("Color", "Alpha"):
+            return Value((1, 1, 1) if output.name == "Color" else (1,), colours=attribute_name(node))
+        if node.type in ("SEPARATE_COLOR", "SEPRGB") and getattr(node, "mode", "RGB") == "RGB":
+            return self._channel(self.value(node.inputs[0]), list(node.outputs).index(output))
+        sockets = factors(node)
+        return product(*(self.value(socket) for socket in sockets)) if len(sockets) == 2 else None
 
-def placement(node):
-    """Name of an image node's texture coordinates ("" for the active ones), the KHR_texture_transform of a Mapping
-    node (None without), and the name of a node that cannot be expressed (None without)."""
-    feeding, transform = source(node.inputs["Vector"]), None
-    if feeding and feeding.node.type == "MAPPING":
-        transform = texture_transform(feeding.node)
-        if transform is None:
-            return "", None, "Mapping"
-        feeding = source(feeding.node.inputs["Vector"])
-    if feeding is None or (feeding.node.type == "TEX_COORD" and feeding.name == "UV"):
-        return "", transform, None
-    if feeding.node.type == "UVMAP":
-        return feeding.node.uv_map, transform, None
-    if feeding.node.type == "ATTRIBUTE":
-        return feeding.node.attribute_name, transform, None
-    label = feeding.node.bl_label + (" " + feeding.name if feeding.node.type == "TEX_COORD" else "")
-    return "", transform, label
-
-
-def texture_transform(node):
-    """u' = offset + rotation scale u, in Blender's axes; glTF's t points downwards, t = 1 - v."""
-    if node.vector_type not in ("POINT", "VECTOR") or any(s.is_linked for s in node.inputs if s.name != "Vector"):
-        return None
-    turn, scale = node.inputs["Rotation"].default_value, node.inputs["Scale"].default_value
-    if turn[0] or turn[1]:
-        return None
-    moved = node.inputs["Location"].default_value if node.vector_type == "POINT" else (0, 0, 0)
-    sine, cosine = math.sin(turn[2]), math.cos(turn[2])
-    return {"offset": [moved[0] - sine * scale[1], 1 - moved[1] - cosine * scale[1]],
-            "rotation": turn[2], "scale": [scale[0], scale[1]]}
+    @staticmethod
+    def _channel(colour, number):
+        """One of a colour's three numbers."""
+        if colour.colours is not None:
+            return None
+        own = colour.image and colour.channel is None
+        return replace(colour, factor=(colour.factor[number],), channel=number if own else colour.channel)
 
 
 def surface_of(material):
-    """The shader that a material's surface is, the socket that it comes from; None without."""
+    """The output that a material's surface is, or None, and the node Material Output, or None."""
     tree = material.node_tree
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
     return (source(output.inputs["Surface"]), output) if output else (None, None)

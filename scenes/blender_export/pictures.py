@@ -4,20 +4,13 @@ import os
 import struct
 import zlib
 
-import numpy
 import bpy
+import numpy
+
+from .texels import Lookup, Texels, encode_srgb, has_texels, is_encoded, unknown_of
 
 ONE = "one"  # a channel that is 1 everywhere; None is one that nothing reads
-SRGB = ("sRGB", "Filmic sRGB")
 MIME = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
-
-
-def decode_srgb(x):
-    return numpy.where(x <= 0.04045, x / 12.92, ((numpy.maximum(x, 0) + 0.055) / 1.055) ** 2.4)
-
-
-def encode_srgb(x):
-    return numpy.where(x <= 0.0031308, x * 12.92, 1.055 * numpy.maximum(x, 0) ** (1 / 2.4) - 0.055)
 
 
 def write_png(pixels, most):
@@ -50,74 +43,78 @@ def stored_bytes(image):
     return data if any(data.startswith(magic) for magic in MIME) else None
 
 
-def linear_texels(image):
-    """RGBA, rows from the top; colour without its encoding, as shaders see it."""
-    width, height = image.size
-    texels = numpy.empty(width * height * 4, numpy.float32)
-    image.pixels.foreach_get(texels)
-    texels = texels.reshape(height, width, 4)[::-1]
-    if not image.is_float and image.colorspace_settings.name in SRGB:
-        texels = numpy.dstack((decode_srgb(texels[..., :3]), texels[..., 3]))
-    if image.alpha_mode == "NONE":
-        texels = numpy.dstack((texels[..., :3], numpy.ones((height, width), numpy.float32)))
-    return texels
-
-
 class Pictures:
-    """Writes each picture once. A picture is four channels, each (image, channel), ONE, or None if not read."""
+    """Writes each picture once. A picture is four channels, each (node, channel) of an image node, ONE, or None if not
+    read; a channel is a number, or weights of the three colours."""
 
     def __init__(self, file, report):
         self.file = file
         self.report = report
         self.known = {}
 
-    def write(self, channels, colour):
-        """The number of a picture, sRGB-encoded if `colour`; None if an image of it has no texels."""
-        key = tuple((c[0].name_full, c[1]) if isinstance(c, tuple) else c for c in channels) + (colour,)
+    def write(self, channels, colour, change=None):
+        """The number of a picture, sRGB-encoded if `colour`; None if an image of it has no texels.
+
+        change: (name, function) that makes other texels of linear ones."""
+        key = tuple((Lookup.of(c[0]), c[1]) if isinstance(c, tuple) else c for c in channels) + (colour, change and change[0])
         if key not in self.known:
-            self.known[key] = self._make(channels, colour)
+            self.known[key] = self._make(channels, colour, change)
         return self.known[key]
 
-    def _make(self, channels, colour):
-        images = {c[0].name_full: c[0] for c in channels if isinstance(c, tuple)}
-        for name, image in images.items():
-            if not self._readable(name, image):
-                return None
-        name, image = next(iter(images.items()))
-        in_place = len(images) == 1 and all(c is None or c == (image, i) for i, c in enumerate(channels))
-        encoded = image.colorspace_settings.name in SRGB
-        data = stored_bytes(image) if in_place and encoded == colour and image.alpha_mode != "NONE" else None
-        data = data or self._compose(name, channels, colour, images)
+    def _make(self, channels, colour, change):
+        nodes = {Lookup.of(c[0]): c[0] for c in channels if isinstance(c, tuple)}
+        if not all(self._readable(node.image) for node in nodes.values()):
+            return None
+        node = next(iter(nodes.values()))
+        in_place = len(nodes) == 1 and all(c is None or c == (node, i) for i, c in enumerate(channels)) and not change
+        found = {lookup: Texels(node.image, lookup) for lookup, node in nodes.items()}
+        for lookup, texels in found.items():
+            if texels.unknown:
+                self.report.add("image %s: %s" % (lookup.name, texels.unknown))
+        own = in_place and all(t.is_own() and t.encoded == colour for t in found.values())
+        data = (stored_bytes(node.image) if own else None) or self._compose(channels, colour, found, change)
         mime = next(kind for magic, kind in MIME.items() if data.startswith(magic))
-        return self.file.add("images", {"name": name, "mimeType": mime, "bufferView": self.file.add_view(data)})
+        return self.file.add("images", {"name": node.image.name, "mimeType": mime, "bufferView": self.file.add_view(data)})
 
-    def _readable(self, name, image):
+    def _readable(self, image):
         if image.source not in ("FILE", "GENERATED"):
-            self.report.add("image %s: %s" % (name, image.source.lower()))
+            self.report.add("image %s: %s" % (image.name, image.source.lower()))
             return False
-        if not (image.has_data or len(image.pixels)) or 0 in tuple(image.size):
-            self.report.add("image %s: it has no texels" % name)
+        if not has_texels(image):
+            self.report.add("image %s: it has no texels" % image.name)
             return False
+        unknown = unknown_of(image)
+        if unknown:
+            self.report.add("image %s: %s" % (image.name, unknown))
         return True
 
-    def _compose(self, name, channels, colour, images):
-        height, width = max((image.size[1], image.size[0]) for image in images.values())
-        texels = {key: self._sized(linear_texels(image), height, width) for key, image in images.items()}
-        planes = [texels[c[0].name_full][..., c[1]] if isinstance(c, tuple) else
-                  numpy.ones((height, width), numpy.float32) for c in channels]
-        pixels = numpy.dstack(planes[: 3 if not isinstance(channels[3], tuple) else 4])
+    def _compose(self, channels, colour, found, change):
+        texels = {lookup: t.linear() for lookup, t in found.items()}
+        height, width = max(rgba.shape[:2] for rgba in texels.values())
+        texels = {lookup: self._sized(rgba, height, width) for lookup, rgba in texels.items()}
+
+        def plane(channel):
+            if not isinstance(channel, tuple):
+                return numpy.ones((height, width), numpy.float32)
+            rgba, number = texels[Lookup.of(channel[0])], channel[1]
+            return rgba[..., :3] @ numpy.array(number, numpy.float32) if isinstance(number, tuple) else rgba[..., number]
+
+        pixels = numpy.dstack([plane(c) for c in channels[: 3 if not isinstance(channels[3], tuple) else 4]])
+        if change:
+            pixels = change[1](pixels)
+        images = {c[0].image for c in channels if isinstance(c, tuple)}
         if pixels.max() > 1:
-            self.report.add("image %s: values above 1" % name)
+            self.report.add("image %s: values above 1" % next(iter(images)).name)
         if colour:
             pixels[..., :3] = encode_srgb(pixels[..., :3])
-        plain = all(not i.is_float and i.colorspace_settings.name not in SRGB for i in images.values())
-        return write_png(pixels, 255 if colour or plain else 65535)
+        plain = not change and all(not i.is_float and is_encoded(i) == colour for i in images)
+        return write_png(pixels, 255 if plain else 65535)
 
     @staticmethod
-    def _sized(texels, height, width):
+    def _sized(rgba, height, width):
         """The nearest texels, for pictures of several sizes in one."""
-        if texels.shape[:2] == (height, width):
-            return texels
-        rows = numpy.arange(height) * texels.shape[0] // height
-        columns = numpy.arange(width) * texels.shape[1] // width
-        return texels[rows][:, columns]
+        if rgba.shape[:2] == (height, width):
+            return rgba
+        rows = numpy.arange(height) * rgba.shape[0] // height
+        columns = numpy.arange(width) * rgba.shape[1] // width
+        return rgba[rows][:, columns]

@@ -27,6 +27,8 @@ def export_ply(depsgraph, path, report):
         data = shown.thing.data
         if data.as_pointer() not in known:
             arrays = MeshArrays(data)
+            for text in arrays.left_out():
+                report.add("mesh %s: %s" % (data.name, text))
             known[data.as_pointer()] = arrays.places.astype(float), arrays.vertex_of[arrays.corners]
         points, corners = known[data.as_pointer()]
         if not len(corners):

@@ -8,7 +8,11 @@ class Report:
         self._entries = {}
 
     def add(self, entry):
-        self._entries[entry] = None
+        self._entries.setdefault(entry, None)
+
+    def share(self, entry, name):
+        """An entry that many things have: one line, with their names."""
+        self._entries.setdefault(entry, []).append(name)
 
     def entries(self):
-        return list(self._entries)
+        return [entry if names is None else "%s (%s)" % (entry, ", ".join(names)) for entry, names in self._entries.items()]

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import bpy
 import numpy
 
+from .differences import differences
+
 IGNORED = {"EMPTY", "LATTICE", "ARMATURE", "SPEAKER", "LIGHT_PROBE", "CAMERA"}
-RAYS = (("visible_camera", "hidden from the camera"), ("visible_shadow", "casts no shadow"))
 
 
 @dataclass
@@ -49,13 +50,18 @@ def look_at(thing, kind, depsgraph, report):
         report.add("%s %s" % (thing.type.lower(), thing.name))
     if kind != "MESH":
         return
-    for flag, words in RAYS:
-        if not getattr(thing, flag):
-            report.add("object %s: %s" % (thing.name, words))
+    for text in differences(thing):
+        report.add("object %s: %s" % (thing.name, text))
+    sizes = [axis.length for axis in thing.matrix_world.to_3x3().col]
+    if min(sizes) == 0 < max(sizes):
+        report.add("object %s: it is flat, by a scale of 0" % thing.name)
+    layer = depsgraph.view_layer
     if thing.is_shadow_catcher:
         report.add("object %s: shadow catcher" % thing.name)
-    if thing.is_holdout or thing.original.holdout_get(view_layer=depsgraph.view_layer):
+    if thing.is_holdout or thing.original.holdout_get(view_layer=layer):
         report.add("object %s: holdout" % thing.name)
+    if thing.original.indirect_only_get(view_layer=layer):
+        report.add("object %s: indirect only" % thing.name)
     for system in thing.particle_systems:
         if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
             report.add("object %s: hair %s" % (thing.name, system.name))

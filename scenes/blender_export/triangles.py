@@ -20,7 +20,14 @@ class MeshArrays:
     def __init__(self, mesh):
         self.places = read(mesh.vertices, "co", 3, numpy.float32)
         self.vertex_of = read(mesh.loops, "vertex_index", 1, numpy.int32)
-        self.corners, self.polygon_of = cut(mesh, self.places, self.vertex_of)
+        corners, polygon_of = cut(mesh, self.places, self.vertex_of)
+        whole = numpy.isfinite(self.places).all(axis=1)[self.vertex_of[corners]].all(axis=1)
+        self.dropped = int(len(whole) - whole.sum())
+        self.corners, self.polygon_of = (corners[whole], polygon_of[whole]) if self.dropped else (corners, polygon_of)
+
+    def left_out(self):
+        """As texts."""
+        return ["%d triangles with a vertex that is no number" % self.dropped] if self.dropped else []
 
 
 def cut(mesh, places, vertex_of):

@@ -221,7 +221,7 @@ def refusals():
     tree.nodes.remove(clear)
     fog = tree.nodes.new("ShaderNodeVolumePrincipled")
     tree.links.new(fog.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
-    expect("material Cube.001: no surface")
+    expect("material Cube.001: Volume")
     principled("Cube.001", Base_Color=(0.5, 0.5, 0.5, 1), Alpha=0.5)
     thing.active_material.cycles.use_transparent_shadow = False
     expect("material Cube.001: Alpha: Transparent Shadows is off")

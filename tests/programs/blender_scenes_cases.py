@@ -1,0 +1,615 @@
+"""Small scenes of one feature each, as blender_scenes.py starts them: ZIP PROGRAMS MAP WORK.
+
+What is rendered has the values of Cycles, which are stored in blender_scenes.json, in six parts of the picture; what is
+not rendered is named. The plain scene must be told apart from those that differ.
+"""
+
+import json
+import math
+import os
+import sys
+import time
+
+import bpy
+import numpy
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import blender_exr  # noqa: E402
+from blender_scene import WORK, install  # noqa: E402
+
+VALUES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "blender_scenes.json")
+STORES = "SHADOWCACHE_STORE" in os.environ
+ONLY = os.environ.get("SHADOWCACHE_ONLY", "").split()
+SIZE, PARTS = (48, 32), (2, 3)
+MOST = 0.015  # share of the mean by which a part may be off
+SHOWN = {}    # scenes by name
+NAMED = {}    # and those that are named instead, with the words
+
+
+def shows(make):
+    SHOWN[make.__name__] = make
+    return make
+
+
+def names(words):
+    def keep(make):
+        NAMED[make.__name__] = make, words
+        return make
+    return keep
+
+
+def chosen(scenes):
+    return [(name, found) for name, found in scenes.items() if not ONLY or name in ONLY]
+
+
+def link(name, data):
+    thing = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+
+
+def plane(material, size=4, name="plane"):
+    """With a UV map."""
+    mesh = bpy.data.meshes.new(name)
+    s = size / 2
+    mesh.from_pydata([(-s, -s, 0), (s, -s, 0), (s, s, 0), (-s, s, 0)], [], [(0, 1, 2, 3)])
+    mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", [0, 0, 1, 0, 1, 1, 0, 1])
+    if material is not None:
+        mesh.materials.append(material)
+    return link(name, mesh)
+
+
+def cube(material, name="cube"):
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (0, 2)]
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(corners, [], sides)
+    mesh.materials.append(material)
+    return link(name, mesh)
+
+
+def diffuse(colour=(0.8, 0.8, 0.8)):
+    """A material, and its tree and shader."""
+    material = bpy.data.materials.new("diffuse")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    shader.inputs["Color"].default_value = (*colour, 1)
+    tree.links.new(shader.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    return material, tree, shader
+
+
+def principled(**values):
+    material = bpy.data.materials.new("principled")
+    material.use_nodes = True
+    shader = material.node_tree.nodes["Principled BSDF"]
+    for name, value in values.items():
+        shader.inputs[name.replace("_", " ")].default_value = value
+    return material, material.node_tree, shader
+
+
+def image(texels, space="sRGB", **settings):
+    """Of rows from the bottom, saved as PNG."""
+    texels = numpy.array(texels, numpy.float32)
+    height, width = texels.shape[:2]
+    made = bpy.data.images.new("image", width, height, alpha=True)
+    made.pixels.foreach_set(texels.ravel())
+    made.filepath_raw, made.file_format = os.path.join(WORK, "image%d.png" % len(os.listdir(WORK))), "PNG"
+    made.save()
+    path = made.filepath_raw
+    bpy.data.images.remove(made)
+    made = bpy.data.images.load(path)
+    made.colorspace_settings.name = space
+    for name, value in settings.items():
+        setattr(made, name, value)
+    return made
+
+
+def checks(alpha=1.0):
+    """Four colours."""
+    return [[(1, 0, 0, alpha), (0, 1, 0, 1)], [(0, 0, 1, 1), (1, 1, 0.2, alpha)]]
+
+
+def textured(texels=None, space="sRGB", **settings):
+    """A plane with an image for its colour."""
+    material, tree, shader = diffuse()
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = image(checks() if texels is None else texels, space)
+    for name, value in settings.items():
+        setattr(node, name, value)
+    tree.links.new(node.outputs["Color"], shader.inputs["Color"])
+    return plane(material), tree, node
+
+
+def start():
+    """A camera that looks down at the origin, under a white sky."""
+    for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.materials, bpy.data.images, bpy.data.worlds, bpy.data.node_groups,
+                 bpy.data.collections):
+        for item in list(kind):
+            kind.remove(item)
+    scene, layer = bpy.context.scene, bpy.context.view_layer
+    scene.background_set = None
+    layer.use_sky, scene.render.use_motion_blur, scene.cycles.film_exposure = True, False, 1
+    camera = link("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0, -5, 4), (math.radians(51), 0, 0)
+    scene.camera = camera
+    world = scene.world = bpy.data.worlds.new("world")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+    render = scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = *SIZE, 100
+    render.film_transparent = True
+    render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    render.image_settings.color_depth, render.image_settings.exr_codec = "32", "NONE"
+    cycles = scene.cycles
+    cycles.samples, cycles.max_bounces, cycles.use_adaptive_sampling, cycles.use_denoising = 512, 2, False, False
+    settings = scene.shadowcache
+    settings.cache_folder = os.path.join(WORK, "cache")
+    settings.camera_rays, settings.samples, settings.bounces, settings.bake_spacing = 24, 4, 2, 2
+
+
+# Nodes that are muted, links that do not count.
+
+@shows
+def plain():
+    plane(diffuse((0.5, 0.3, 0.1))[0])
+
+
+def mixed(**settings):
+    material, tree, shader = diffuse()
+    mix, colour = tree.nodes.new("ShaderNodeMixRGB"), tree.nodes.new("ShaderNodeRGB")
+    colour.outputs[0].default_value = (0.6, 0.4, 0.2, 1)
+    mix.blend_type, mix.inputs[0].default_value, mix.inputs[1].default_value = "MULTIPLY", 1, (0.5, 0.5, 0.5, 1)
+    tree.links.new(colour.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], shader.inputs["Color"])
+    plane(material)
+    return tree, mix, shader
+
+
+@shows
+def mix_multiplies():
+    mixed()
+
+
+@shows
+def muted_mix():
+    mixed()[1].mute = True
+
+
+@shows
+def muted_mix_unlinked():
+    tree, mix, _ = mixed()
+    mix.mute = True
+    tree.links.remove(mix.inputs[2].links[0])
+
+
+@shows
+def muted_image():
+    textured(mute=True)
+
+
+@shows
+def muted_shader():
+    material, _, shader = diffuse()
+    shader.mute = True
+    plane(material)
+
+
+@shows
+def muted_link():
+    tree, _, shader = mixed()
+    shader.inputs["Color"].links[0].is_muted = True
+
+
+@shows
+def reroutes():
+    tree, mix, shader = mixed()
+    first, second = (tree.nodes.new("NodeReroute") for _ in range(2))
+    tree.links.new(mix.outputs[0], first.inputs[0])
+    tree.links.new(first.outputs[0], second.inputs[0])
+    tree.links.new(second.outputs[0], shader.inputs["Color"])
+
+
+# What stands for no material.
+
+@shows
+def no_material():
+    plane(None)
+
+
+@shows
+def empty_slot():
+    plane(diffuse((0.1, 0.1, 0.1))[0]).data.materials[0] = None
+
+
+@shows
+def no_surface():
+    material, tree, _ = diffuse()
+    tree.nodes.clear()
+    plane(material)
+
+
+@shows
+def seen_from_behind():
+    material, _, _ = diffuse((0.3, 0.6, 0.9))
+    material.use_backface_culling = True
+    plane(material).rotation_euler.x = math.pi
+
+
+# Images.
+
+@shows
+def straight_alpha_alone():
+    textured(checks(alpha=0.25))
+
+
+@shows
+def straight_alpha():
+    material, tree, shader = principled(Base_Color=(0, 0, 0, 1), Specular=0, Emission_Strength=1)
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image, node.interpolation = image(checks(alpha=0.25)), "Closest"
+    tree.links.new(node.outputs["Color"], shader.inputs["Emission"])
+    tree.links.new(node.outputs["Alpha"], shader.inputs["Alpha"])
+    plane(material)
+
+
+@shows
+def linear_bytes():
+    textured(space="Linear")
+
+
+@shows
+def filtered_as_stored():
+    textured()
+
+
+@shows
+def closest():
+    textured(interpolation="Closest")
+
+
+@shows
+def cubic():
+    textured(interpolation="Cubic")
+
+
+def placed(node, tree, output="UV", **settings):
+    mapping, where = tree.nodes.new("ShaderNodeMapping"), tree.nodes.new("ShaderNodeTexCoord")
+    mapping.vector_type = settings.pop("kind", "POINT")
+    for name, value in settings.items():
+        mapping.inputs[name].default_value = value
+    tree.links.new(where.outputs[output], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs[0], node.inputs["Vector"])
+
+
+@shows
+def clipped():
+    _, tree, node = textured(extension="CLIP")
+    placed(node, tree, Scale=(1.7, 1.7, 1), Location=(-0.4, -0.3, 0))
+
+
+@shows
+def extended():
+    _, tree, node = textured(extension="EXTEND")
+    placed(node, tree, Scale=(1.7, 1.7, 1), Location=(-0.4, -0.3, 0))
+
+
+@shows
+def mapped_as_texture():
+    _, tree, node = textured()
+    placed(node, tree, kind="TEXTURE", Scale=(0.5, 0.8, 1), Location=(-0.4, -0.3, 0), Rotation=(0, 0, 0.4))
+
+
+@shows
+def mapped_by_itself():
+    _, _, node = textured()
+    node.texture_mapping.scale, node.texture_mapping.rotation[2] = (2, 1, 1), 0.3
+
+
+@shows
+def generated():
+    _, tree, node = textured()
+    placed(node, tree, "Generated", Scale=(1.5, 1.5, 1))
+
+
+@shows
+def of_object():
+    _, tree, node = textured()
+    placed(node, tree, "Object", Scale=(0.3, 0.4, 1))
+
+
+@shows
+def no_image():
+    material, tree, shader = diffuse()
+    tree.links.new(tree.nodes.new("ShaderNodeTexImage").outputs[0], shader.inputs["Color"])
+    plane(material)
+
+
+@shows
+def colour_to_number():
+    material, tree, shader = principled(Base_Color=(0, 0, 0, 1), Specular=0, Emission=(0.5, 0.4, 0.3, 1), Emission_Strength=1)
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = image([[(0, 1, 0, 1)] * 2] * 2, "Non-Color")
+    tree.links.new(node.outputs["Color"], shader.inputs["Alpha"])
+    plane(material)
+
+
+# Attributes.
+
+def attributed(kind, domain, values):
+    thing, tree, node = textured()
+    where = tree.nodes.new("ShaderNodeAttribute")
+    where.attribute_name = "places"
+    tree.links.new(where.outputs["Vector"], node.inputs["Vector"])
+    made = thing.data.attributes.new("places", kind, domain)
+    made.data.foreach_set("vector", values)
+
+
+@shows
+def places_of_corners():
+    attributed("FLOAT_VECTOR", "CORNER", [0, 0, 5, 1, 0, 5, 1, 2, 5, 0, 2, 5])
+
+
+@shows
+def places_of_points():
+    attributed("FLOAT2", "POINT", [0, 0, 2, 0, 2, 1, 0, 1])
+
+
+def coloured(name):
+    material, tree, shader = diffuse()
+    node = tree.nodes.new("ShaderNodeAttribute")
+    node.attribute_name = name
+    tree.links.new(node.outputs["Color"], shader.inputs["Color"])
+    thing = cube(material)
+    made = thing.data.attributes.new("colours", "FLOAT_COLOR", "FACE")
+    made.data.foreach_set("color", [0.1 * (i % 9) for i in range(24)])
+
+
+@shows
+def colours_of_faces():
+    coloured("colours")
+
+
+@shows
+def missing_colours():
+    coloured("none")
+
+
+# Objects, scenes and worlds.
+
+@shows
+def a_vertex_is_no_number():
+    plane(diffuse()[0], 6)
+    cube(diffuse((0.3, 0.5, 0.7))[0]).data.vertices[7].co = (math.nan,) * 3
+
+
+@shows
+def all_moves():
+    thing = cube(diffuse((0.3, 0.5, 0.7))[0])
+    for frame in (1, 3):
+        thing.rotation_euler.z = 0.5 * frame
+        thing.keyframe_insert("rotation_euler", frame=frame)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 3
+    scene.frame_set(2)
+
+
+@shows
+def background_set():
+    plane(diffuse()[0], 6)
+    other = bpy.data.scenes.get("other") or bpy.data.scenes.new("other")
+    thing = cube(diffuse((0.3, 0.5, 0.7))[0])
+    bpy.context.scene.collection.objects.unlink(thing)
+    other.collection.objects.link(thing)
+    bpy.context.scene.background_set = other
+
+
+@shows
+def sky_is_off():
+    bpy.context.view_layer.use_sky = False
+    plane(diffuse()[0])
+
+
+@shows
+def world_is_muted():
+    bpy.context.scene.world.node_tree.nodes["Background"].mute = True
+    plane(diffuse()[0])
+
+
+def world_node(kind):
+    tree = bpy.context.scene.world.node_tree
+    return tree, tree.nodes.new(kind), tree.nodes["Background"]
+
+
+@shows
+def colour_to_world_strength():
+    tree, node, background = world_node("ShaderNodeRGB")
+    node.outputs[0].default_value = (0.2, 0.5, 0.9, 1)
+    tree.links.new(node.outputs[0], background.inputs["Strength"])
+    plane(diffuse()[0])
+
+
+# What is named.
+
+@names("colour space XYZ")
+def space():
+    textured(space="XYZ")
+
+
+@names("premultiplied alpha")
+def premultiplied():
+    textured(checks(alpha=0.25))[2].image.alpha_mode = "PREMUL"
+
+
+@names("Projection is BOX")
+def box():
+    textured(projection="BOX")
+
+
+@names("placed by Mapping")
+def mapped_as_normal():
+    _, tree, node = textured()
+    placed(node, tree, kind="NORMAL")
+
+
+@names("Brightness is 2")
+def colour_mapping():
+    textured()[2].color_mapping.brightness = 2
+
+
+@names("material diffuse: Roughness")
+def rough_diffuse():
+    material, _, shader = diffuse()
+    shader.inputs["Roughness"].default_value = 0.5
+    plane(material)
+
+
+@names("Principled BSDF: its lobes")
+def lobes():
+    plane(principled()[0])
+
+
+@names("Distribution is MULTI_GGX")
+def multiple_scattering():
+    material, _, shader = principled()
+    shader.distribution = "MULTI_GGX"
+    plane(material)
+
+
+def hidden(flag):
+    setattr(plane(diffuse()[0]), flag, False)
+
+
+@names("hidden from diffuse rays")
+def no_diffuse_rays():
+    hidden("visible_diffuse")
+
+
+@names("hidden from glossy rays")
+def no_glossy_rays():
+    hidden("visible_glossy")
+
+
+@names("indirect only")
+def indirect_only():
+    thing = plane(diffuse()[0])
+    made = bpy.data.collections.new("made")
+    bpy.context.scene.collection.children.link(made)
+    bpy.context.scene.collection.objects.unlink(thing)
+    made.objects.link(thing)
+    bpy.context.view_layer.layer_collection.children["made"].indirect_only = True
+
+
+@names("motion blur")
+def motion_blur():
+    bpy.context.scene.render.use_motion_blur = True
+    plane(diffuse()[0])
+
+
+@names("Exposure is 2")
+def exposure():
+    bpy.context.scene.cycles.film_exposure = 2
+    plane(diffuse()[0])
+
+
+@names("Ratio is 2")
+def aperture_ratio():
+    dof = bpy.context.scene.camera.data.dof
+    dof.use_dof, dof.aperture_ratio = True, 2
+    plane(diffuse()[0])
+
+
+@names("world world: Volume")
+def world_volume():
+    tree, node, _ = world_node("ShaderNodeVolumeScatter")
+    tree.links.new(node.outputs[0], tree.nodes["World Output"].inputs["Volume"])
+    plane(diffuse()[0])
+
+
+@names("Max Bounces is 0")
+def world_bounces():
+    bpy.context.scene.world.cycles.max_bounces = 0
+    plane(diffuse()[0])
+
+
+def render(engine):
+    """Means of the picture's parts (part, colour and alpha), and what is named."""
+    scene = bpy.context.scene
+    scene.render.engine, scene.render.filepath = engine, os.path.join(WORK, "picture.exr")
+    bpy.ops.render.render(write_still=True)
+    found = {name.split(".", 1)[1]: plane for name, plane in blender_exr.read(scene.render.filepath).items()}
+    stack = numpy.stack([found["Combined.%s" % c] for c in "RGBA"]).astype(float)
+    rows, columns = PARTS
+    parts = stack.reshape(4, rows, SIZE[1] // rows, columns, SIZE[0] // columns).mean(axis=(2, 4)).reshape(4, -1).T
+    return parts, sys.modules["shadowcache.engine"].LEFT_OUT.get(scene.name, [])
+
+
+def apart(found, wanted):
+    """The most that a part's colour is off, as a share of the greatest mean of a colour."""
+    most = max(numpy.array(wanted)[:, :3].mean(axis=0).max(), 1e-3)
+    return abs(found - wanted)[:, :3].max() / most
+
+
+def store():
+    values = {}
+    if ONLY:
+        with open(VALUES, encoding="ascii") as file:
+            values = {name: rows for name, rows in json.load(file).items() if name in SHOWN}
+    for name, make in chosen(SHOWN):
+        start()
+        make()
+        values[name] = render("CYCLES")[0].round(5).tolist()
+    with open(VALUES, "w", encoding="ascii") as out:
+        out.write("{\n%s\n}\n" % ",\n".join('"%s": %s' % (name, json.dumps(rows)) for name, rows in values.items()))
+
+
+def compare():
+    with open(VALUES, encoding="ascii") as file:
+        values = {name: numpy.array(rows) for name, rows in json.load(file).items()}
+    assert set(values) == set(SHOWN), "store the values of Cycles again: %s" % sorted(set(values) ^ set(SHOWN))
+    for name, make in chosen(SHOWN):
+        start()
+        make()
+        found, left_out = render("SHADOWCACHE")
+        left_out = [entry for entry in left_out if not entry.startswith("Principled BSDF: ")]
+        off = apart(found, values[name])
+        print("case %s: %.4f %s" % (name, off, left_out))
+        assert off < MOST, "%s: %s, expected %s" % (name, found.round(4).tolist(), values[name].tolist())
+        assert not left_out or name == "a_vertex_is_no_number", "%s: %s" % (name, left_out)
+    assert apart(values["plain"] * 1.03, values["plain"]) > MOST, "control: 3 % more light is not told apart"
+    told = [name for name in values if apart(values["plain"], values[name]) > MOST]
+    assert len(told) == len(values) - 1, "control: %s look like the plain scene" % (set(values) - set(told))
+
+
+def left_out_of(depsgraph, _):
+    """What a render of a depsgraph names, without the render."""
+    part = {name: sys.modules["shadowcache." + name] for name in ("scene_check", "world_map")}
+    _, of_world = part["world_map"].light_of(depsgraph.scene, depsgraph.view_layer, WORK)
+    of_scene = part["scene_check"].left_out(depsgraph, depsgraph.scene.camera)
+    return blender_export().export(depsgraph, os.path.join(WORK, "named.glb")) + of_world + of_scene
+
+
+def blender_export():
+    return sys.modules["shadowcache.blender_export"]
+
+
+def names_all():
+    for name, (make, words) in chosen(NAMED):
+        start()
+        make()
+        left_out = blender_export().with_render_depsgraph(left_out_of)
+        assert any(words in entry for entry in left_out), "%s: %s" % (name, left_out)
+
+
+def main():
+    install()
+    for case in (store,) if STORES else (compare, names_all):
+        before = time.monotonic()
+        case()
+        print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - before))
+    print("all cases passed")
+
+
+main()
