@@ -25,7 +25,7 @@ std::string lowerCase(std::string_view word) {
 }
 
 /// A name for the report: it may be long and hold anything.
-std::string printable(std::string_view word) {
+std::string printableWord(std::string_view word) {
     constexpr std::size_t kMostBytes = 60;
     std::string text;
     for (const char c : word.substr(0, kMostBytes))
@@ -61,7 +61,7 @@ public:
                 materials_.emplace_back().name = text_.restOfLine();
                 continue;
             }
-            if (materials_.empty()) text_.fail(printable(word) + ": expected newmtl first");
+            if (materials_.empty()) text_.fail(printableWord(word) + ": expected newmtl first");
             readLine(key, word);
         }
         return std::move(materials_);
@@ -71,7 +71,7 @@ private:
     MtlMaterial& material() { return materials_.back(); }
 
     void leaveOut(std::string_view what) {
-        const std::string name = printable(what);
+        const std::string name = printableWord(what);
         auto& list = material().leftOut;
         if (std::ranges::find(list, name) == list.end()) list.push_back(name);
     }

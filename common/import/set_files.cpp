@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lowerExtension(const fs::path& file) {
+std::string lowerExtensionOf(const fs::path& file) {
     std::string extension = file.extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return extension;
@@ -24,7 +24,7 @@ std::string lowerExtension(const fs::path& file) {
 
 /// The JSON of a .gltf or .glb file; empty if it is neither.
 std::string gltfJson(const fs::path& file) {
-    const std::string extension = lowerExtension(file);
+    const std::string extension = lowerExtensionOf(file);
     if (extension != ".gltf" && extension != ".glb") return "";
     std::string bytes = readFileBytes(file);
     constexpr std::size_t kBegin = 20;  // of the first chunk's content
@@ -39,7 +39,7 @@ std::string gltfJson(const fs::path& file) {
 
 std::vector<fs::path> filesOf(const fs::path& file, References references) {
     std::vector<fs::path> files{file};
-    if (lowerExtension(file) == ".obj") {
+    if (lowerExtensionOf(file) == ".obj") {
         const std::vector<fs::path> named = objFiles(file, references);
         files.insert(files.end(), named.begin(), named.end());
         return files;
