@@ -75,7 +75,7 @@ void addSlices(HtmlPage& page, const CacheFacts& facts) {
 }
 
 template <std::size_t N>
-std::vector<std::uint64_t> asVector(const std::array<std::uint64_t, N>& counts) {
+std::vector<std::uint64_t> countsOf(const std::array<std::uint64_t, N>& counts) {
     return {counts.begin(), counts.end()};
 }
 
@@ -83,16 +83,16 @@ void addHistograms(HtmlPage& page, const CacheSummary& summary) {
     page.heading("Histograms");
     std::vector<std::string> shares = shareLabels();
     page.bars("Items by the visible share of their sky", {shares.begin() + 1, shares.end() - 1},
-              asVector(summary.skyVisibility));
+              countsOf(summary.skyVisibility));
     page.bars(
         "Regions by the visible share of their rays; \"occluded\" and \"visible\" are pure: all "
         "rays "
         "agreed",
-        shares, asVector(summary.shares));
+        shares, countsOf(summary.shares));
     page.bars(
         "Regions by the number of their rays; those with none lie below the surface's "
         "horizon",
-        rayLabels(), asVector(summary.rays));
+        rayLabels(), countsOf(summary.rays));
 }
 
 void addBytes(HtmlPage& page, const CacheSummary& summary) {

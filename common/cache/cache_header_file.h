@@ -2,11 +2,10 @@
 
 // Private to the cache's .cpp files: names types of OpenVDB.
 
-#include <openvdb/openvdb.h>
-
 #include <filesystem>
 
 #include "common/cache/cache_header.h"
+#include "common/cache/openvdb_grids.h"
 
 namespace shadowcache {
 

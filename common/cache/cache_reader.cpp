@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 #include <system_error>
+#include <tuple>
 
 #include "common/base/error.h"
 #include "common/cache/cache_grids.h"
@@ -215,16 +216,16 @@ CacheHeader readHeader(const CheckedFile& file) {
 namespace {
 
 /// Appends the items of one leaf in the order of their voxels, and their blocks.
-void appendLeaf(const openvdb::Coord& origin, const LeafView& leaf, std::size_t baseCells,
+void appendLeaf(const Vec3i& origin, const LeafView& leaf, std::size_t baseCells,
                 CacheItems& items) {
     const auto row = [](auto& out, const auto* values, std::size_t count) {
         out.insert(out.end(), values, values + count);
     };
     std::uint32_t i = 0;
-    for (openvdb::Index v = 0; v < kLeafVoxels; ++v) {
-        const openvdb::Coord voxel = origin + PointLeaf::offsetToLocalCoord(v);
+    for (std::uint32_t v = 0; v < kLeafVoxels; ++v) {
+        const Vec3i voxel = origin + voxelInLeaf(v);
         for (; i < leaf.voxelEnd[v]; ++i) {
-            items.voxel.emplace_back(voxel.x(), voxel.y(), voxel.z());
+            items.voxel.push_back(voxel);
             items.patch.push_back(leaf.patch[i]);
             items.normal.push_back(leaf.normal[i]);
             items.position.push_back(leaf.position[i]);
@@ -244,11 +245,13 @@ void appendLeaf(const openvdb::Coord& origin, const LeafView& leaf, std::size_t 
     }
 }
 
-using PlacedLeaf = std::pair<openvdb::Coord, LeafView>;
+using PlacedLeaf = std::pair<Vec3i, LeafView>;
 
 /// OpenVDB's tree has larger nodes above the leaves, and visits them one by one.
 CacheItems inFileOrder(std::vector<PlacedLeaf> leaves, const CacheHeader& header) {
-    std::ranges::sort(leaves, {}, &PlacedLeaf::first);
+    std::ranges::sort(leaves, {}, [](const PlacedLeaf& leaf) {
+        return std::tuple(leaf.first.x, leaf.first.y, leaf.first.z);
+    });
     CacheItems items;
     for (const auto& [origin, leaf] : leaves)
         appendLeaf(origin, leaf, header.tiers().baseCells(), items);
@@ -291,14 +294,14 @@ CacheItems readCache(const fs::path& path, CacheHeader& header) {
     std::vector<PlacedLeaf> leaves;
     for (auto leaf = grids.items->tree().beginLeaf(); leaf; ++leaf)
         leaves.emplace_back(
-            leaf->origin(),
+            toVoxel(leaf->origin()),
             viewOf(*leaf, grids.blocks->tree().probeLeaf(leaf->origin()), header, path));
     return inFileOrder(std::move(leaves), header);
 }
 
 CacheItems itemsOf(const ShadowCache& cache) {
     std::vector<PlacedLeaf> leaves;
-    OpenCache::of(cache).visitLeaves(true, [&](const openvdb::Coord& origin, const LeafView& leaf) {
+    OpenCache::visitLeaves(cache, true, [&](const Vec3i& origin, const LeafView& leaf) {
         leaves.emplace_back(origin, leaf);
     });
     return inFileOrder(std::move(leaves), cache.header());

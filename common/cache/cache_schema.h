@@ -2,14 +2,12 @@
 
 // Private to the cache's .cpp files: names types of OpenVDB.
 
-#include <openvdb/openvdb.h>
-#include <openvdb/points/PointDataGrid.h>
-
 #include <array>
 #include <cstdint>
 #include <vector>
 
 #include "common/cache/cache_header.h"
+#include "common/cache/openvdb_grids.h"
 
 namespace shadowcache {
 

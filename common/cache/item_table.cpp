@@ -66,17 +66,13 @@ ItemTable::ItemTable(const ShadowCache& cache) : spacing_(cache.header().spacing
             fmt::format("a cache of {} items, expected less than {}", cache.itemCount(), kNoItem));
     items_.reserve(cache.itemCount());
     const bool hits = cache.header().hits > 0;
-    OpenCache::of(cache).visitLeaves(hits, [&](const openvdb::Coord& origin, const LeafView& leaf) {
+    OpenCache::visitLeaves(cache, hits, [&](const Vec3i& origin, const LeafView& leaf) {
         throwIfInterrupted();
         std::uint32_t i = 0;
-        for (openvdb::Index v = 0; v < kLeafVoxels; ++v) {
-            const openvdb::Coord voxel = origin + PointLeaf::offsetToLocalCoord(v);
+        for (std::uint32_t v = 0; v < kLeafVoxels; ++v) {
+            const Vec3i voxel = origin + voxelInLeaf(v);
             for (; i < leaf.voxelEnd[v]; ++i)
-                items_.push_back({{voxel.x(), voxel.y(), voxel.z()},
-                                  leaf.patch[i],
-                                  false,
-                                  leaf.position[i],
-                                  leaf.normal[i],
+                items_.push_back({voxel, leaf.patch[i], false, leaf.position[i], leaf.normal[i],
                                   hits ? exposureOf(leaf, i) : 1});
         }
     });

@@ -25,6 +25,12 @@ CountRows constantRows(std::uint8_t value);
 
 /// Voxels of a leaf, 8 along each axis.
 inline constexpr std::size_t kLeafVoxels = 512;
+/// Bytes of a leaf's voxelEnd.
+inline constexpr std::uint32_t kVoxelEndBytes = kLeafVoxels * sizeof(std::uint32_t);
+/// From a leaf's first voxel to voxel v < kLeafVoxels, in OpenVDB's order.
+inline Vec3i voxelInLeaf(std::uint32_t v) {
+    return {static_cast<int>(v >> 6), static_cast<int>(v >> 3 & 7), static_cast<int>(v & 7)};
+}
 
 /// A leaf's items and blocks as plain arrays, wherever they are kept.
 struct LeafView {

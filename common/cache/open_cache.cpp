@@ -1,7 +1,5 @@
 #include "common/cache/open_cache.h"
 
-#include <openvdb/tree/ValueAccessor.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,15 +9,31 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/cache/cache_grids.h"
 #include "common/cache/cache_items.h"
 #include "common/cache/grid_leaves.h"
 #include "common/cache/lookup_weight.h"
+#include "common/cache/paged_leaves.h"
 
 namespace shadowcache {
 
-namespace {
-
 namespace fs = std::filesystem;
+
+/// What an open cache holds.
+struct ShadowCache::Impl {
+    CacheHeader header;
+    std::size_t items = 0, blocks = 0;
+    std::optional<PagedLeaves> paged;  ///< with a budget; else:
+    CacheGrids grids;
+    std::vector<LeafView> leaves;
+
+    /// Takes all over that is in memory.
+    ///
+    /// @param path  for messages
+    void take(CacheGrids all, const fs::path& path);
+};
+
+namespace {
 
 /// What a lookup knows of an item beside its view.
 struct Found {
@@ -132,17 +146,19 @@ void ShadowCache::Impl::take(CacheGrids all, const fs::path& path) {
     }
 }
 
-void ShadowCache::Impl::visitLeaves(bool hits, const VisitLeaf& visit) const {
-    if (!paged) {
+void OpenCache::visitLeaves(const ShadowCache& cache, bool hits, const VisitLeaf& visit) {
+    const ShadowCache::Impl& open = *cache.impl_;
+    if (!open.paged) {
         std::size_t i = 0;
-        for (auto leaf = grids.items->tree().cbeginLeaf(); leaf; ++leaf)
-            visit(leaf->origin(), leaves[i++]);
+        for (auto leaf = open.grids.items->tree().cbeginLeaf(); leaf; ++leaf)
+            visit(toVoxel(leaf->origin()), open.leaves[i++]);
         return;
     }
-    PagedLeaves::Reader reader(*paged, hits);
-    for (std::size_t i = 0; i < paged->size(); ++i) {
+    PagedLeaves::Reader reader(*open.paged, hits);
+    for (std::size_t i = 0; i < open.paged->size(); ++i) {
+        const openvdb::Coord& origin = open.paged->origin(i);
         reader.beginLookup();
-        visit(paged->origin(i), *reader.find(paged->origin(i)));
+        visit(toVoxel(origin), *reader.find(origin));
     }
 }
 

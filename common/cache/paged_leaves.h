@@ -2,8 +2,6 @@
 
 // Private to the cache's .cpp files: names types of OpenVDB.
 
-#include <openvdb/tree/ValueAccessor.h>
-
 #include <array>
 
 #include "common/cache/cache_pages.h"

@@ -29,7 +29,6 @@ constexpr std::uint8_t kStrided = 1, kUniform = 2, kPaged = 8;
 
 /// Leaves whose voxel ends make a page: a megabyte, as the other pages have.
 constexpr std::size_t kVoxelEndLeaves = 512;
-constexpr std::uint32_t kVoxelEndBytes = kLeafVoxels * sizeof(std::uint32_t);
 
 constexpr std::uint64_t kMostPageBytes = std::uint64_t{1} << 30;
 

@@ -11,7 +11,7 @@ namespace shadowcache {
 
 namespace {
 
-constexpr std::size_t kItemsPerChunk = 1024;
+constexpr std::size_t kItemsAtOnce = 1024;
 
 std::uint32_t resolve(std::uint16_t code, const Vec3d& from, const Vec3f& direction,
                       const ItemTable& items) {
@@ -27,13 +27,13 @@ std::optional<Transport> readTransport(const ShadowCache& cache, const ItemTable
     if (rays == 0) return std::nullopt;
     std::vector<std::uint16_t> codes;
     codes.reserve(items.size() * static_cast<std::size_t>(rays));
-    OpenCache::of(cache).visitLeaves(true, [&](const openvdb::Coord&, const LeafView& leaf) {
+    OpenCache::visitLeaves(cache, true, [&](const Vec3i&, const LeafView& leaf) {
         throwIfInterrupted();
         codes.insert(codes.end(), leaf.hits,
                      leaf.hits + std::size_t{leaf.items} * leaf.hitsPerItem);
     });
     Transport transport{rays, std::vector<std::uint32_t>(codes.size())};
-    parallelFor(items.size(), kItemsPerChunk, [&](const Chunk& chunk) {
+    parallelFor(items.size(), kItemsAtOnce, [&](const Chunk& chunk) {
         throwIfInterrupted();
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const ItemTable::Item& item = items.item(static_cast<std::uint32_t>(i));

@@ -2,20 +2,14 @@
 
 // Private to the cache's .cpp files, as is OpenVDB.
 
-#include <openvdb/openvdb.h>
-
 #include <filesystem>
 
-#include "common/math/vec.h"
+#include "common/cache/openvdb_grids.h"
 
 namespace shadowcache {
 
 /// Registers OpenVDB's types. Idempotent and thread-safe.
 void initializeOpenVdb();
-
-inline openvdb::Coord toCoord(const Vec3i& v) {
-    return {v.x, v.y, v.z};
-}
 
 /// Index to world space for voxels of side `spacing` > 0 [world units].
 openvdb::math::Transform::Ptr makeTransform(double spacing);

@@ -2,8 +2,7 @@
 
 // Private to the cache's .cpp files: names types of OpenVDB.
 
-#include <openvdb/openvdb.h>
-
+#include "common/cache/openvdb_grids.h"
 #include "common/cache/volume_grids.h"
 
 namespace shadowcache {

@@ -4,6 +4,16 @@ function(shadowcache_compile_quickly target)
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
+# shadowcache_compile_together(TARGET): its files in batches, each compiled as one: what they include is
+# parsed, and the templates that they use are compiled, once a batch. Names in anonymous namespaces must
+# differ within a batch.
+function(shadowcache_compile_together target)
+    set_target_properties(${target} PROPERTIES
+        UNITY_BUILD ${SHADOWCACHE_UNITY} UNITY_BUILD_BATCH_SIZE 12)
+    # A type of an anonymous namespace stays in its .cpp file, whichever includes that.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
 # Flags that every target of ours shares.
 add_library(shadowcache_options INTERFACE)
 target_compile_features(shadowcache_options INTERFACE cxx_std_20)

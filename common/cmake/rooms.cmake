@@ -1,12 +1,13 @@
 # The rooms of the house: each folder of common/, bake/ and render/ is one library with one purpose, and
 # says which rooms it may include. What these may include, it may include, too.
 
-# shadowcache_room(NAME [COLD] SOURCES file... [MAY_INCLUDE room...] [PACKAGES target...] [HEADERS set])
+# shadowcache_room(NAME [COLD | HOT] SOURCES file... [MAY_INCLUDE room...] [PACKAGES target...])
 # The room in the folder NAME beside the caller becomes the library shadowcache_TOP_NAME. Rooms are named
-# TOP/NAME; PACKAGES are those of Debian that only this room sees. HEADERS is the set of precompiled headers
-# (precompiled.cmake), by default the one of all rooms. COLD: nothing in it takes time when a program runs.
+# TOP/NAME; PACKAGES are those of Debian that only this room sees. COLD: nothing in it
+# takes time when a program runs. HOT: its loops are what takes the time, so that each file is compiled alone, and
+# what the compiler inlines depends on nothing else.
 function(shadowcache_room name)
-    cmake_parse_arguments(room "COLD" "HEADERS" "SOURCES;MAY_INCLUDE;PACKAGES" ${ARGN})
+    cmake_parse_arguments(room "COLD;HOT" "" "SOURCES;MAY_INCLUDE;PACKAGES" ${ARGN})
     cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}"
         OUTPUT_VARIABLE top)
     set(target shadowcache_${top}_${name})
@@ -15,10 +16,10 @@ function(shadowcache_room name)
         add_library(${target} STATIC ${room_SOURCES})
         set(scope PUBLIC)
         target_link_libraries(${target} PRIVATE ${room_PACKAGES})
-        if(NOT room_HEADERS)
-            set(room_HEADERS shadowcache_room_headers)
+        shadowcache_share_headers(${target} shadowcache_room_headers)
+        if(NOT room_HOT)
+            shadowcache_compile_together(${target})
         endif()
-        shadowcache_share_headers(${target} ${room_HEADERS})
         if(room_COLD)
             shadowcache_compile_quickly(${target})
         endif()

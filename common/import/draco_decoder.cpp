@@ -12,8 +12,8 @@ namespace {
 
 /// Triangles and points that a byte may stand for, and those that any stream may have: the header
 /// states what libdraco allocates.
-constexpr double kMostPerByte = 256;
-constexpr double kAlwaysAllowed = 0x1p20;
+constexpr double kMostVerticesPerByte = 256;
+constexpr double kVerticesAlways = 0x1p20;
 
 /// Why a stream is none that glTF may hold, or its counts cannot be: libdraco allocates what its
 /// header states. Nothing if all is well.
@@ -40,7 +40,7 @@ std::string badHeader(std::string_view bytes) {
             ends = byte(at) < 128;
         }
         if (static_cast<double>(count) >
-            kAlwaysAllowed + kMostPerByte * static_cast<double>(bytes.size()))
+            kVerticesAlways + kMostVerticesPerByte * static_cast<double>(bytes.size()))
             return fmt::format("{} triangles or points in {} bytes", count, bytes.size());
     }
     return {};

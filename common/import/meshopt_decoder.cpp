@@ -9,7 +9,7 @@ namespace {
 
 /// Bytes of attributes that one of the stream stands for, at most: two bits say what sixteen bytes
 /// are. Of indices each element or triangle takes a byte.
-constexpr double kMostPerByte = 64;
+constexpr double kMostAttributesPerByte = 64;
 constexpr std::size_t kMostStride = 256;
 /// Elements of 256 bytes in the last block, which is filled up.
 constexpr double kBlock = 65536;
@@ -29,7 +29,8 @@ std::string badView(const MeshoptView& view, std::size_t bytes) {
         return stride + ", expected a multiple of 4 up to 256";
     if (view.mode == "TRIANGLES" && view.count % 3 != 0)
         return fmt::format("count {}, expected a multiple of 3", view.count);
-    const double perByte = isIndices(view) ? 3 * static_cast<double>(view.stride) : kMostPerByte;
+    const double perByte =
+        isIndices(view) ? 3 * static_cast<double>(view.stride) : kMostAttributesPerByte;
     if (static_cast<double>(view.count) * static_cast<double>(view.stride) >
         perByte * static_cast<double>(bytes) + kBlock)
         return fmt::format("{} elements in {} bytes, expected fewer", view.count, bytes);

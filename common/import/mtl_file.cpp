@@ -25,7 +25,7 @@ std::string lowerCase(std::string_view word) {
 }
 
 /// A name for the report: it may be long and hold anything.
-std::string printable(std::string_view word) {
+std::string printableWord(std::string_view word) {
     constexpr std::size_t kMostBytes = 60;
     std::string text;
     for (const char c : word.substr(0, kMostBytes))
@@ -63,7 +63,7 @@ public:
                 continue;
             }
             if (materials_.empty()) {
-                early_.push_back(printable(word) + " (before newmtl)");
+                early_.push_back(printableWord(word) + " (before newmtl)");
                 continue;
             }
             try {
@@ -81,7 +81,7 @@ public:
 private:
     MtlMaterial& material() { return materials_.back(); }
 
-    void leaveOut(std::string_view what) { material().leaveOut(printable(what)); }
+    void leaveOut(std::string_view what) { material().leaveOut(printableWord(what)); }
 
     /// Tr 1 alone is what MeshLab before 2023, openMVS and mvs-texturing write for opaque.
     void finish(MtlMaterial& m) const {

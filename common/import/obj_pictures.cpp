@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Texels that combinations of pictures may have in any set: 256 MB.
-constexpr double kAlwaysAllowed = 0x1p26;
+constexpr double kCombinedAlways = 0x1p26;
 /// And for each texel of the pictures: one is combined with few others.
 constexpr double kMostPerTexel = 8;
 
@@ -47,7 +47,7 @@ int ObjPictures::combined(const std::string& kind, Combine combine, const fs::pa
     if (!isNew) return place->second;
     Texture texture = combine(a, b);
     texelsMade_ += texelsOf(texture);
-    if (texelsMade_ > kAlwaysAllowed + kMostPerTexel * texelsRead_)
+    if (texelsMade_ > kCombinedAlways + kMostPerTexel * texelsRead_)
         throwFileError(set_,
                        fmt::format("combines its pictures so often that they become more than {} "
                                    "texels, expected no more of pictures of this size",

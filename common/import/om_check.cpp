@@ -12,7 +12,7 @@ namespace shadowcache {
 
 namespace {
 
-constexpr std::size_t kHeaderBytes = 16;
+constexpr std::size_t kOmHeaderBytes = 16;
 
 enum Entity { kVertex = 0, kFace = 2, kHalfedge = 6, kEnd = 7 };
 enum Type { kPosition = 0, kNormal = 1, kTexcoord = 2, kColor = 4, kTopology = 7 };
@@ -126,7 +126,7 @@ private:
 
     const std::filesystem::path& path_;
     std::string_view bytes_;
-    std::size_t at_ = kHeaderBytes;
+    std::size_t at_ = kOmHeaderBytes;
     std::array<std::uint32_t, 3> counts_{};  ///< vertices, faces, edges
 };
 
@@ -136,7 +136,7 @@ OmCounts checkOm(const std::filesystem::path& path, std::string_view bytes,
                  std::uint8_t newestVersion) {
     if (!bytes.starts_with("OM"))
         throwFileError(path, "does not start with 'OM', expected an OM file");
-    if (bytes.size() < kHeaderBytes) throwFileError(path, "truncated: ends within the header");
+    if (bytes.size() < kOmHeaderBytes) throwFileError(path, "truncated: ends within the header");
     if (bytes[2] != 'T' && bytes[2] != 'Q' && bytes[2] != 'P') {
         throwFileError(path, fmt::format("OM mesh kind {}, expected T, Q or P", int{bytes[2]}));
     }

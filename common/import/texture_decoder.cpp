@@ -26,7 +26,7 @@ namespace {
 /// texels of one bit.
 constexpr double kMostTexelsPerByte = 8256;
 /// Small pictures may be as empty as they like: 16 MB, of 16 bits 32 MB.
-constexpr double kAlwaysAllowed = 0x1p22;
+constexpr double kTexelsAlways = 0x1p22;
 
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 
@@ -107,7 +107,7 @@ Texture decodeTexture(std::string_view bytes, std::string& cause) {
         return texture;
     }
     const double mostTexels =
-        std::max(kAlwaysAllowed, kMostTexelsPerByte * static_cast<double>(bytes.size()));
+        std::max(kTexelsAlways, kMostTexelsPerByte * static_cast<double>(bytes.size()));
     if (isWebp(bytes)) return decodeWebp(bytes, mostTexels, cause);
     if (!hasSoundChunks(bytes) || (!isPng(bytes) && !hasSoundHuffmanTables(bytes))) {
         cause = "cut short or damaged";

@@ -13,7 +13,7 @@ namespace shadowcache {
 
 namespace {
 
-constexpr std::size_t kTrianglesPerChunk = 1 << 14;
+constexpr std::size_t kSmoothedPerChunk = 1 << 14;
 
 /// Cosine beyond which a mean is the triangle's own normal: a few ulp of float.
 constexpr double kFlat = 1 - 1e-6;
@@ -88,7 +88,7 @@ void smooth(TriangleMesh& mesh, std::size_t first, std::size_t count, double lea
     const Neighbourhood n = neighbourhood(mesh, first, count);
     std::vector<CornerNormals> normals(count);
     std::vector<char> curved(count, 0);
-    parallelFor(count, kTrianglesPerChunk, [&](const Chunk& chunk) {
+    parallelFor(count, kSmoothedPerChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const Vec3i& given = mesh.cornerNormals[first + i];
             if (given.x < 0 || given.y < 0 || given.z < 0)

@@ -1,9 +1,11 @@
 """Writes BUILD/plain/compile_commands.json: the commands of BUILD without precompiled headers, which only the
-compiler that made them can read. So each file is seen with nothing but what it includes.
+compiler that made them can read, and file by file what BUILD compiles in batches. So each file is seen with nothing
+but what it includes.
 
 Usage: plain_commands.py BUILD
 """
 import json
+import re
 import shlex
 import sys
 from pathlib import Path
@@ -22,9 +24,18 @@ def plain(command):
     return found
 
 
+def apart(entry):
+    """An entry for each file of a batch; any other entry as it is."""
+    file = Path(entry["file"])
+    if file.parent.name != "Unity":
+        return [entry]
+    return [{**entry, "file": each, "command": entry["command"].replace(str(file), each)}
+            for each in re.findall(r'^#include "(.*)"$', file.read_text(), re.MULTILINE)]
+
+
 def plain_commands(build):
     """The entries of our own files."""
-    entries = json.loads((build / "compile_commands.json").read_text())
+    entries = [each for entry in json.loads((build / "compile_commands.json").read_text()) for each in apart(entry)]
     return [{**entry, "command": shlex.join(plain(entry["command"]))} for entry in entries
             if entry["file"].startswith(str(SOURCE)) and "/build/" not in entry["file"].removeprefix(str(SOURCE))]
 
