@@ -74,8 +74,12 @@ TEST(SetCases, HaveTheirValues) {
         const TriangleMesh mesh = load(c.file);
         EXPECT_EQ(placedCount(mesh), c.triangles);
         const Box3d box = placedBounds(mesh);
-        if (c.size) EXPECT_NEAR((box.size() - *c.size).length(), 0, 1e-6 * c.size->length());
-        if (c.height) EXPECT_NEAR(mesh.origin.y + box.center().y, *c.height, 1e-6);
+        if (c.size) {
+            EXPECT_NEAR((box.size() - *c.size).length(), 0, 1e-6 * c.size->length());
+        }
+        if (c.height) {
+            EXPECT_NEAR(mesh.origin.y + box.center().y, *c.height, 1e-6);
+        }
         if (c.albedo) {
             const Rgb found = albedoAt(mesh, 0, 0.2f, 0.2f, Rgb(0.5f));
             for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], (*c.albedo)[k], 5e-4f) << found;

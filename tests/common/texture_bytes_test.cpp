@@ -34,7 +34,9 @@ int texels(const std::string& bytes) {
     std::string cause;
     const Texture texture = decodeTexture(bytes, cause);
     EXPECT_EQ(texture.rgba.empty(), !cause.empty());
-    if (!texture.rgba.empty()) EXPECT_NEAR(texture.rgba[0], 128, 1);
+    if (!texture.rgba.empty()) {
+        EXPECT_NEAR(texture.rgba[0], 128, 1);
+    }
     return texture.width * texture.height;
 }
 
