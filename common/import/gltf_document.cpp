@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/base/error.h"
-#include "common/import/gltf_compression.h"
+#include "common/import/gltf_draco.h"
 #include "common/import/gltf_extensions.h"
 #include "common/import/gltf_file.h"
 
@@ -132,7 +132,7 @@ private:
         const std::size_t element = gltfTypeSize(static_cast<int>(type)) * components;
         GltfArray result{{}, type, components, element};
         const int view = from.index("bufferView", file_.viewCount(), "buffer view");
-        if (view < 0) return result;
+        if (view < 0 || count == 0) return result;
         const std::string_view bytes = file_.view(from, view);
         const std::size_t offset = from.count("byteOffset", 0);
         if (const std::size_t stride = file_.stride(view); stride != 0) result.stride = stride;
@@ -157,8 +157,8 @@ private:
     /// What an accessor says of itself.
     GltfAccessor accessorHead(const GltfObject& from) const {
         GltfAccessor to{from.count("count", 0), from.flag("normalized", false), {}, {}};
-        if (to.count == 0) from.fail("no elements, expected at least one");
-        if (!from.has("type")) from.fail("no type, expected SCALAR, VEC3, ...");
+        for (const char* key : {"count", "type"})
+            if (!from.has(key)) from.fail(std::string("no ") + key);
         to.array.type = typeOf(from);
         to.array.components = from.choice("type", kComponents, std::size_t{1});
         to.array.stride = gltfTypeSize(static_cast<int>(to.array.type)) * to.array.components;

@@ -49,10 +49,15 @@ public:
         for (const GltfPrimitive& p : mesh.primitives)
             if (p.mode < kTriangles)
                 ++out_.leftOutOf[{"primitive", "points or lines are left out"}];
-            else if (!p.attributes.contains("POSITION"))
-                ++out_.leftOutOf[{"primitive", "positions are missing, so that it is left out"}];
+            else if (!hasPositions(p))
+                ++out_.leftOutOf[{"primitive", "positions are missing (left out)"}];
             else
                 addPrimitive(GltfVertices(document_, shape, p, place, budget_), group);
+    }
+
+    bool hasPositions(const GltfPrimitive& p) const {
+        const auto positions = p.attributes.find("POSITION");
+        return positions != p.attributes.end() && document_.accessor(positions->second).count > 0;
     }
 
     void startGroups() { out_.firstLocalVertex = out_.vertices.size(); }

@@ -68,6 +68,7 @@ GltfTrack decodeTrack(const GltfDocument& document, const std::string& animation
         track.values.size() != track.times.size() * numbers)
         fail(fmt::format("{} numbers for {} keys, expected {} for each", track.values.size(),
                          track.times.size(), numbers));
+    if (track.times.empty()) fail("no keys, expected at least one");
     const auto finite = [](double x) { return std::isfinite(x); };
     if (!std::all_of(track.values.begin(), track.values.end(), finite) ||
         !std::all_of(track.times.begin(), track.times.end(), finite))

@@ -158,6 +158,12 @@ TEST(GltfPrimitives, WhatIsNotWholeIsNamed) {
     EXPECT_NE(said(file).find("1 primitive whose last corners make no triangle and are left out"),
               std::string::npos)
         << said(file);
+    GltfBuilder empty = square();
+    const int none =
+        empty.append("accessors", {{"componentType", 5126}, {"count", 0}, {"type", "VEC3"}});
+    empty.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", none}}}});
+    empty.json["meshes"][0]["primitives"].push_back({{"attributes", {{"NORMAL", 0}}}});
+    EXPECT_EQ(said(empty), "2 triangles; 2 primitives whose positions are missing (left out)");
     GltfBuilder bare = square();
     bare.append("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 7, 1, 1}}}}});
     bare.json["meshes"][0]["primitives"][0]["material"] = 0;

@@ -42,7 +42,7 @@ const SetCase kCases[] = {
     {"matrix_with_noise.gltf", 2, kSquare, kRed},
     {"chunk_without_bytes.glb", 2, kSquare, kRed},
     {"primitive_without_positions.gltf", 2, kSquare, kRed,
-     "1 primitive whose positions are missing, so that it is left out"},
+     "1 primitive whose positions are missing (left out)"},
     {"png_with_bytes_behind.gltf", 2, kSquare, kBlue},
     {"colors_by_blender.glb", 2, {}, Rgb(0.214f)},
     // OBJ

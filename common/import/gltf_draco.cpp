@@ -1,4 +1,4 @@
-#include "common/import/gltf_compression.h"
+#include "common/import/gltf_draco.h"
 
 #include <fmt/core.h>
 
