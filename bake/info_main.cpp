@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/core/merge_plan.h"
+#include "bake/core/merge_order.h"
 #include "bake/inspect/grid_export.h"
 #include "bake/inspect/info_text.h"
 #include "bake/inspect/report.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bake/core/merge.h"
-#include "bake/core/merge_plan.h"
+#include "bake/core/merge_order.h"
 #include "common/base/atomic_file.h"
 #include "common/base/exit_status.h"
 #include "common/base/interrupt.h"

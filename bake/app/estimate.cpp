@@ -47,16 +47,16 @@ BakeEstimate estimateBake(const Scene& scene, const BakeOptions& options,
         return part == 0 ? 0.0 : static_cast<double>(whole) / static_cast<double>(part);
     };
     const double scale = ratio(sample.ofVoxels, sample.voxels);
-    const double pilotScale = ratio(sample.ofPilots, sample.pilots);
+    const double probeScale = ratio(sample.ofProbes, sample.probes);
     BakeEstimate estimate;
     estimate.sampled = ratio(sample.voxels, sample.ofVoxels);
     estimate.spacing = sample.header.spacing;
     estimate.level = sample.header.level;
     estimate.items = rounded(scale * static_cast<double>(sample.items.size()));
-    estimate.rays = rounded(pilotScale * static_cast<double>(sample.pilotRays) +
+    estimate.rays = rounded(probeScale * static_cast<double>(sample.probeRays) +
                             scale * static_cast<double>(sample.itemRays));
     estimate.seconds =
-        secondsBefore + pilotScale * sample.pilotSeconds + scale * (sample.itemSeconds + writing);
+        secondsBefore + probeScale * sample.probeSeconds + scale * (sample.itemSeconds + writing);
     estimate.bytes = rounded(scale * static_cast<double>(bytes));
     estimate.memoryBytes =
         memory + rounded(kCopies * scale * static_cast<double>(bytesOf(sample.items)));

@@ -34,18 +34,18 @@ std::size_t chunksOf(std::size_t count) {
     return (count + kChunkSize - 1) / kChunkSize;
 }
 
-/// Pilot rays of what is baked and around it: by voxel, in the order of the voxel's patches.
-using Pilots = std::vector<std::vector<Pilot>>;
+/// Probe rays of what is baked and around it: by voxel, in the order of the voxel's patches.
+using Probes = std::vector<std::vector<Probe>>;
 
-std::uint64_t raysOf(const Pilots& pilots) {
+std::uint64_t raysOf(const Probes& probes) {
     std::uint64_t rays = 0;
-    for (const auto& voxel : pilots)
-        for (const Pilot& pilot : voxel) rays += pilot.rays;
+    for (const auto& voxel : probes)
+        for (const Probe& probe : voxel) rays += probe.rays;
     return rays;
 }
 
-/// A bake in progress. An adaptive one takes two passes over the voxels: pilot rays of all patches,
-/// then the items, which get more rays where their own pilots or their neighbours' are mixed. If
+/// A bake in progress. An adaptive one takes two passes over the voxels: probe rays of all patches,
+/// then the items, which get more rays where their own probes or their neighbours' are mixed. If
 /// not everything is baked, a pass before them finds out what is wanted of each voxel.
 class Bake {
 public:
@@ -62,13 +62,13 @@ public:
         chooseWanted();
         const std::size_t count = voxels_.wanted().size();
         Progress progress("bake", std::max<std::size_t>(1, count * (isAdaptive() ? 2 : 1)));
-        Pilots pilots;
-        if (isAdaptive()) pilots = tracePilots(voxels_.withNeighbours(), count, progress);
-        FinishedItems finished = bakeVoxels(voxels_.wanted(), pilots, progress);
-        const std::uint64_t pilotRays = raysOf(pilots);
-        pilots = {};
+        Probes probes;
+        if (isAdaptive()) probes = traceProbes(voxels_.withNeighbours(), count, progress);
+        FinishedItems finished = bakeVoxels(voxels_.wanted(), probes, progress);
+        const std::uint64_t probeRays = raysOf(probes);
+        probes = {};
         Baked baked = finished.joined();
-        baked.rays += pilotRays;
+        baked.rays += probeRays;
         return baked;
     }
 
@@ -79,18 +79,18 @@ public:
         out.ofVoxels = voxels_.wanted().size();
         Progress progress("estimate",
                           std::max<std::size_t>(1, chosen.size() * (isAdaptive() ? 2 : 1)));
-        Pilots pilots;
+        Probes probes;
         const double start = secondsNow();
         if (isAdaptive()) {
             const std::vector<std::size_t> needed = voxels_.withNeighbours(chosen);
-            out.pilots = needed.size();
-            out.ofPilots = voxels_.withNeighbours().size();
-            pilots = tracePilots(needed, chosen.size(), progress);
+            out.probes = needed.size();
+            out.ofProbes = voxels_.withNeighbours().size();
+            probes = traceProbes(needed, chosen.size(), progress);
         }
-        out.pilotRays = raysOf(pilots);
+        out.probeRays = raysOf(probes);
         const double traced = secondsNow();
-        Baked baked = bakeVoxels(chosen, pilots, progress).joined();
-        out.pilotSeconds = traced - start;
+        Baked baked = bakeVoxels(chosen, probes, progress).joined();
+        out.probeSeconds = traced - start;
         out.itemSeconds = secondsNow() - traced;
         out.itemRays = baked.rays;
         out.items = std::move(baked.items);
@@ -131,8 +131,8 @@ private:
         return selection_.everything() ? SideSet().set() : choice_[v].sides;
     }
 
-    /// Whether a wanted patch takes the pilot of one with this normal into account (mixedAround).
-    bool needsPilot(std::size_t v, const Vec3f& normal) const {
+    /// Whether a wanted patch takes the probe of one with this normal into account (mixedAround).
+    bool needsProbe(std::size_t v, const Vec3f& normal) const {
         if (selection_.everything()) return true;
         const auto isNear = [&](std::size_t other) {
             const ChosenSides& chosen = choice_[other];
@@ -161,56 +161,56 @@ private:
     /// First pass.
     ///
     /// @param count  voxels that are baked, as `progress` has them
-    Pilots tracePilots(const std::vector<std::size_t>& needed, std::size_t count,
+    Probes traceProbes(const std::vector<std::size_t>& needed, std::size_t count,
                        Progress& progress) const {
-        Pilots pilots(voxels_.size());
+        Probes probes(voxels_.size());
         parallelFor(needed.size(), kChunkSize, [&](const Chunk& chunk) {
-            Pilots made = region<Pilots>(Checkpoint::Pass::pilots, chunk.index, pilotsFromBytes,
-                                         [&](Pilots& out) {
+            Probes made = region<Probes>(Checkpoint::Pass::probes, chunk.index, probesFromBytes,
+                                         [&](Probes& out) {
                                              for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-                                                 out.push_back(tracePilots(needed[i]));
+                                                 out.push_back(traceProbes(needed[i]));
                                          });
             for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-                pilots[needed[i]] = std::move(made[i - chunk.begin]);
+                probes[needed[i]] = std::move(made[i - chunk.begin]);
             progress.add((chunk.end - chunk.begin) * count / needed.size());
         });
-        return pilots;
+        return probes;
     }
 
-    /// Pilots of a voxel, in the order of its patches.
-    std::vector<Pilot> tracePilots(std::size_t v) const {
+    /// Probes of a voxel, in the order of its patches.
+    std::vector<Probe> traceProbes(std::size_t v) const {
         throwIfInterrupted();
-        if (!selection_.everything() && !choice_[v].outlines.empty()) return outlinedPilots(v);
-        std::vector<Pilot> pilots;
+        if (!selection_.everything() && !choice_[v].outlines.empty()) return outlinedProbes(v);
+        std::vector<Probe> probes;
         for (const Patch& patch : patches(v, SideSet().set()))
-            pilots.push_back(needsPilot(v, patch.normal) ? baker_.tracePilot(patch)
-                                                         : Pilot{patch.normal, patch.meanPosition});
-        return pilots;
+            probes.push_back(needsProbe(v, patch.normal) ? baker_.traceProbe(patch)
+                                                         : Probe{patch.normal, patch.meanPosition});
+        return probes;
     }
 
-    /// The same where the outlines of the patches are known: only those that need pilots are made.
-    std::vector<Pilot> outlinedPilots(std::size_t v) const {
+    /// The same where the outlines of the patches are known: only those that need probes are made.
+    std::vector<Probe> outlinedProbes(std::size_t v) const {
         const std::vector<Outline>& outlines = choice_[v].outlines;
         std::vector<bool> needed;
         SideSet sides;
         for (const Outline& outline : outlines) {
-            needed.push_back(needsPilot(v, outline.normal));
+            needed.push_back(needsProbe(v, outline.normal));
             if (needed.back()) sides.set(static_cast<std::size_t>(outline.side));
         }
         const std::vector<Patch> made = patches(v, sides);
         auto patch = made.begin();
-        std::vector<Pilot> pilots;
+        std::vector<Probe> probes;
         for (std::size_t k = 0; k < outlines.size(); ++k) {
             const bool isMade = sides[static_cast<std::size_t>(outlines[k].side)];
-            pilots.push_back(needed[k] ? baker_.tracePilot(*patch)
-                                       : Pilot{outlines[k].normal, outlines[k].position});
+            probes.push_back(needed[k] ? baker_.traceProbe(*patch)
+                                       : Probe{outlines[k].normal, outlines[k].position});
             if (isMade) ++patch;
         }
-        return pilots;
+        return probes;
     }
 
     /// Second or only pass.
-    FinishedItems bakeVoxels(const std::vector<std::size_t>& numbers, const Pilots& pilots,
+    FinishedItems bakeVoxels(const std::vector<std::size_t>& numbers, const Probes& probes,
                              Progress& progress) const {
         const std::size_t count = numbers.size();
         FinishedItems finished(chunksOf(count), checkpoint_);
@@ -221,7 +221,7 @@ private:
                                            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                                                throwIfInterrupted();
                                                if (isAdaptive())
-                                                   bakeAdaptively(numbers[i], pilots, out);
+                                                   bakeAdaptively(numbers[i], probes, out);
                                                else
                                                    bakeUniformly(numbers[i], out);
                                            }
@@ -236,35 +236,35 @@ private:
             add(baker_.countUniformly(patch), patch, v, out);
     }
 
-    void bakeAdaptively(std::size_t v, const Pilots& pilots, Baked& out) const {
+    void bakeAdaptively(std::size_t v, const Probes& probes, Baked& out) const {
         std::size_t k = 0;
         for (const Patch& patch : patches(v, wantedSides(v))) {
-            while (!isPilotOf(v, k, patch)) ++k;
-            const Pilot& pilot = pilots[v][k++];
-            bakePatch(v, patch, pilot, mixedAround(v, pilot, pilots), out);
+            while (!isProbeOf(v, k, patch)) ++k;
+            const Probe& probe = probes[v][k++];
+            bakePatch(v, patch, probe, mixedAround(v, probe, probes), out);
         }
     }
 
-    /// Whether pilot `k` of a voxel is of the patch's side. Pilots and patches are in the same
+    /// Whether probe `k` of a voxel is of the patch's side. Probes and patches are in the same
     /// order, so the first such one is the patch's.
-    bool isPilotOf(std::size_t v, std::size_t k, const Patch& patch) const {
+    bool isProbeOf(std::size_t v, std::size_t k, const Patch& patch) const {
         return selection_.everything() || choice_[v].outlines[k].side == patch.code.side;
     }
 
     /// Bakes a patch as one item, or its subpatches if they see different amounts of sky.
-    void bakePatch(std::size_t v, const Patch& patch, const Pilot& pilot, const CellSet& mixed,
+    void bakePatch(std::size_t v, const Patch& patch, const Probe& probe, const CellSet& mixed,
                    Baked& out) const {
         const VoxelFrame& frame = voxels_.frame();
         std::vector<Patch> subpatches;
         if (mixed.any())
             subpatches =
                 makeSubpatches(scene_, frame.center(voxels_.voxel(v)), frame.spacing(), patch);
-        const Subdivision subdivision = baker_.tracePilots(std::move(subpatches));
+        const Subdivision subdivision = baker_.traceProbes(std::move(subpatches));
         out.rays += subdivision.rays;
         if (!seeDifferentSky(subdivision, baker_.baseCells()))
-            return add(baker_.refine(patch, pilot, mixed, subdivision), patch, v, out);
+            return add(baker_.refine(patch, probe, mixed, subdivision), patch, v, out);
         for (std::size_t k = 0; k < subdivision.patches.size(); ++k) {
-            const Pilot& own = subdivision.pilots[k];
+            const Probe& own = subdivision.probes[k];
             bakePatch(v, subdivision.patches[k], own, mixed | own.mixed(), out);
         }
     }
@@ -277,24 +277,24 @@ private:
             out.rays += traceHits(scene_, voxels_.frame(), voxel, patch, out.items.hits);
     }
 
-    /// Whether what one item's pilot rays found may show in the other.
+    /// Whether what one item's probe rays found may show in the other.
     static bool isAlike(const Vec3f& normal, const Vec3f& other) {
         return normal.dot(other) >= 0.5f;
     }
 
     /// Base cells in which the item or one next to it on the same side of a surface found both sky
-    /// and occluders: a small opening that this item's pilot rays missed, its neighbours' may have
+    /// and occluders: a small opening that this item's probe rays missed, its neighbours' may have
     /// found. Of several depth layers next to it the nearest to its plane counts.
-    CellSet mixedAround(std::size_t v, const Pilot& pilot, const Pilots& pilots) const {
-        CellSet visible = pilot.visible, occluded = pilot.occluded;
+    CellSet mixedAround(std::size_t v, const Probe& probe, const Probes& probes) const {
+        CellSet visible = probe.visible, occluded = probe.occluded;
         voxels_.visitNeighbours(v, [&](std::size_t other) {
             const Vec3f way(Vec3d(voxels_.voxel(other) - voxels_.voxel(v)));
-            const auto distance = [&](const Pilot& p) {
-                return std::abs(pilot.normal.dot(way + p.position - pilot.position));
+            const auto distance = [&](const Probe& p) {
+                return std::abs(probe.normal.dot(way + p.position - probe.position));
             };
-            for (const Pilot& p : pilots[other]) {
-                if (!isAlike(p.normal, pilot.normal)) continue;
-                if (std::any_of(pilots[other].begin(), pilots[other].end(), [&](const Pilot& q) {
+            for (const Probe& p : probes[other]) {
+                if (!isAlike(p.normal, probe.normal)) continue;
+                if (std::any_of(probes[other].begin(), probes[other].end(), [&](const Probe& q) {
                         return areDepthLayers(p.normal, q.normal) && distance(q) < distance(p);
                     }))
                     continue;

@@ -21,7 +21,7 @@ namespace shadowcache {
 class Checkpoint {
 public:
     /// What a region is of.
-    enum class Pass : std::uint32_t { pilots = 1, items = 2 };
+    enum class Pass : std::uint32_t { probes = 1, items = 2 };
 
     /// @param interval  seconds between two files
     /// @param memory    bytes of finished regions that may stay in memory, beside the file

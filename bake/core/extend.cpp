@@ -2,7 +2,7 @@
 
 #include "bake/core/cache_match.h"
 #include "bake/core/cache_part.h"
-#include "bake/core/merge_plan.h"
+#include "bake/core/merge_order.h"
 
 namespace shadowcache {
 

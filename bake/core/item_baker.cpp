@@ -12,7 +12,7 @@ namespace {
 
 /// Rays into each region of the first refinement that decide whether its base cell is refined.
 SHADOWCACHE_TUNED(int, kTrialShots, 3);
-/// The same where no pilot ray of the item or of its neighbours disagreed.
+/// The same where no probe ray of the item or of its neighbours disagreed.
 constexpr int kUnmixedShots = 1;
 /// The same where some did, but too few rays of the item (kFewRays): a small opening may be there.
 SHADOWCACHE_TUNED(int, kSearchShots, 12);
@@ -29,7 +29,7 @@ SHADOWCACHE_TUNED(double, kLeastGainAgain, 0.28);
 constexpr std::uint32_t kOctet = DirectionTable::kCells;
 
 /// Queues rays into the sixteen cells of `level` that make up `parent`.
-void addBlock(RayCounter& rays, int level, std::uint32_t parent, int count, Count* tallies,
+void addBlock(VisibilityCounter& rays, int level, std::uint32_t parent, int count, Count* tallies,
               OriginPairs* pairs = nullptr) {
     rays.add(level, 2 * parent, 0xff, count, tallies, pairs);
     rays.add(level, 2 * parent + 1, 0xff, count, tallies + kBlockCells / 2, pairs);
@@ -61,12 +61,13 @@ bool isFew(const Count& count) {
 ItemBaker::ItemBaker(const Scene& scene, const BakeOptions& options)
     : scene_(scene), options_(options), tiers_{options.level}, base_(tiers_) {}
 
-RayCounter ItemBaker::raysFrom(const Patch& patch, Step step) const {
+VisibilityCounter ItemBaker::raysFrom(const Patch& patch, Step step) const {
     return {scene_, directions_, patch,
             hashWords(patch.seed, BakeSalt::rays, static_cast<std::uint64_t>(step))};
 }
 
-void ItemBaker::addShots(RayCounter& rays, std::uint32_t cell, int count, Trial& trial) const {
+void ItemBaker::addShots(VisibilityCounter& rays, std::uint32_t cell, int count,
+                         Trial& trial) const {
     addBlock(rays, tiers_.baseLevel() + 2, cell, std::max(0, count), childrenOf(trial.fine, cell),
              &trial.pairs[cell]);
 }
@@ -82,7 +83,8 @@ int ItemBaker::Trial::shots(std::uint32_t cell) const {
     return static_cast<int>(most);
 }
 
-FineCounts ItemBaker::traceFine(const Patch& patch, RayCounter& rays, BlockPairs& pairs) const {
+FineCounts ItemBaker::traceFine(const Patch& patch, VisibilityCounter& rays,
+                                BlockPairs& pairs) const {
     FineCounts fine = noFineCounts();
     pairs.resize(tiers_.baseCells());
     for (const std::uint32_t c : base_.above(patch))
@@ -91,37 +93,38 @@ FineCounts ItemBaker::traceFine(const Patch& patch, RayCounter& rays, BlockPairs
     return fine;
 }
 
-Pilot ItemBaker::pilotOf(const Patch& patch, const FineCounts& fine, const RayCounter& rays) const {
-    Pilot pilot;
-    pilot.normal = patch.normal;
-    pilot.position = patch.meanPosition;
-    pilot.counts.reserve(tiers_.baseCells());
+Probe ItemBaker::probeOf(const Patch& patch, const FineCounts& fine,
+                         const VisibilityCounter& rays) const {
+    Probe probe;
+    probe.normal = patch.normal;
+    probe.position = patch.meanPosition;
+    probe.counts.reserve(tiers_.baseCells());
     for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c) {
         const Count sum = sumOfChildren(fine, c);
-        pilot.counts.push_back(sum);
-        pilot.visible[c] = sum.visible() > 0;
-        pilot.occluded[c] = sum.visible() < sum.rays();
+        probe.counts.push_back(sum);
+        probe.visible[c] = sum.visible() > 0;
+        probe.occluded[c] = sum.visible() < sum.rays();
     }
-    pilot.rays = rays.raysTraced();
-    return pilot;
+    probe.rays = rays.raysTraced();
+    return probe;
 }
 
-Pilot ItemBaker::tracePilot(const Patch& patch) const {
-    RayCounter rays = raysFrom(patch, Step::pilot);
+Probe ItemBaker::traceProbe(const Patch& patch) const {
+    VisibilityCounter rays = raysFrom(patch, Step::probe);
     BlockPairs pairs;
     const FineCounts fine = traceFine(patch, rays, pairs);
-    return pilotOf(patch, fine, rays);
+    return probeOf(patch, fine, rays);
 }
 
-Subdivision ItemBaker::tracePilots(std::vector<Patch> subpatches) const {
+Subdivision ItemBaker::traceProbes(std::vector<Patch> subpatches) const {
     Subdivision subdivision;
     subdivision.patches = std::move(subpatches);
     if (!subdivision.patches.empty()) subdivision.fine = noFineCounts();
     for (const Patch& patch : subdivision.patches) {
-        RayCounter rays = raysFrom(patch, Step::pilot);
+        VisibilityCounter rays = raysFrom(patch, Step::probe);
         const FineCounts fine = traceFine(patch, rays, subdivision.pairs);
         for (std::size_t i = 0; i < fine.size(); ++i) subdivision.fine[i] += fine[i];
-        subdivision.pilots.push_back(pilotOf(patch, fine, rays));
+        subdivision.probes.push_back(probeOf(patch, fine, rays));
         subdivision.rays += rays.raysTraced();
     }
     return subdivision;
@@ -129,7 +132,8 @@ Subdivision ItemBaker::tracePilots(std::vector<Patch> subpatches) const {
 
 /// The first rays into the cells of the first refinement; those of subpatches of one size are some.
 ItemBaker::Trial ItemBaker::traceTrial(const Patch& patch, const CellSet& mixed,
-                                       const Subdivision& subdivision, RayCounter& rays) const {
+                                       const Subdivision& subdivision,
+                                       VisibilityCounter& rays) const {
     Trial trial{noFineCounts(), BlockPairs(tiers_.baseCells())};
     int sofar = 0;
     if (areAlikeInSize(subdivision.patches)) {
@@ -143,12 +147,12 @@ ItemBaker::Trial ItemBaker::traceTrial(const Patch& patch, const CellSet& mixed,
 }
 
 /// Adds rays where few disagree, and refines base cells where directions explain enough.
-ItemBaker::Refined ItemBaker::refineBase(const Patch& patch, const Pilot& pilot,
+ItemBaker::Refined ItemBaker::refineBase(const Patch& patch, const Probe& probe,
                                          const CellSet& mixed, Trial trial,
-                                         RayCounter& rays) const {
+                                         VisibilityCounter& rays) const {
     const std::vector<std::uint32_t> cells = base_.above(patch);
     const auto countOf = [&](std::uint32_t c) {
-        Count sum = pilot.counts[c];
+        Count sum = probe.counts[c];
         sum += sumOfChildren(trial.fine, c);
         return sum;
     };
@@ -193,7 +197,7 @@ std::vector<std::uint32_t> ItemBaker::cellsToRefine(const Refined& first) const 
 
 /// Traces `count` rays into each of the sixteen finest cells in each of `cells`.
 std::vector<ItemCounts::Block> ItemBaker::traceFinest(const std::vector<std::uint32_t>& cells,
-                                                      int count, RayCounter& rays) const {
+                                                      int count, VisibilityCounter& rays) const {
     std::vector<ItemCounts::Block> blocks;
     blocks.reserve(cells.size());
     for (const std::uint32_t cell : cells) blocks.push_back({tiers_.blockKey(1, cell), {}});
@@ -207,7 +211,7 @@ std::vector<ItemCounts::Block> ItemBaker::traceFinest(const std::vector<std::uin
 /// Adds the first refinement to the counts of the base cells, and lists the blocks of both.
 ItemCounts ItemBaker::countsOf(std::vector<Count> base, const Refined& first,
                                const std::vector<ItemCounts::Block>& second,
-                               const RayCounter& rays) const {
+                               const VisibilityCounter& rays) const {
     ItemCounts counts{std::move(base), {}, rays.raysTraced()};
     for (std::uint32_t c = 0; c < tiers_.baseCells(); ++c)
         counts.base[c] += sumOfChildren(first.fine, c);
@@ -222,21 +226,21 @@ ItemCounts ItemBaker::countsOf(std::vector<Count> base, const Refined& first,
     return counts;
 }
 
-ItemCounts ItemBaker::refine(const Patch& patch, const Pilot& pilot, const CellSet& mixed,
+ItemCounts ItemBaker::refine(const Patch& patch, const Probe& probe, const CellSet& mixed,
                              const Subdivision& subdivision) const {
-    if (mixed.none()) return {pilot.counts, {}, 0};
-    RayCounter rays = raysFrom(patch, Step::counts);
+    if (mixed.none()) return {probe.counts, {}, 0};
+    VisibilityCounter rays = raysFrom(patch, Step::counts);
     const Refined first =
-        refineBase(patch, pilot, mixed, traceTrial(patch, mixed, subdivision, rays), rays);
+        refineBase(patch, probe, mixed, traceTrial(patch, mixed, subdivision, rays), rays);
     std::vector<ItemCounts::Block> second;
     // Neighbouring items are pooled, so that the finest regions need fewer rays of each.
     if (tiers_.refinements() > 1)
         second = traceFinest(cellsToRefine(first), std::max(1, options_.rays / 4), rays);
-    return countsOf(pilot.counts, first, second, rays);
+    return countsOf(probe.counts, first, second, rays);
 }
 
 ItemCounts ItemBaker::countUniformly(const Patch& patch) const {
-    RayCounter rays = raysFrom(patch, Step::counts);
+    VisibilityCounter rays = raysFrom(patch, Step::counts);
     const std::vector<std::uint32_t> cells = base_.above(patch);
     // Rays are counted by whole octets.
     const std::size_t octets = (tiers_.baseCells() + kOctet - 1) / kOctet;

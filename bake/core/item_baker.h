@@ -8,7 +8,7 @@
 namespace shadowcache {
 
 /// Traces the rays of items. Each step is a function of the values of the steps before it
-/// (item_counts.h): pilot rays, pilot rays of subpatches, counts. Thread-safe.
+/// (item_counts.h): probe rays, probe rays of subpatches, counts. Thread-safe.
 class ItemBaker {
 public:
     /// Keeps references to `scene` and `options`.
@@ -16,17 +16,17 @@ public:
 
     const BaseCells& baseCells() const { return base_; }
 
-    /// Pilot rays of a patch. Needs a level of at least 2.
-    Pilot tracePilot(const Patch& patch) const;
+    /// Probe rays of a patch. Needs a level of at least 2.
+    Probe traceProbe(const Patch& patch) const;
 
-    /// Pilot rays of the subpatches of a patch.
-    Subdivision tracePilots(std::vector<Patch> subpatches) const;
+    /// Probe rays of the subpatches of a patch.
+    Subdivision traceProbes(std::vector<Patch> subpatches) const;
 
     /// Counts of a patch that is not subdivided. Base cells are refined where directions explain
     /// the variance of their rays (variance_analysis.h). Those in `mixed` get more rays that decide
-    /// about it; if there is none, the pilot's counts are all. The pilot rays of the subpatches
+    /// about it; if there is none, the probe's counts are all. The probe rays of the subpatches
     /// count as well if the subpatches have about the same area.
-    ItemCounts refine(const Patch& patch, const Pilot& pilot, const CellSet& mixed,
+    ItemCounts refine(const Patch& patch, const Probe& probe, const CellSet& mixed,
                       const Subdivision& subdivision) const;
 
     /// Counts of a patch with the same number of rays in every region of the finest level.
@@ -50,21 +50,22 @@ private:
     };
 
     /// Steps whose rays are drawn independently.
-    enum class Step : std::uint64_t { pilot = 1, counts = 2 };
+    enum class Step : std::uint64_t { probe = 1, counts = 2 };
 
-    RayCounter raysFrom(const Patch& patch, Step step) const;
-    FineCounts traceFine(const Patch& patch, RayCounter& rays, BlockPairs& pairs) const;
-    Pilot pilotOf(const Patch& patch, const FineCounts& fine, const RayCounter& rays) const;
-    void addShots(RayCounter& rays, std::uint32_t cell, int count, Trial& trial) const;
+    VisibilityCounter raysFrom(const Patch& patch, Step step) const;
+    FineCounts traceFine(const Patch& patch, VisibilityCounter& rays, BlockPairs& pairs) const;
+    Probe probeOf(const Patch& patch, const FineCounts& fine, const VisibilityCounter& rays) const;
+    void addShots(VisibilityCounter& rays, std::uint32_t cell, int count, Trial& trial) const;
     Trial traceTrial(const Patch& patch, const CellSet& mixed, const Subdivision& subdivision,
-                     RayCounter& rays) const;
-    Refined refineBase(const Patch& patch, const Pilot& pilot, const CellSet& mixed, Trial trial,
-                       RayCounter& rays) const;
+                     VisibilityCounter& rays) const;
+    Refined refineBase(const Patch& patch, const Probe& probe, const CellSet& mixed, Trial trial,
+                       VisibilityCounter& rays) const;
     std::vector<std::uint32_t> cellsToRefine(const Refined& first) const;
     std::vector<ItemCounts::Block> traceFinest(const std::vector<std::uint32_t>& cells, int count,
-                                               RayCounter& rays) const;
+                                               VisibilityCounter& rays) const;
     ItemCounts countsOf(std::vector<Count> base, const Refined& first,
-                        const std::vector<ItemCounts::Block>& second, const RayCounter& rays) const;
+                        const std::vector<ItemCounts::Block>& second,
+                        const VisibilityCounter& rays) const;
     FineCounts noFineCounts() const {
         return FineCounts(std::size_t{tiers_.baseCells()} * kBlockCells);
     }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bake/core/patch.h"
-#include "bake/core/ray_counter.h"
+#include "bake/core/visibility_counter.h"
 #include "common/cache/cache_items.h"
 
 namespace shadowcache {
@@ -20,8 +20,8 @@ using FineCounts = std::vector<Count>;
 /// Pairs of rays of the first refinement that share an origin, by base cell.
 using BlockPairs = std::vector<OriginPairs>;
 
-/// Step 1 of an item: one pilot ray into every cell of the first refinement, by base cell.
-struct Pilot {
+/// Step 1 of an item: one probe ray into every cell of the first refinement, by base cell.
+struct Probe {
     Vec3f normal;
     Vec3f position;               ///< of the patch, as Patch::meanPosition
     CellSet visible{};            ///< a ray reached the sky
@@ -32,11 +32,11 @@ struct Pilot {
     CellSet mixed() const { return visible & occluded; }
 };
 
-/// Step 2: the subpatches of a patch, with pilot rays of their own.
+/// Step 2: the subpatches of a patch, with probe rays of their own.
 struct Subdivision {
     std::vector<Patch> patches;  ///< as makeSubpatches makes them
-    std::vector<Pilot> pilots;   ///< of each
-    FineCounts fine;             ///< the pilot rays of all of them
+    std::vector<Probe> probes;   ///< of each
+    FineCounts fine;             ///< the probe rays of all of them
     BlockPairs pairs;            ///< of them
     std::uint64_t rays = 0;      ///< traced
 };

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bake/core/cache_part.h"
-#include "bake/core/merge_plan.h"
+#include "bake/core/merge_order.h"
 #include "common/base/progress.h"
 
 namespace shadowcache {
@@ -55,7 +55,7 @@ private:
 }  // namespace
 
 CacheItems mergeCaches(std::span<const std::filesystem::path> paths, CacheHeader& header) {
-    const MergeOrder order = planMerge(paths);
+    const MergeOrder order = orderMerge(paths);
     Progress progress("merge", paths.size());
     Runs all, shots, shards;
     for (const auto& ofSeeds : order) {

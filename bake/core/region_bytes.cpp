@@ -43,39 +43,39 @@ Baked bakedFromBytes(std::string_view bytes) {
     return baked;
 }
 
-std::string toBytes(const std::vector<std::vector<Pilot>>& pilots) {
+std::string toBytes(const std::vector<std::vector<Probe>>& probes) {
     ByteWriter out;
-    out.put(std::uint64_t{pilots.size()});
-    for (const auto& voxel : pilots) {
+    out.put(std::uint64_t{probes.size()});
+    for (const auto& voxel : probes) {
         out.put(std::uint64_t{voxel.size()});
-        for (const Pilot& pilot : voxel) {
-            out.put(pilot.normal);
-            out.put(pilot.position);
-            out.put(pilot.visible);
-            out.put(pilot.occluded);
-            out.put(pilot.counts);
-            out.put(pilot.rays);
+        for (const Probe& probe : voxel) {
+            out.put(probe.normal);
+            out.put(probe.position);
+            out.put(probe.visible);
+            out.put(probe.occluded);
+            out.put(probe.counts);
+            out.put(probe.rays);
         }
     }
     return out.take();
 }
 
-std::vector<std::vector<Pilot>> pilotsFromBytes(std::string_view bytes) {
+std::vector<std::vector<Probe>> probesFromBytes(std::string_view bytes) {
     ByteReader in(bytes);
-    std::vector<std::vector<Pilot>> pilots;
+    std::vector<std::vector<Probe>> probes;
     for (auto voxels = in.get<std::uint64_t>(); voxels > 0; --voxels) {
-        auto& voxel = pilots.emplace_back();
+        auto& voxel = probes.emplace_back();
         for (auto count = in.get<std::uint64_t>(); count > 0; --count) {
-            Pilot& pilot = voxel.emplace_back();
-            pilot.normal = in.get<Vec3f>();
-            pilot.position = in.get<Vec3f>();
-            pilot.visible = in.get<CellSet>();
-            pilot.occluded = in.get<CellSet>();
-            pilot.counts = in.getVector<Count>();
-            pilot.rays = in.get<std::uint64_t>();
+            Probe& probe = voxel.emplace_back();
+            probe.normal = in.get<Vec3f>();
+            probe.position = in.get<Vec3f>();
+            probe.visible = in.get<CellSet>();
+            probe.occluded = in.get<CellSet>();
+            probe.counts = in.getVector<Count>();
+            probe.rays = in.get<std::uint64_t>();
         }
     }
-    return pilots;
+    return probes;
 }
 
 }  // namespace shadowcache

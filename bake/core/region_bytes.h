@@ -22,9 +22,9 @@ std::string toBytes(const Baked& baked);
 /// @throws Error if the bytes are cut short
 Baked bakedFromBytes(std::string_view bytes);
 
-/// Pilots of some voxels, by voxel.
-std::string toBytes(const std::vector<std::vector<Pilot>>& pilots);
+/// Probes of some voxels, by voxel.
+std::string toBytes(const std::vector<std::vector<Probe>>& probes);
 /// @throws Error if the bytes are cut short
-std::vector<std::vector<Pilot>> pilotsFromBytes(std::string_view bytes);
+std::vector<std::vector<Probe>> probesFromBytes(std::string_view bytes);
 
 }  // namespace shadowcache

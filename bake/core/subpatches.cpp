@@ -24,20 +24,20 @@ constexpr float kAlike = 0.7f;
 
 bool seeDifferentSky(const Subdivision& subdivision, const BaseCells& base) {
     const std::vector<Patch>& subpatches = subdivision.patches;
-    const std::vector<Pilot>& pilots = subdivision.pilots;
-    if (pilots.size() < 2) return false;
+    const std::vector<Probe>& probes = subdivision.probes;
+    if (probes.size() < 2) return false;
     Vec3f normal(0, 0, 0);
-    for (const Pilot& q : pilots) normal += q.normal;
+    for (const Probe& q : probes) normal += q.normal;
     normal.normalize();
     // Irradiance under a constant sky, which stands for any environment.
-    std::vector<float> light(pilots.size(), 0);
+    std::vector<float> light(probes.size(), 0);
     float all = 0, rays = 0;
     for (std::size_t c = 0; c < base.axis.size(); ++c) {
         const float cosine = normal.dot(base.axis[c]);
-        const auto counted = [c](const Pilot& q) { return q.counts[c].rays() > 0; };
-        if (cosine <= 0 || !std::all_of(pilots.begin(), pilots.end(), counted)) continue;
-        for (std::size_t k = 0; k < pilots.size(); ++k) {
-            const Count& count = pilots[k].counts[c];
+        const auto counted = [c](const Probe& q) { return q.counts[c].rays() > 0; };
+        if (cosine <= 0 || !std::all_of(probes.begin(), probes.end(), counted)) continue;
+        for (std::size_t k = 0; k < probes.size(); ++k) {
+            const Count& count = probes[k].counts[c];
             light[k] +=
                 cosine * static_cast<float>(count.visible()) / static_cast<float>(count.rays());
             rays += static_cast<float>(count.rays());
@@ -45,7 +45,7 @@ bool seeDifferentSky(const Subdivision& subdivision, const BaseCells& base) {
         all += cosine;
     }
     float mean = 0, area = 0;
-    for (std::size_t k = 0; k < pilots.size(); ++k) {
+    for (std::size_t k = 0; k < probes.size(); ++k) {
         mean += light[k] * subpatches[k].area;
         area += subpatches[k].area;
     }

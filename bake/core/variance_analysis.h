@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <span>
 
-#include "bake/core/ray_counter.h"
+#include "bake/core/visibility_counter.h"
 
 namespace shadowcache {
 
 /// Two-way analysis of variance of the rays into some cells: what the direction explains of their
 /// visibility, and what the origin. Rays that share an origin are those of one shot
-/// (RayCounter::add).
+/// (VisibilityCounter::add).
 struct VarianceAnalysis {
     double mean = 0;        ///< visible share of the rays, a
     double directions = 0;  ///< variance between the cells, of a (1 - a) in all; may be negative

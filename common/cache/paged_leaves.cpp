@@ -52,7 +52,7 @@ PagedLeaves::PagedLeaves(const std::filesystem::path& path, const CacheHeader& h
     for (const LeafPlace& leaf : blockLeaves_) blocks_ += leaf.points;
     const std::uint64_t overhead = leaves_.capacity() * sizeof(Leaf) +
                                    blockLeaves_.capacity() * sizeof(LeafPlace) + index_.memUsage();
-    pages_ = std::make_unique<CachePages>(std::move(file), std::move(pages), budget, overhead);
+    pages_ = std::make_unique<BudgetedPages>(std::move(file), std::move(pages), budget, overhead);
 }
 
 std::size_t PagedLeaves::leafWith(std::uint64_t item) const {

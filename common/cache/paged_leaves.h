@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "common/cache/cache_pages.h"
+#include "common/cache/budgeted_pages.h"
 #include "common/cache/leaf_view.h"
 #include "common/cache/point_layout.h"
 
@@ -79,7 +79,7 @@ private:
     PointLayout blockLeaves_;
     openvdb::Int32Tree index_{-1};  ///< by leaf, in leaf_; -1: none
     std::size_t items_ = 0, blocks_ = 0;
-    std::unique_ptr<CachePages> pages_;
+    std::unique_ptr<BudgetedPages> pages_;
 };
 
 }  // namespace shadowcache

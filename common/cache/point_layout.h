@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "common/cache/cache_pages.h"
+#include "common/cache/budgeted_pages.h"
 #include "common/cache/cache_schema.h"
 
 namespace shadowcache {

@@ -154,7 +154,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Estimator> makeCache(const EstimatorContext& context, const CacheOptions& options) {
+std::unique_ptr<Estimator> makeCacheEstimator(const EstimatorContext& context,
+                                              const CacheOptions& options) {
     return std::make_unique<CacheEstimator>(context, options);
 }
 

@@ -9,6 +9,7 @@ struct CacheOptions {
 };
 
 /// The cache as a control variate. [docs/estimator.md]
-std::unique_ptr<Estimator> makeCache(const EstimatorContext& context, const CacheOptions& options);
+std::unique_ptr<Estimator> makeCacheEstimator(const EstimatorContext& context,
+                                              const CacheOptions& options);
 
 }  // namespace shadowcache

@@ -22,9 +22,9 @@ constexpr std::size_t kTiles = 128;
 /// One sample in how many is in proportion to the cosine.
 constexpr std::uint32_t kCosinePeriod = 4;
 /// Share of the tiles' samples drawn by the light and the cosine only.
-constexpr float kDefensiveShare = 0.2f;
+constexpr float kDomeDefensiveShare = 0.2f;
 /// The pilot's rays at a place, and their share in the frame's samples.
-constexpr std::size_t kPilotRays = RayPacket::kSize;
+constexpr std::size_t kRaysOfPlace = RayPacket::kSize;
 constexpr double kPilotShare = 0.06;
 constexpr std::size_t kMostPlaces = 1 << 18;
 
@@ -83,7 +83,7 @@ struct DomeWorkspace final : Workspace {
 struct DomePlan final : EstimatorPlan {
     DomePlan(std::span<const ShadingPoint> points, std::span<const TileRay> traced,
              std::span<const std::uint8_t> counts, std::size_t tiles)
-        : cells(points, traced, counts, kPilotRays, tiles) {
+        : cells(points, traced, counts, kRaysOfPlace, tiles) {
         for (const std::uint8_t count : counts) rays += count;
     }
 
@@ -97,7 +97,7 @@ public:
         : context_(context), tiles_(tiles) {}
 
     std::size_t places(std::uint64_t samples) const override {
-        const double wanted = kPilotShare * static_cast<double>(samples) / kPilotRays;
+        const double wanted = kPilotShare * static_cast<double>(samples) / kRaysOfPlace;
         return static_cast<std::size_t>(std::clamp(wanted,
                                                    static_cast<double>(FramePilot::places(samples)),
                                                    static_cast<double>(kMostPlaces)));
@@ -105,12 +105,12 @@ public:
 
     std::unique_ptr<const EstimatorPlan> plan(std::span<const ShadingPoint> points, int,
                                               double) const override {
-        std::vector<TileRay> rays(points.size() * kPilotRays);
+        std::vector<TileRay> rays(points.size() * kRaysOfPlace);
         std::vector<std::uint8_t> counts(points.size(), 0);
         parallelFor(points.size(), 64, [&](const Chunk& chunk) {
             DomeWorkspace w;
             for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-                counts[i] = trace(points[i], w, &rays[i * kPilotRays]);
+                counts[i] = trace(points[i], w, &rays[i * kRaysOfPlace]);
         });
         return std::make_unique<DomePlan>(points, rays, counts, tiles_.size());
     }
@@ -127,10 +127,10 @@ private:
             w.cosines[t] *= std::sqrt(tiles_.light()[t]);
         if (!w.choice.set(w.cosines)) return 0;
         std::uint8_t count = 0;
-        for (std::size_t j = 0; j < kPilotRays; ++j) {
+        for (std::size_t j = 0; j < kRaysOfPlace; ++j) {
             double u = (static_cast<double>(j) +
                         toUnit(hashWords(point.slot.seed, RenderSalt::domePilotTile, j))) /
-                       kPilotRays;
+                       kRaysOfPlace;
             const std::size_t tile = w.choice.choose(u);
             const std::uint64_t h = hashWords(point.slot.seed, RenderSalt::domePilotTexel, j);
             const Vec3f direction =
@@ -219,8 +219,8 @@ private:
         for (std::size_t t = 0; t < count; ++t) learned[t] = plain[t] * std::sqrt(visibility[t]);
         const float learnedSum = sumOf(w.weights);
         if (!(learnedSum > 0)) return w.choice.set(w.cosines);
-        const float plainFactor = kDefensiveShare / sumOf(w.cosines);
-        const float learnedFactor = (1 - kDefensiveShare) / learnedSum;
+        const float plainFactor = kDomeDefensiveShare / sumOf(w.cosines);
+        const float learnedFactor = (1 - kDomeDefensiveShare) / learnedSum;
         for (std::size_t t = 0; t < count; ++t)
             learned[t] = learned[t] * learnedFactor + plain[t] * plainFactor;
         return w.choice.set(w.weights);

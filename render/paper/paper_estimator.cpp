@@ -36,8 +36,8 @@ std::uint64_t firstCell(const MapTriangle& t) {
 Paper::Paper(const EstimatorContext& context, const PaperOptions& options, bool tables)
     : PointEstimator(context),
       options_(options),
-      triangles_(
-          triangulate(context.environment, options.triangles, options.minLevel, options.maxLevel)) {
+      triangles_(triangulateMap(context.environment, options.triangles, options.minLevel,
+                                options.maxLevel)) {
     if (tables) table_.emplace(context.environment, triangles_);
 }
 

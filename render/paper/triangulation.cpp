@@ -116,8 +116,8 @@ MapTriangle makeTriangle(const Environment& environment, int level, std::uint32_
 
 }  // namespace
 
-std::vector<MapTriangle> triangulate(const Environment& environment, int count, int minLevel,
-                                     int maxLevel) {
+std::vector<MapTriangle> triangulateMap(const Environment& environment, int count, int minLevel,
+                                        int maxLevel) {
     while (minLevel > 0 && cellCount(minLevel) > static_cast<std::uint32_t>(count)) --minLevel;
     const auto levels = sumLevels(environment, maxLevel);
     struct Entry {

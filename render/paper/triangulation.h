@@ -24,7 +24,7 @@ struct MapTriangle {
 /// Splits the icosahedron to `minLevel`, then, always the triangle over which the luminance varies
 /// most, until there are `count` (>= 20) triangles or none below `maxLevel` (0 .. 7); starts
 /// coarser where `count` is less than minLevel has. [paper 4.4]
-std::vector<MapTriangle> triangulate(const Environment& environment, int count, int minLevel,
-                                     int maxLevel);
+std::vector<MapTriangle> triangulateMap(const Environment& environment, int count, int minLevel,
+                                        int maxLevel);
 
 }  // namespace shadowcache

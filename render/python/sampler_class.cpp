@@ -90,7 +90,7 @@ py::dict lookUpAt(const SamplerObject& sampler, const py::object& points, const 
         [&] {
             const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
             std::vector<LightSample> along(places.size());
-            lookAlong(*kept.sampler, places, aim, vectorsIn(all.arrays[2]), along);
+            readAlong(*kept.sampler, places, aim, vectorsIn(all.arrays[2]), along);
             return along;
         },
         threads);

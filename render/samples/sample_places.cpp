@@ -44,7 +44,7 @@ void samplePlaces(const LightSampler& sampler, const Places& places, SampleAim a
     });
 }
 
-void lookAlong(const LightSampler& sampler, const Places& places, SampleAim aim,
+void readAlong(const LightSampler& sampler, const Places& places, SampleAim aim,
                std::span<const Vec3d> directions, std::span<LightSample> out) {
     std::ranges::fill(out, LightSample{.pdf = std::numeric_limits<double>::quiet_NaN()});
     parallelFor(places.size(), kChunk, [&](const Chunk& chunk) {

@@ -26,7 +26,7 @@ void samplePlaces(const LightSampler& sampler, const Places& places, SampleAim a
 /// @param directions  as many; of any length
 /// @param out         as many; pdf NaN where place or direction is not finite or 0
 /// @throws Error naming the cache's file if that cannot be read any more
-void lookAlong(const LightSampler& sampler, const Places& places, SampleAim aim,
+void readAlong(const LightSampler& sampler, const Places& places, SampleAim aim,
                std::span<const Vec3d> directions, std::span<LightSample> out);
 
 }  // namespace shadowcache

@@ -30,7 +30,7 @@ constexpr EstimatorEntry kEstimators[] = {
     {"paper", "piecewise-constant importance over a triangulated map, times cached visibility", 1,
      false, with<makePaper, &EstimatorOptions::paper>},
     {"cache", "cached visibility as a control variate (needs --cache; the default with one)", 0,
-     true, with<makeCache, &EstimatorOptions::cache>},
+     true, with<makeCacheEstimator, &EstimatorOptions::cache>},
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "bake/core/cache_part.h"
 #include "bake/core/merge.h"
-#include "bake/core/merge_plan.h"
+#include "bake/core/merge_order.h"
 #include "tests/support/small_bake.h"
 #include "tests/support/temporary_folder.h"
 

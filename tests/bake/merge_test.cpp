@@ -39,7 +39,7 @@ TEST(Merge, OfSpatialShardsIsTheOneBakeByteForByte) {
         rays += part.rays;
     }
     EXPECT_EQ(items, whole.items.size());
-    // Neighbours of other shards get pilot rays from both.
+    // Neighbours of other shards get probe rays from both.
     EXPECT_GE(rays, whole.rays);
     EXPECT_LT(rays, 2 * whole.rays);
     for (int turn = 0; turn < 3; ++turn) {

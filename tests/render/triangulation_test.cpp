@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Counts, Triangulation,
 TEST_P(Triangulation, CoversTheSphereOnceWithAllTheLight) {
     const Wish wish = GetParam();
     const Environment environment = test::environmentOf(test::noiseMap(256, 128, 4));
-    const auto triangles = triangulate(environment, wish.count, wish.minLevel, wish.maxLevel);
+    const auto triangles = triangulateMap(environment, wish.count, wish.minLevel, wish.maxLevel);
     const auto count = static_cast<std::uint32_t>(triangles.size());
     // Splitting one adds three; no more than there are at the highest level.
     const auto most = std::min(static_cast<std::uint32_t>(wish.count), cellCount(wish.maxLevel));

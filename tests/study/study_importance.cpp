@@ -125,7 +125,7 @@ int main(int argc, char** argv) try {
     const RadianceImage map = readRadiance(argv[1]);
     const Environment environment(map.image, 0, map.luminanceWeights);
     const auto start = std::clock();
-    const auto triangles = triangulate(environment, std::atoi(argv[2]), 3, kMaxLevel);
+    const auto triangles = triangulateMap(environment, std::atoi(argv[2]), 3, kMaxLevel);
     JsonFile json;
     json.set("triangulation.seconds", secondsSince(start));
     json.set("triangulation.triangles", std::uint64_t{triangles.size()});

@@ -92,7 +92,7 @@ int main(int argc, char** argv) try {
     if (argc != 6) throw Error("wanted MAP DEGREES TRIANGLES WIDTH HEIGHT");
     const RadianceImage map = readRadiance(argv[1]);
     const Environment environment(map.image, std::atof(argv[2]), map.luminanceWeights);
-    const auto triangles = triangulate(environment, std::atoi(argv[3]), 3, kMaxLevel);
+    const auto triangles = triangulateMap(environment, std::atoi(argv[3]), 3, kMaxLevel);
     const Rectangles grid{std::strtoul(argv[4], nullptr, 10), std::strtoul(argv[5], nullptr, 10)};
     JsonFile json;
     json.set("triangles", noiseOf(environment, triangles.size(), Triangles(triangles)));
