@@ -19,8 +19,6 @@ namespace {
 /// Blosc itself wants 16.
 constexpr std::size_t kBloscRoom = 128;
 
-constexpr std::size_t kVoxelEndBytes = kLeafVoxels * sizeof(std::uint32_t);
-
 /// Unpacks to the first `size` bytes of `out`, which has kBloscRoom more.
 void unpackBlosc(std::span<const std::byte> packed, std::byte* out, std::size_t size) {
     // Blosc believes its 16 bytes of header, whose last four are the packed length.
