@@ -9,7 +9,7 @@ namespace shadowcache {
 
 /// What a bake takes, predicted from a sample of its voxels.
 struct BakeEstimate {
-    double sampled = 0;  ///< share of the voxels that was baked for it
+    double sampled = 0;  ///< share of the voxels that the sample has
     double spacing = 0;
     int level = 0;
     std::uint64_t items = 0;
@@ -21,7 +21,7 @@ struct BakeEstimate {
 
 /// Bakes a sample and writes it to the temporary folder for its size.
 ///
-/// @param secondsBefore  that the run takes to load and select what is to be baked
+/// @param secondsBefore  time that the run takes to load the set and select voxels
 /// @throws Error
 BakeEstimate estimateBake(const Scene& scene, const BakeOptions& options,
                           const VoxelSelection& selection, double secondsBefore);

@@ -8,8 +8,8 @@
 
 namespace shadowcache {
 
-/// What the content of a file that a bake leaves depends on: the set's content, options, the
-/// program's version, by name.
+/// All that a file written by a bake depends on, by name: the content of the set, options, the
+/// version of the program.
 using BakeIdentity = std::vector<std::pair<std::string, std::string>>;
 
 /// What differs between two identities, in words; empty where nothing does.

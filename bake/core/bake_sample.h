@@ -11,12 +11,12 @@ namespace shadowcache {
 struct BakeSample {
     CacheHeader header;
     CacheItems items;
-    std::size_t voxels = 0;    ///< baked
-    std::size_t ofVoxels = 0;  ///< that the whole bake bakes
-    std::size_t probes = 0;  ///< voxels whose probe rays were traced: those, and those around them
-    std::size_t ofProbes = 0;  ///< whose probe rays the whole bake traces; 0: it needs none
+    std::size_t voxels = 0;    ///< of the sample
+    std::size_t ofVoxels = 0;  ///< of the whole bake
+    std::size_t probes = 0;    ///< voxels with probe rays: the sample and the voxels around it
+    std::size_t ofProbes = 0;  ///< the same of the whole bake; 0: it needs none
     std::uint64_t probeRays = 0, itemRays = 0;
-    double probeSeconds = 0, itemSeconds = 0;  ///< of all threads together, as a clock has them
+    double probeSeconds = 0, itemSeconds = 0;  ///< wall-clock time, summed over the threads
 };
 
 }  // namespace shadowcache

@@ -8,13 +8,13 @@
 
 namespace shadowcache {
 
-/// Sides of voxels that items are of.
+/// The sides of voxels that have items.
 std::uint64_t countSides(const CacheItems& items);
 
-/// Shots of both parts of a set. Its sides are yet to be counted.
+/// The part with the shots of both parts. Its sides are not counted yet.
 CachePart joinParts(const CachePart& a, const CachePart& b);
 
-/// The part with its sides counted in `items`; none if it is everything.
+/// The part with the number of sides that `items` has; none if it is the whole set.
 std::optional<CachePart> countPart(CachePart part, const CacheItems& items);
 
 }  // namespace shadowcache

@@ -20,7 +20,7 @@ namespace shadowcache {
 /// Thread-safe.
 class Checkpoint {
 public:
-    /// What a region is of.
+    /// Which results a region holds.
     enum class Pass : std::uint32_t { probes = 1, items = 2 };
 
     /// @param interval  seconds between two files
@@ -29,27 +29,27 @@ public:
     Checkpoint(const std::filesystem::path& output, BakeIdentity identity, double interval,
                std::uint64_t memory = std::numeric_limits<std::uint64_t>::max());
 
-    /// Finds what earlier runs of this bake left.
+    /// Finds the regions that earlier runs of this bake left.
     ///
     /// @return regions found
     /// @throws Error naming the folder and what differs, if it is of another bake
     std::size_t resume();
 
-    /// Removes what ended runs on this machine left. @return number of files removed
+    /// Removes the files that ended runs on this machine left. @return number of files removed
     std::size_t discardOthers();
 
     /// Region `number` of a pass, if this run or one that it continues has added it. Nothing if its
     /// file is gone: another bake to the same output removes what it read once it is finished.
     std::optional<std::string> read(Pass pass, std::size_t number) const;
 
-    /// Whether a region of so many bytes may stay in memory. Otherwise it is to be read again.
+    /// Whether a region of so many bytes may stay in memory. If not, it is read again later.
     bool mayKeep(std::uint64_t bytes);
 
     /// Adds a finished region, and writes a file if it is time for one. A full disk does not end
-    /// the bake: what cannot be written stays in memory until it can.
+    /// the bake: regions stay in memory until they can be written.
     void add(Pass pass, std::size_t number, const std::string& bytes);
 
-    /// Writes what is not yet written. @return whether all is on the disk
+    /// Writes all regions that are not on the disk yet. @return whether all are
     bool flush();
 
     /// Removes this run's files and those that it read: the bake is finished.

@@ -15,7 +15,7 @@ struct Piece {
 };
 
 /// Parts the pieces of one side of `voxel` into layers: parallel surfaces that do not
-/// touch, such as a door and the wall behind it. What one sees, the next may not.
+/// touch, such as a door and the wall behind it, which see different parts of the sky.
 ///
 /// @return 1 to kMaxDepthLayers groups of pieces, the lowest along the normal first
 std::vector<std::vector<Piece>> splitDepthLayers(const TriangleMesh& mesh, const Box& voxel,

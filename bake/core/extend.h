@@ -12,13 +12,13 @@ struct CacheToExtend {
     CacheItems items;
 };
 
-/// @param wanted  of the bake that adds to it
+/// @param wanted  header of the bake that adds to it
 /// @throws Error if it cannot be read, or is of another set, spacing, seed, program version or
 /// other options than the bake, naming the value found and the value wanted
 CacheToExtend readCacheToExtend(const std::filesystem::path& path, const CacheHeader& wanted);
 
-/// Adds what it holds to a bake without it, which becomes the bake of both selections, and the
-/// shots of both.
+/// Adds the items of the cache to a bake that left them out. The result is the bake of both
+/// selections, and names the shots of both.
 void addCache(const CacheToExtend& old, BakeResult& result);
 
 }  // namespace shadowcache

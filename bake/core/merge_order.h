@@ -10,7 +10,7 @@
 
 namespace shadowcache {
 
-/// What one header says of two caches together, and what becomes of items that both have.
+/// The header of two caches together, and how items that both have are joined.
 struct JoinedHeader {
     CacheHeader header;  ///< its part counts no sides yet
     Overlap overlap{};   ///< for mergeItems()

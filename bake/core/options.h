@@ -7,16 +7,16 @@ namespace shadowcache {
 /// Largest spacing that is accepted.
 inline constexpr double kMostSpacing = 1e12;
 
-/// What the bake of a set may choose.
+/// Options of a bake.
 struct BakeOptions {
     double spacing = 0;      ///< side of a voxel, world units; 0: chooseSpacing
     int level = 5;           ///< finest direction level, 0 .. 5
     int rays = 16;           ///< rays per region where rays disagree, 1 .. 255
     bool adaptive = true;    ///< finer regions only where they explain the visibility
-    bool transport = true;   ///< which items the rays of each item met is kept, too
+    bool transport = true;   ///< also keep which items the rays of each item met
     std::uint64_t seed = 1;  ///< of all random numbers
     int shard = 0;           ///< of `shards`: bakes only the voxels that fall to it
-    int shards = 1;          ///< that share the set's voxels, at least 1
+    int shards = 1;          ///< parts that the set's voxels are divided into, at least 1
 };
 
 /// @throws Error naming the option, the value and the range allowed

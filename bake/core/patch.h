@@ -25,7 +25,7 @@ struct Patch {
     std::uint64_t seed = 0;              ///< of its origins and rays
     Box box;                             ///< the voxel, or the subpatch's box in it
     float area = 0;                      ///< of the surface in it
-    std::vector<Piece> pieces;           ///< what of the surface lies in it
+    std::vector<Piece> pieces;           ///< parts of the surface in it
     Vec3f normal;                        ///< unit mean normal, by area
     Vec3f meanPosition;                  ///< relative to the voxel's centre, in spacings
     float minAgreement = 1;              ///< least cosine between `normal` and an origin's normal

@@ -8,14 +8,14 @@
 
 namespace shadowcache {
 
-/// What lookups use of a patch, before it is cut.
+/// The part of a patch that lookups need, before it is cut.
 struct Outline {
     int side;
     Vec3f normal;
     Vec3f position;  ///< mean point, from the voxel's middle, in spacings
 };
 
-/// What a bake makes of a voxel.
+/// The sides of a voxel that a bake makes.
 struct ChosenSides {
     SideSet sides;
     std::vector<Outline> outlines;  ///< of all its patches, in their order

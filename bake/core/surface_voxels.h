@@ -53,8 +53,8 @@ public:
     }
 
     /// Calls `isLast` with the number of each voxel that holds surface and is at most `margin`
-    /// voxels from `v` along each axis, itself included, until it returns true. Goes by what is
-    /// there, not voxel by voxel: a box of a margin of 64 has two million.
+    /// voxels from `v` along each axis, itself included, until it returns true. Walks over the
+    /// voxels with surface, not over all of the box: with a margin of 64 it has two million.
     template <class IsLast>
     void searchAround(std::size_t v, int margin, const IsLast& isLast) const {
         const Vec3i center = voxel(v), low = frame_.clamped(center - Vec3i(margin)),

@@ -8,8 +8,8 @@
 
 namespace shadowcache {
 
-/// Two-way analysis of variance of the rays into some cells: what the direction explains of their
-/// visibility, and what the origin. Rays that share an origin are those of one shot
+/// Two-way analysis of variance of the rays into some cells: how much of the variance of their
+/// visibility the direction explains, and how much the origin. Rays of one shot share an origin
 /// (VisibilityCounter::add).
 struct VarianceAnalysis {
     double mean = 0;        ///< visible share of the rays, a

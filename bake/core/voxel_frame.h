@@ -9,7 +9,7 @@ namespace shadowcache {
 /// A box around a point.
 struct Box {
     Vec3d center;
-    Vec3d half;  ///< of its sizes
+    Vec3d half;  ///< half of its size along each axis
 };
 
 /// The grid of voxels over a mesh: voxel v is centred at v * spacing in world space.

@@ -46,7 +46,7 @@ private:
 class VoxelSides {
 public:
     VoxelSides() = default;
-    /// Those that items are of. A bake makes all items of a side or none.
+    /// The sides that have items. A bake makes all items of a side or none.
     VoxelSides(const VoxelFrame& frame, const CacheItems& items);
 
     void add(std::uint64_t voxelKey, int side) {
@@ -62,9 +62,10 @@ private:
 /// Which items of a set a bake makes, as sides of voxels. Items are pure functions of the set, the
 /// options and their voxel, so those of any selection are those of the whole bake.
 struct VoxelSelection {
-    std::optional<LookupPlaces> lookups;  ///< only what these find; none: everything
-    int margin = 0;                       ///< and what lies so many voxels around that
-    VoxelSides present;                   ///< but not these, which another cache holds
+    std::optional<LookupPlaces>
+        lookups;         ///< only the items that these lookups find; none: all items
+    int margin = 0;      ///< and the items at most so many voxels around these
+    VoxelSides present;  ///< left out: another cache holds them
 
     bool everything() const { return !lookups && present.empty(); }
 };

@@ -28,7 +28,7 @@ public:
 
     /// An item of an open cache, as long as that is open.
     void use(const ItemView& item) { counts_.emplace(item, tiers_); }
-    /// Item i of `items`, as long as they stay.
+    /// Item i of `items`, which outlive the regions.
     void use(const CacheItems& items, std::size_t i);
 
     /// The finest regions that rays were counted in, d > 0; no two overlap. Valid until the next

@@ -18,7 +18,7 @@ struct ShotLookups {
 /// Writes a file that appears when it is complete.
 ///
 /// @param identity  of all that the lookups depend on
-/// @throws Error if the disk refuses
+/// @throws Error if the file cannot be written
 void writeLookups(const std::filesystem::path& path, const BakeIdentity& identity,
                   const ShotLookups& lookups);
 

@@ -27,7 +27,7 @@ struct FilePage {
     std::uint64_t offset;  ///< in the file
     std::uint32_t stored;  ///< bytes there
     std::uint32_t size;    ///< bytes when unpacked
-    Kind kind;             ///< of packing
+    Kind kind;             ///< how its bytes are packed
 };
 
 /// A page in memory, which stays as long as a pin refers to it.

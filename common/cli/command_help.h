@@ -8,7 +8,7 @@ class App;
 
 namespace shadowcache {
 
-/// The program's manual in roff, section 1, made of what --help knows.
+/// The program's manual page in roff, section 1, with the same texts as --help.
 std::string manPage(const CLI::App& app);
 
 /// A script for bash that completes the program's options and their choices.

@@ -16,7 +16,7 @@ struct FarmFile {
 
 /// Who runs a job.
 struct FarmScheduler {
-    const char* name;    ///< as --for has it
+    const char* name;    ///< the word that --for takes
     const char* submit;  ///< how the job is started, in the job's folder
     std::vector<FarmFile> (*files)(const FarmPlan&);
 };

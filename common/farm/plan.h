@@ -37,8 +37,9 @@ struct FarmStep {
 };
 
 struct FarmPlan {
-    std::filesystem::path folder;    ///< of the job, absolute
-    std::filesystem::path work;      ///< where paths of the command lines begin, absolute
+    std::filesystem::path folder;  ///< of the job, absolute
+    std::filesystem::path
+        work;  ///< folder that relative paths of the command lines start from, absolute
     std::filesystem::path programs;  ///< folder of the programs, absolute
     int threads = 0;                 ///< of a task; 0: all cores of its machine
     std::vector<FarmStep> steps;     ///< in their order

@@ -14,7 +14,7 @@ namespace shadowcache {
 struct ExrColors {
     int part = 0;
     std::vector<std::string> channels;  ///< red, green, blue; or Y; or Y, RY, BY
-    std::string note;                   ///< what was chosen where that is no matter of course
+    std::string note;  ///< which channels were chosen, where the file leaves a choice
 };
 
 /// Chooses, in this order: R G B of the first flat part that has them; Y, with RY and BY if they

@@ -14,7 +14,7 @@ class GltfVertices {
 public:
     /// The references must live as long as this.
     ///
-    /// @param place  of what has no skin
+    /// @param place  where a mesh without skin stands
     /// @throws Error naming the file and the mesh: joints that do not fit, or as GltfBudget
     GltfVertices(const GltfDocument& document, const GltfShape& shape,
                  const GltfPrimitive& primitive, const Affine& place, GltfBudget& budget);
