@@ -20,7 +20,7 @@ public:
 struct Watch {
     /// Set by any thread: what is watched ends soon with Interrupted.
     std::atomic<bool> stop{false};
-    /// Called by the threads that work, ten times a second at most, in place of what is printed.
+    /// Called by the working threads in place of printing, ten times a second at most.
     std::function<void(const std::string& task, std::uint64_t done, std::uint64_t total)>
         onProgress = [](const std::string&, std::uint64_t, std::uint64_t) {};
 };

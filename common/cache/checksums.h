@@ -86,7 +86,7 @@ private:
 
     const CheckedFile& file_;
     std::vector<char> room_;
-    std::uint64_t begin_ = 0;  ///< in the file, of what eback() points to
+    std::uint64_t begin_ = 0;  ///< place in the file of the byte at eback()
 };
 
 }  // namespace shadowcache

@@ -55,7 +55,7 @@ struct RawMesh {
     std::map<std::string, std::size_t> remarks;
     std::size_t blended = 0;                     ///< materials that blend with what is behind
     std::map<std::string, std::size_t> leftOut;  ///< as MeshReport::leftOut
-    LeftOutOf leftOutOf;                         ///< likewise
+    LeftOutOf leftOutOf;                         ///< as MeshReport::leftOutOf
 };
 
 /// Corner that names no vertex of the file.

@@ -91,7 +91,7 @@ struct TriangleMesh {
 };
 
 /// The report in one line for people ("158236 triangles; 3 n-gons cut into 9 triangles; ..."); says
-/// nothing of what did not occur.
+/// kinds that did not occur are left out.
 std::string describe(const MeshReport& report);
 
 }  // namespace shadowcache

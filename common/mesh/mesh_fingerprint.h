@@ -6,7 +6,7 @@
 
 namespace shadowcache {
 
-/// Hash of what a bake depends on: the triangles' world positions, independent of the order of
+/// Hash of all that a bake depends on: the triangles' world positions, independent of the order of
 /// triangles and vertices; which of their sides are seen; and their holes, as materials cut them
 /// out.
 std::uint64_t fingerprint(const TriangleMesh& mesh);

@@ -37,7 +37,7 @@ bool isDoubleSided(const TriangleMesh& mesh, std::uint32_t number) noexcept;
 /// Box of the world's triangles, relative to the mesh's origin.
 Box3d placedBounds(const TriangleMesh& mesh);
 
-/// Box of what an instance puts into the world, likewise.
+/// Box of the triangles that an instance puts into the world, likewise.
 Box3d instanceBounds(const TriangleMesh& mesh, const MeshInstance& instance);
 
 /// Material of TriangleMesh::triangles[triangle], or null where it has none.

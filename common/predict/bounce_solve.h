@@ -60,7 +60,7 @@ private:
     }
 
     const ItemTable& items_;
-    const float leastExposure_;                 ///< that an item without one exposed ray may have
+    const float leastExposure_;  ///< least exposure of an item none of whose rays is exposed
     std::vector<std::vector<Rgb>> irradiance_;  ///< [bounces][item]
 };
 

@@ -10,9 +10,9 @@ namespace shadowcache {
 
 /// A thin lens.
 struct Lens {
-    double radius = 0;    ///< of the aperture, in metres; 0: a pinhole, all is sharp
-    double focus = 1;     ///< distance along the view of what is sharp, in metres, above 0
-    int blades = 0;       ///< corners of the aperture, 3 or more; 0: it is round
+    double radius = 0;  ///< of the aperture, in metres; 0: a pinhole, all is sharp
+    double focus = 1;   ///< distance of the plane that is sharp, along the view, in metres, above 0
+    int blades = 0;     ///< corners of the aperture, 3 or more; 0: it is round
     double rotation = 0;  ///< of the blades, in radians, counter-clockwise as the camera looks
 };
 

@@ -12,7 +12,7 @@ namespace shadowcache {
 /// Which camera a shot is seen by.
 struct CameraOptions {
     std::string name;  ///< a file, or one of the set's cameras; empty: the one that stands still
-    std::optional<Vec3d> eye, lookAt;  ///< of that one
+    std::optional<Vec3d> eye, lookAt;  ///< of the camera that stands still
     double fovYDegrees = 45;
     double shutter = 0;  ///< share of a frame's time that the shutter is open, 0 .. 1
 

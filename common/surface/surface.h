@@ -11,7 +11,9 @@ struct Gloss {
     float roughness = 1;  ///< 0 a mirror, 1 the roughest
     float ior = 1.5f;     ///< of the dielectric, at least 1; or 0, which reflects everything
     float specular = 1;   ///< strength of the dielectric's reflection, 0 to 1
-    Rgb specularColor{1.0f, 1.0f, 1.0f};  ///< of it at normal incidence, at least 0
+    Rgb specularColor{
+        1.0f, 1.0f,
+        1.0f};  ///< factor of the dielectric's reflection at normal incidence, at least 0
 };
 
 /// How light leaves a place of a surface: what it emits, a diffuse part, and mirrors.
