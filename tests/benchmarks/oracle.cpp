@@ -33,9 +33,9 @@ test::TestCache cacheAt(const Scene& scene, const ShadingPoint& point, const Bak
     patch.origin.fill(point.place.rayOrigin);
     patch.originNormal.fill(point.place.normal);
     const ItemBaker baker(scene, options);
-    const Pilot pilot = baker.tracePilot(patch);
+    const Probe probe = baker.traceProbe(patch);
     const Vec3d voxel = point.place.position / options.spacing;
-    store(baker.refine(patch, pilot, pilot.mixed(), {}), patch,
+    store(baker.refine(patch, probe, probe.mixed(), {}), patch,
           Vec3i(static_cast<int>(std::lround(voxel.x)), static_cast<int>(std::lround(voxel.y)),
                 static_cast<int>(std::lround(voxel.z))),
           baked.items);
