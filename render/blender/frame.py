@@ -81,8 +81,8 @@ class Frame:
             hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out(state))
         else:
             self.left_out += self.set_file.left_out(state)
+            self.left_out += scene_check.left_out(self.depsgraph, self._camera_object())
         self.left_out += passes.left_out(self.depsgraph.view_layer)
-        self.left_out += scene_check.left_out(self.depsgraph, self._camera_object())
 
     def _camera_object(self):
         return self.engine.camera_override or self.scene.camera
