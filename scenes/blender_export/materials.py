@@ -19,7 +19,7 @@ from .texels import Lookup, border_matrix
 WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071}
 NOTHING = (0.8, 0.8, 0.8)  # albedo of Cycles where there is no material
 # Of all materials of a kind, in one entry.
-LOBES = "Principled BSDF: its lobes are those of glTF, which Cycles' are up to 9 % darker or brighter than"
+LOBES = "Principled BSDF: its lobes are those of glTF; where they are rough, light differs from Cycles by up to a tenth"
 TERMINATOR = "Normal Map: Cycles darkens what is lit from the side, where the map turns the normal to the light"
 SHARED = (LOBES, TERMINATOR)
 SHADERS = ("BSDF_PRINCIPLED", "BSDF_DIFFUSE", "EMISSION")
@@ -30,7 +30,8 @@ class Look:
     """What meshes need to know of a material."""
     number: object = None                      # in the document
     maps: list = field(default_factory=list)   # Coordinates by TEXCOORD
-    colours: object = None                     # name of the colours, "" for the active ones; None: none
+    tint: object = None                        # name of the colours of the mesh, "" for the active ones; None: none
+    fade: object = None                        # name of those whose alpha is the opacity
 
 
 class Materials:
@@ -176,11 +177,7 @@ class MaterialWriter:
         if not self._beside(colour, alpha, "Alpha"):
             alpha = Value(alpha.factor)
         solid = alpha.image is None and alpha.colours is None and alpha.factor[0] >= 1
-        if None not in (colour.colours, alpha.colours) and colour.colours != alpha.colours:
-            self.leave_out("Alpha: colours %s" % alpha.colours)
-        for value in (alpha, colour):
-            if value.colours is not None:
-                self.look.colours = value.colours
+        self.look.tint, self.look.fade = colour.colours, alpha.colours
         pbr = self.entry["pbrMetallicRoughness"] = {
             "baseColorFactor": [*unit(colour.factor), 1 if solid else unit(alpha.factor)[0]]}
         if not solid:

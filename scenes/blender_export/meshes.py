@@ -25,11 +25,16 @@ def material_numbers(mesh):
     return read(attribute.data, "value", 1, numpy.int32)
 
 
-def vertex_colours(mesh, name, vertex_of):
-    """Linear colour and opacity of the loops; black where the mesh has no such colours, as in Cycles."""
+def vertex_colours(mesh, look, vertex_of):
+    """Linear colour and opacity of the loops as a look has them of the mesh; black where it has no such colours, as in
+    Cycles."""
     colours = mesh.color_attributes
     active = colours[colours.render_color_index].name if len(colours) else ""
-    return layer_of(mesh, name or active, vertex_of)
+    result = numpy.ones((len(vertex_of), 4), numpy.float32)
+    for name, columns in ((look.tint, slice(0, 3)), (look.fade, slice(3, 4))):
+        if name is not None:
+            result[:, columns] = layer_of(mesh, name or active, vertex_of)[:, columns]
+    return result
 
 
 class MeshWriter:
@@ -69,8 +74,8 @@ class MeshWriter:
         """Arrays of a primitive by attribute, with its indices and the number of its material."""
         look = self.materials.find(material)
         layers = {"TEXCOORD_%d" % i: texture_places(mesh, where, arrays.vertex_of) for i, where in enumerate(look.maps)}
-        if look.colours is not None:
-            layers["COLOR_0"] = vertex_colours(mesh, look.colours, arrays.vertex_of)
+        if (look.tint, look.fade) != (None, None):
+            layers["COLOR_0"] = vertex_colours(mesh, look, arrays.vertex_of)
         if smooth and normals is not None:
             layers["NORMAL"] = normals
         loops, indices = share(corners, arrays.vertex_of, list(layers.values()), len(arrays.places))

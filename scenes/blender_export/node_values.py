@@ -63,7 +63,9 @@ def constant(socket):
 def converted(value, kind):
     """A value as a socket of a kind takes it; None if that cannot be expressed."""
     if kind != "VALUE":
-        return value if len(value.factor) == 3 else replace(value, factor=value.factor * 3)
+        if len(value.factor) == 3:
+            return value
+        return None if value.colours is not None else replace(value, factor=value.factor * 3)
     if len(value.factor) == 1:
         return value
     weights = tuple(w * f for w, f in zip(LUMINANCE, value.factor))

@@ -61,14 +61,18 @@ def unknown_of(image):
         return ""
     if not image.is_float and image.colorspace_settings.name not in ENCODED + LINEAR + DATA:
         return "colour space %s" % image.colorspace_settings.name
-    if image.alpha_mode == "PREMUL" and not image.packed_file and image.source == "FILE" and \
-            image.file_format not in OF_FLOATS and image.depth in (32, 128) and not is_data(image):
+    if image.alpha_mode == "PREMUL" and has_opacity(image) and is_of_integers(image):
         return "premultiplied alpha"
     return ""
 
 
 def is_data(image):
     return image.colorspace_settings.name in DATA
+
+
+def has_opacity(image):
+    """Whether colours of an image may be times their opacity somewhere."""
+    return image.depth in (32, 128) and image.alpha_mode not in ("CHANNEL_PACKED", "NONE") and not is_data(image)
 
 
 def stored_texels(image, is_alone):
@@ -79,14 +83,14 @@ def stored_texels(image, is_alone):
     alpha = texels[..., 3:]
     if image.is_float:
         # Blender has these linear, and times their opacity.
-        mixed = image.alpha_mode != "CHANNEL_PACKED" and not is_data(image) and bool((alpha < 1).any())
+        mixed = has_opacity(image) and bool((alpha < 1).any())
         colour = straight_colour(image, texels, is_alone) if mixed else texels[..., :3]
         if is_encoded(image):
             colour = encode_srgb(colour)
             if mixed and is_alone and is_of_integers(image):
                 colour = colour * alpha
         return numpy.dstack((colour, texels[..., 3]))
-    if is_alone and image.alpha_mode != "CHANNEL_PACKED" and not is_data(image):
+    if is_alone and has_opacity(image):
         return numpy.dstack((texels[..., :3] * alpha, texels[..., 3]))
     return texels
 
@@ -214,8 +218,7 @@ class Texels:
         image = self.image
         if self.border or self.times > 1 or image.alpha_mode == "NONE":
             return False
-        mixed = self.lookup.is_alone and image.alpha_mode != "CHANNEL_PACKED" and not is_data(image)
-        return not (mixed and image.depth in (32, 128) and bool((self.stored[..., 3] < 1).any()))
+        return not (self.lookup.is_alone and has_opacity(image) and bool((self.stored[..., 3] < 1).any()))
 
     def linear(self):
         found = self.stored

@@ -160,8 +160,8 @@ TEST_F(BlenderExport, KeepsTexturesAndNamesWhatItCannotExpress) {
     EXPECT_NEAR(textureOpacity(m.textures[0], 0.75f, 0.75f), 0.5, 0.01);
     EXPECT_EQ(leftOut("textured"),
               "material check: Roughness: node Noise Texture\n"
-              "Principled BSDF: its lobes are those of glTF, which Cycles' are up to 9 % darker or "
-              "brighter than (check)\nmaterial check: Clearcoat\n");
+              "Principled BSDF: its lobes are those of glTF; where they are rough, light differs "
+              "from Cycles by up to a tenth (check)\nmaterial check: Clearcoat\n");
     EXPECT_EQ(leftOut("lamp"), "object Cube: hidden from the camera\nlight lamp\n");
     EXPECT_EQ(leftOut("deforming"), "object Cube: its vertices move; it is as in frame 1\n");
     EXPECT_EQ(leftOut("eyehidden"), "");

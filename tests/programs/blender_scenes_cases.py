@@ -603,9 +603,16 @@ def names_all():
         assert any(words in entry for entry in left_out), "%s: %s" % (name, left_out)
 
 
+def strengths():
+    """Normals of a map that counts half are mixed with the surface's, as Cycles does."""
+    mixed = sys.modules["shadowcache.blender_export.materials"].mixed_normals(numpy.array([[[0.8, 0.5, 0.9]]]), 0.5)
+    wanted = numpy.array([0.3, 0, 0.9]) / math.hypot(0.3, 0.9) / 2 + 0.5
+    assert abs(mixed[0, 0] - wanted).max() < 1e-6, mixed
+
+
 def main():
     install()
-    for case in (store,) if STORES else (compare, names_all):
+    for case in (store,) if STORES else (compare, names_all, strengths):
         before = time.monotonic()
         case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - before))
