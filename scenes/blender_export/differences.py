@@ -3,7 +3,7 @@
 from .allowed import INPUTS, INSIDE, PROPERTIES, READ, WORDS, Free
 from .node_values import link_of
 
-KNOWN = {}  # of looked_at(), by the names of structs
+KNOWN = {}  # of looked_at(), by the names of structs, and by how many properties they have with those of add-ons
 
 
 def kinds_of(rna):
@@ -29,11 +29,12 @@ def default_of(rna):
 
 def looked_at(rna):
     """Names and rules of the properties of a struct that are to be looked at."""
-    if rna.identifier not in KNOWN:
+    key = rna.identifier, len(rna.properties)
+    if key not in KNOWN:
         found = [(p, rule_of(rna, p.identifier)) for p in rna.properties]
-        KNOWN[rna.identifier] = [(p.identifier, rule) for p, rule in found if not (
+        KNOWN[key] = [(p.identifier, rule) for p, rule in found if not (
             isinstance(rule, Free) or rule is READ or rule is None and is_unread(rna, p))]
-    return KNOWN[rna.identifier]
+    return KNOWN[key]
 
 
 def is_unread(owner, rna):

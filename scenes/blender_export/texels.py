@@ -12,7 +12,7 @@ import numpy
 ENCODED, LINEAR, DATA = ("sRGB",), ("Linear",), ("Non-Color", "Raw")
 OF_FLOATS = ("OPEN_EXR", "OPEN_EXR_MULTILAYER", "HDR")
 MOST_TEXELS = 1 << 22   # of an image that is made finer
-MOST_APART = 0.002      # share of the mean that filters may differ by
+MOST_APART = 0.005      # share of the mean that filters may differ by
 CUBIC_FINER = 8         # times, which splits a cubic filter finely enough for a linear one
 SAMPLED = 512           # rows and columns that are looked at
 
