@@ -138,12 +138,36 @@ FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
     return job;
 }
 
+/// Folders of the programs that tasks run, joined by ':': this program's own, or those of a build.
+/// Says which are in neither.
+std::string programFolders() {
+    namespace fs = std::filesystem;
+    const fs::path own = fs::read_symlink("/proc/self/exe").parent_path();
+    std::vector<fs::path> folders{own};
+    for (const char* name : {"shadowcache-bake", "shadowcache-merge", "shadowcache-render"}) {
+        std::error_code none;
+        const auto has = [&](const fs::path& folder) { return fs::exists(folder / name, none); };
+        if (std::ranges::any_of(folders, has)) continue;
+        const fs::path built[] = {own.parent_path() / "bake", own.parent_path() / "render"};
+        if (const auto* found = std::ranges::find_if(built, has); found != std::end(built))
+            folders.push_back(*found);
+        else
+            std::fprintf(stderr,
+                         "shadowcache-farm: warning: %s: not in %s; tasks look for it in "
+                         "$SHADOWCACHE_BIN and on the PATH of their machines\n",
+                         name, own.c_str());
+    }
+    std::string text;
+    for (const fs::path& folder : folders) text += (text.empty() ? "" : ":") + folder.string();
+    return text;
+}
+
 void run(const Arguments& a, std::vector<std::string> forRenderer) {
     FarmPlan place;
     // Without a slash at the end, and through no link.
     place.folder = std::filesystem::weakly_canonical(std::filesystem::absolute(a.folder) / ".");
     place.work = std::filesystem::current_path();
-    place.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    place.programs = programFolders();
     place.threads = a.threads;
     const FarmPlan plan = makePlan(jobOf(a, std::move(forRenderer)), place);
     writeFarm(plan, *a.scheduler);

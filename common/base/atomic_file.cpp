@@ -1,6 +1,8 @@
 #include "common/base/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -41,11 +43,24 @@ void requireWritable(const std::filesystem::path& path) {
         throwFileError(path, std::string("cannot be created: ") + std::strerror(errno));
 }
 
-AtomicFile::AtomicFile(const std::filesystem::path& path)
-    : path_(path), partPath_(temporaryPath(path)) {
+AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path) {
     requireWritable(path_);
-    file_ = std::fopen(partPath_.c_str(), "w+b");
-    if (!file_) fail("created");
+    int file = -1;
+    for (bool own = false; !own;) {
+        partPath_ = temporaryPath(path);
+        file = open(partPath_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file < 0 && errno == EEXIST) continue;
+        if (file < 0) fail("created");
+        // Another run may take it for a leftover until it is locked.
+        struct stat status = {};
+        own = !(flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) &&
+              fstat(file, &status) == 0 && status.st_nlink > 0;
+        if (!own) close(file);
+    }
+    file_ = fdopen(file, "w+b");
+    if (file_) return;
+    close(file);
+    fail("created");
 }
 
 AtomicFile::~AtomicFile() {
@@ -75,9 +90,12 @@ void AtomicFile::commit() {
     if (failed_) throwFileError(path_, "cannot be written: an earlier write failed");
     // Some file systems report a full disk only now.
     if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) fail("written");
-    const bool closed = std::fclose(std::exchange(file_, nullptr)) == 0;
-    if (!closed || std::rename(partPath_.c_str(), path_.c_str()) != 0) {
-        const int error = errno;
+    const int lock = fcntl(fileno(file_), F_DUPFD_CLOEXEC, 0);  // until it has its name
+    const bool done = std::fclose(std::exchange(file_, nullptr)) == 0 &&
+                      std::rename(partPath_.c_str(), path_.c_str()) == 0;
+    const int error = errno;
+    if (lock >= 0) close(lock);
+    if (!done) {
         std::error_code ignored;
         std::filesystem::remove(partPath_, ignored);
         errno = error;

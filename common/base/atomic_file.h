@@ -17,7 +17,7 @@ void requireWritable(const std::filesystem::path& path);
 void syncFolder(const std::filesystem::path& folder);
 
 /// File that appears under its name only when complete: written beside under temporaryPath(),
-/// renamed by commit(), removed if commit() is not reached.
+/// locked against removeLeftovers(), renamed by commit(), removed if commit() is not reached.
 class AtomicFile {
 public:
     /// @throws Error if the file cannot be created there

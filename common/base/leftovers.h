@@ -13,7 +13,8 @@ const std::string& runName();
 /// Stands between a file's name and that of the run that writes it.
 inline constexpr const char* kTemporaryMark = ".part-";
 
-/// Name under which this run writes what becomes `path` when it is complete.
+/// A new name, beside it, under which this run writes what becomes `path` when it is complete:
+/// containers may share a host name, and the numbers of their processes.
 std::filesystem::path temporaryPath(const std::filesystem::path& path);
 
 /// Something that another run left.
@@ -27,7 +28,7 @@ struct Leftover {
 bool mayBeAlive(const std::string& run);
 
 /// Unfinished files that other runs left of `path`, by name. Those of dead runs on this machine are
-/// removed.
+/// removed, unless they are locked, as an AtomicFile is.
 ///
 /// @param kept  receives those that may belong to a living run
 /// @return what was removed

@@ -1,6 +1,7 @@
 #include "common/base/report_failure.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -67,6 +68,7 @@ int reportFailure(const char* program, const std::exception& error) noexcept {
 
 void installFailureHandler() noexcept {
     std::set_terminate(endProgram);
+    signal(SIGXFSZ, SIG_IGN);  // a write beyond ulimit -f fails then, with its cause
 }
 
 }  // namespace shadowcache

@@ -15,7 +15,8 @@ std::string oneLine(std::string text);
 int reportFailure(const char* program, const std::exception& error) noexcept;
 
 /// Makes an exception that nothing can catch, as of a thread that a library cannot start, end the
-/// program like any other failure: one line, status kFailed.
+/// program like any other failure: one line, status kFailed. So does a file that grows beyond the
+/// limit of the system's user.
 void installFailureHandler() noexcept;
 
 }  // namespace shadowcache

@@ -39,10 +39,10 @@ struct FarmStep {
 struct FarmPlan {
     std::filesystem::path folder;  ///< of the job, absolute
     std::filesystem::path
-        work;  ///< folder that relative paths of the command lines start from, absolute
-    std::filesystem::path programs;  ///< folder of the programs, absolute
-    int threads = 0;                 ///< of a task; 0: all cores of its machine
-    std::vector<FarmStep> steps;     ///< in their order
+        work;              ///< folder that relative paths of the command lines start from, absolute
+    std::string programs;  ///< folders of the programs, absolute, joined by ':'
+    int threads = 0;       ///< of a task; 0: all cores of its machine
+    std::vector<FarmStep> steps;  ///< in their order
 };
 
 /// What is asked of a farm.

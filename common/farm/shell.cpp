@@ -106,7 +106,7 @@ std::string runScript(const FarmPlan& plan) {
            "fi\n"
            "\n"
            "PATH=${SHADOWCACHE_BIN:-" +
-           shellWord(plan.programs.string()) +
+           shellWord(plan.programs) +
            "}:$PATH\n"
            "cd " +
            shellWord(plan.work.string()) +

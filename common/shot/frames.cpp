@@ -17,6 +17,7 @@ namespace {
 struct NumberPlace {
     std::size_t at = 0, length = 0;  ///< bytes; length 0: nowhere
     int digits = 1;                  ///< at least
+    bool signedWidth = false;        ///< a sign is one of them, as printf() counts
 };
 
 bool isDigit(char c) {
@@ -42,6 +43,7 @@ NumberPlace numberPlace(const std::string& name) {
         place.at = at;
         place.length = name.size() - rest.size() - at;
         if (digits >= 0) place.digits = digits;
+        place.signedWidth = true;
         break;
     }
     return place;
@@ -93,7 +95,7 @@ std::filesystem::path framePath(const std::filesystem::path& pattern, int frame,
         return pattern;
     }
     char number[32];
-    std::snprintf(number, sizeof number, "%.*d", place.digits, frame);
+    std::snprintf(number, sizeof number, place.signedWidth ? "%0*d" : "%.*d", place.digits, frame);
     return pattern.parent_path() / name.replace(place.at, place.length, number);
 }
 

@@ -22,7 +22,7 @@ enum class FrameNames {
 };
 
 /// Output file of a frame: the last run of '#' (or %0Nd) becomes the number, padded with zeros, its
-/// sign before them.
+/// sign before them; of the N characters of %0Nd it is one, as printf() counts.
 ///
 /// @throws Error if several frames would share one file
 std::filesystem::path framePath(const std::filesystem::path& pattern, int frame, FrameNames names);

@@ -24,7 +24,7 @@ TEST(Frames, HaveTheirNumbersInNames) {
     for (const FrameNames names : {FrameNames::one, FrameNames::several}) {
         EXPECT_EQ(name("a.####.exr", 12, names), "a.0012.exr");
         EXPECT_EQ(name("a.####.exr", -12, names), "a.-0012.exr");
-        EXPECT_EQ(name("a.%04d.exr", -12, names), "a.-0012.exr");
+        EXPECT_EQ(name("a.%04d.exr", -12, names), "a.-012.exr");
         EXPECT_EQ(name("a.##.exr", 12345, names), "a.12345.exr");
         EXPECT_EQ(name("take#2.####.exr", 7, names), "take#2.0007.exr");
         EXPECT_EQ(name("take#2.exr", 7, names), "take72.exr");

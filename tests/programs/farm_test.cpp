@@ -65,6 +65,29 @@ protected:
     std::string output() const { return readBytes(path("line.out")) + readBytes(path("line.err")); }
 };
 
+/// The programs of a build stand in several folders, of which the job knows.
+TEST_F(Farm, FindsThePrograms) {
+    EXPECT_EQ(farm(job()).err, "");
+    folder_.write("line.bash", "env -i PATH=/usr/bin:/bin bash 'a job/run' lookup");
+    const std::string line =
+        "cd '" + folder_.path().string() + "' && bash line.bash > line.out 2>&1";
+    EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), kDone) << readBytes(path("line.out"));
+}
+
+/// One that stands alone says what its job will look for.
+TEST_F(Farm, SaysWhichProgramsAreMissing) {
+    std::filesystem::create_directory(path("alone"));
+    std::filesystem::copy_file(programPath("farm"), path("alone/shadowcache-farm"));
+    std::string line = "cd '" + folder_.path().string() + "' && alone/shadowcache-farm";
+    for (const std::string& word : job()) line += " '" + word + "'";
+    EXPECT_EQ(WEXITSTATUS(std::system((line + " 2> line.err").c_str())), kDone);
+    for (const char* name : {"bake", "merge", "render"})
+        EXPECT_NE(readBytes(path("line.err"))
+                      .find(std::string("warning: shadowcache-") + name + ": not in"),
+                  std::string::npos)
+            << readBytes(path("line.err"));
+}
+
 TEST_F(Farm, RunsToTheFramesOfOneMachine) {
     const ProgramRun written = farm(job());
     EXPECT_EQ(written.status, kDone) << written.err;

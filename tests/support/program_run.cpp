@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <grp.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -19,8 +20,6 @@
 
 namespace shadowcache::test {
 
-namespace {
-
 const std::string& programPath(const std::string& name) {
     static const std::map<std::string, std::string> paths{
         {"bake", SHADOWCACHE_BAKE},
@@ -33,6 +32,8 @@ const std::string& programPath(const std::string& name) {
     };
     return paths.at(name);
 }
+
+namespace {
 
 /// What can be read from a pipe until its last writer is gone.
 std::string drain(int pipe) {
@@ -55,11 +56,14 @@ std::string drain(int pipe) {
         if (input < 0 || dup2(input, STDIN_FILENO) < 0) _exit(126);
     }
     if (limits.fileBytes) {
-        // Without this the signal would end the program before it sees the error.
-        signal(SIGXFSZ, SIG_IGN);
+        signal(SIGXFSZ, SIG_DFL);  // whoever runs the tests may ignore it
         const rlimit size{*limits.fileBytes, *limits.fileBytes};
         setrlimit(RLIMIT_FSIZE, &size);
     }
+    constexpr id_t kNobody = 65534;
+    if (limits.nobody && geteuid() == 0 &&
+        (setgroups(0, nullptr) != 0 || setgid(kNobody) != 0 || setuid(kNobody) != 0))
+        _exit(126);
     std::vector<char*> argv{const_cast<char*>(path.c_str())};
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);

@@ -18,11 +18,12 @@ struct ProgramRun {
 
 /// What a program runs under.
 struct RunLimits {
-    std::optional<std::size_t> fileBytes;    ///< longest file it may write, as a full disk does
-    std::optional<double> interruptSeconds;  ///< from being ready for Ctrl-C to it
-    int signal = SIGINT;                     ///< in place of Ctrl-C
-    std::filesystem::path input{};           ///< a file that is its standard input
-    bool standardBounces = false;            ///< without it, light bounces only if asked to
+    std::optional<std::size_t> fileBytes{};    ///< longest file it may write, as a full disk does
+    std::optional<double> interruptSeconds{};  ///< from being ready for Ctrl-C to it
+    int signal = SIGINT;                       ///< in place of Ctrl-C
+    std::filesystem::path input{};             ///< a file that is its standard input
+    bool nobody = false;                       ///< if root runs it: permissions hold for it then
+    bool standardBounces = false;              ///< without it, light bounces only if asked to
 };
 
 /// Starts one of the project's programs in `folder`, and kills it with SIGKILL after a while.
@@ -36,6 +37,9 @@ bool runAndKill(const std::string& name, const std::vector<std::string>& argumen
 /// light alone, which most tests are about, unless --bounces is among the arguments or the limits.
 ProgramRun runProgram(const std::string& name, const std::vector<std::string>& arguments,
                       const std::filesystem::path& folder, const RunLimits& limits = {});
+
+/// The file of one of the programs.
+const std::string& programPath(const std::string& name);
 
 /// The folders of the programs, as in PATH.
 std::string programFolders();
