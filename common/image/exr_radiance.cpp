@@ -7,7 +7,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "common/base/error.h"
 #include "common/image/exr_colors.h"
@@ -82,6 +84,31 @@ Rgb luminanceWeights(const std::filesystem::path& path, const Imf::Header& heade
     const Rgb weights(std::max(yw.x, kLeastLuminanceWeight), std::max(yw.y, kLeastLuminanceWeight),
                       std::max(yw.z, kLeastLuminanceWeight));
     return weights / (weights.x + weights.y + weights.z);
+}
+
+/// Chromaticities that differ less, as by rounding, are the same.
+constexpr float kChromaticityStep = 1e-3f;
+
+/// The primaries of a file, if they are not Rec. 709, which says it.
+std::optional<std::array<float, 8>> otherPrimaries(const Imf::Header& header) {
+    if (!Imf::hasChromaticities(header)) return std::nullopt;
+    const auto numbers = [](const Imf::Chromaticities& c) {
+        return std::array{c.red.x,  c.red.y,  c.green.x, c.green.y,
+                          c.blue.x, c.blue.y, c.white.x, c.white.y};
+    };
+    const auto found = numbers(Imf::chromaticities(header)), rec709 = numbers({});
+    const bool same = std::equal(found.begin(), found.end(), rec709.begin(), [](float a, float b) {
+        return std::abs(a - b) < kChromaticityStep;
+    });
+    return same ? std::nullopt : std::optional(found);
+}
+
+std::string describe(const std::array<float, 8>& c) {
+    return fmt::format(
+        "primaries are not Rec. 709 but red {:.4g},{:.4g}, green {:.4g},{:.4g}, blue "
+        "{:.4g},{:.4g}, white {:.4g},{:.4g}: pictures have them, and their EXR files say so; "
+        "colours of the set are taken as they are",
+        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]);
 }
 
 void requireLatLong(const std::filesystem::path& path, const Imf::Header& header) {
@@ -173,13 +200,16 @@ RadianceImage readExrRadiance(const std::filesystem::path& path) {
         RadianceImage result;
         if (!colors.note.empty()) result.notes.push_back(colors.note);
         result.luminanceWeights = luminanceWeights(path, header);
+        result.chromaticities = otherPrimaries(header);
+        if (result.chromaticities) result.notes.push_back(describe(*result.chromaticities));
         Image& image = result.image;
         image.width = window.max.x - window.min.x + 1;
         image.height = window.max.y - window.min.y + 1;
         image.pixels.resize(static_cast<std::size_t>(image.width) *
                             static_cast<std::size_t>(image.height));
         readPlanes(file, colors, image);
-        fitToDisplay(path, window, header.displayWindow(), result);
+        // With the attribute the map is the data window. [ImfEnvmap.h]
+        if (!Imf::hasEnvmap(header)) fitToDisplay(path, window, header.displayWindow(), result);
         return result;
     });
 }

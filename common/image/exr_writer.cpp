@@ -1,8 +1,10 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfFramesPerSecond.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/core.h>
 
@@ -72,8 +74,30 @@ std::vector<half> toHalf(const std::vector<float>& values) {
     return halves;
 }
 
+Imath::M44f matrixOf(const PointMatrix& numbers) {
+    Imath::M44f matrix;
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            matrix[row][column] = numbers[static_cast<std::size_t>(4 * row + column)];
+    return matrix;
+}
+
+void addView(const ExrView& view, Imf::Header& header) {
+    header.pixelAspectRatio() = std::clamp(view.pixelAspect, 1e-6f, 1e6f);  // OpenEXR has no others
+    header.screenWindowCenter() = {view.screenCenter[0], view.screenCenter[1]};
+    header.screenWindowWidth() = view.screenWidth;
+    if (view.worldToCamera) Imf::addWorldToCamera(header, matrixOf(*view.worldToCamera));
+    if (view.worldToNdc) Imf::addWorldToNDC(header, matrixOf(*view.worldToNdc));
+    if (view.framesPerSecond > 0)
+        Imf::addFramesPerSecond(header, Imf::guessExactFps(view.framesPerSecond));
+    if (const auto& c = view.chromaticities)
+        Imf::addChromaticities(header, Imf::Chromaticities({(*c)[0], (*c)[1]}, {(*c)[2], (*c)[3]},
+                                                           {(*c)[4], (*c)[5]}, {(*c)[6], (*c)[7]}));
+}
+
 Imf::Header makeHeader(int width, int height, const std::vector<Channel>& channels,
-                       const Metadata& metadata, PixelType type, const ExrPlace& place) {
+                       const Metadata& metadata, PixelType type, const ExrPlace& place,
+                       const ExrView& view) {
     const bool whole = place.frameWidth == 0;
     const Imath::V2i corner(place.x, place.y);
     const Imath::V2i frame(whole ? width : place.frameWidth, whole ? height : place.frameHeight);
@@ -84,6 +108,7 @@ Imf::Header makeHeader(int width, int height, const std::vector<Channel>& channe
         header.channels().insert(channel.name,
                                  Imf::Channel(type == PixelType::half ? Imf::HALF : Imf::FLOAT));
     }
+    addView(view, header);
     for (const auto& [name, value] : metadata) header.insert(name, Imf::StringAttribute(value));
     return header;
 }
@@ -92,13 +117,13 @@ Imf::Header makeHeader(int width, int height, const std::vector<Channel>& channe
 
 void writeExr(const std::filesystem::path& path, int width, int height,
               const std::vector<Channel>& channels, const Metadata& metadata, PixelType type,
-              const ExrPlace& place) {
+              const ExrPlace& place, const ExrView& view) {
     translated(path, [&] {
         AtomicFile target(path);
         {
             AtomicStream stream(target, path.string());
-            Imf::OutputFile output(stream,
-                                   makeHeader(width, height, channels, metadata, type, place));
+            Imf::OutputFile output(
+                stream, makeHeader(width, height, channels, metadata, type, place, view));
             const auto columns = static_cast<std::size_t>(width);
             std::vector<std::vector<half>> halves;
             Imf::FrameBuffer frame;

@@ -42,6 +42,11 @@ CameraMove CameraSource::moveAt(int frame) const {
     }
 }
 
+double CameraSource::fps() const {
+    if (track_) return track_->fps;
+    return named_.shot ? named_.shot->fps() : 0;
+}
+
 Camera CameraSource::atTime(double time) const {
     if (track_) return cameraAtTime(*track_, time);
     if (named_.shot) return named_.shot->camera(named_.node, time);

@@ -47,11 +47,14 @@ void validateOutputs(const RenderJob& job, const EstimatorEntry& entry) {
     for (const std::string& aov : job.aovs)
         if (needsInsight(aov) && !entry.needsCache)
             throw Error("--aov " + aov + ": requires --estimator cache");
+    for (const int frame : job.frames) frameFiles(job, frame);
+    if (!job.stats.empty()) requireExtension(job.stats, ".json");
+}
+
+void requireWritableOutputs(const RenderJob& job) {
     for (const int frame : job.frames)
         for (const auto& file : frameFiles(job, frame)) requireWritable(file);
-    if (job.stats.empty()) return;
-    requireExtension(job.stats, ".json");
-    requireWritable(job.stats);
+    if (!job.stats.empty()) requireWritable(job.stats);
 }
 
 void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {
@@ -72,7 +75,7 @@ void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {
     check(job.stats);
 }
 
-void writeFrame(const RenderJob& job, const Film& film, Metadata metadata,
+void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, const ExrView& view,
                 const FrameProgress& progress, int frame) {
     const auto path = frameFile(job, frame);
     reportLeftovers(path);
@@ -82,7 +85,7 @@ void writeFrame(const RenderJob& job, const Film& film, Metadata metadata,
     if (!progress.complete) metadata.emplace_back("shadowcache:incomplete", "true");
     writeExr(path, film.width, film.height, channels(film, job.aovs), metadata,
              job.half ? PixelType::half : PixelType::full,
-             {film.x, film.y, film.frameWidth, film.frameHeight});
+             {film.x, film.y, film.frameWidth, film.frameHeight}, view);
     if (!job.png) return;
     auto png = path;
     writePng(png.replace_extension(".png"), colorImage(film), job.exposure, alphaOf(film));

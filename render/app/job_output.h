@@ -15,8 +15,11 @@ namespace shadowcache {
 
 // What a job writes: the frames' files, and the statistics.
 
-/// Refuses what could not be written, before the long work. @throws Error
+/// Refuses names that no output can have. @throws Error
 void validateOutputs(const RenderJob& job, const EstimatorEntry& entry);
+
+/// Refuses what could not be written, before the long work. @throws Error
+void requireWritableOutputs(const RenderJob& job);
 
 /// Refuses to write over what the run reads. @throws Error
 void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan);
@@ -38,7 +41,7 @@ struct FrameProgress {
 };
 
 /// The EXR, and with --png its pictures. @throws Error
-void writeFrame(const RenderJob& job, const Film& film, Metadata metadata,
+void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, const ExrView& view,
                 const FrameProgress& progress, int frame);
 
 /// Seconds that all frames share.

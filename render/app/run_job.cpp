@@ -18,6 +18,7 @@
 #include "common/import/mesh_reader.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/gltf_shot.h"
+#include "common/shot/picture_view.h"
 #include "render/app/explain.h"
 #include "render/app/frame_check.h"
 #include "render/app/frame_metadata.h"
@@ -94,6 +95,7 @@ public:
             skipped_ = job_.frames.size();
             return summarize();
         }
+        if (!job_.explain && !job_.debugPixel) requireWritableOutputs(job_);
         std::vector<GltfShot> shots = openShots(job_.files, job_.mesh, job_.fps);
         const CameraSource camera(job_.camera, shots);
         for (const int frame : job_.frames) camera.moveAt(frame);
@@ -142,6 +144,9 @@ private:
         scene_->setMoving(moving_->pose(frame));
         const double before = stats_.seconds;
         const FrameRequest wanted{estimator, camera.moveAt(frame), frame, options_};
+        view_ = viewOf(wanted.camera.middle(), options_.width, options_.height);
+        view_.framesPerSecond = camera.fps() > 0 ? camera.fps() : job_.fps;
+        view_.chromaticities = light_.chromaticities();
         if (job_.explain) {
             const Forecast forecast{entry_, !job_.estimator.empty(),
                                     static_cast<int>(job_.frames.size()),
@@ -163,7 +168,7 @@ private:
             correction *
             measuredError(film.pixels, estimator.context().environment.luminanceWeights());
         if (job_.targetError > 0) reportError(frame);
-        writeFrame(job_, film, std::move(metadata),
+        writeFrame(job_, film, std::move(metadata), view_,
                    {stats_.seconds - before, done.cameraRays, done.end != FrameEnd::interrupted},
                    frame);
         ++rendered_;
@@ -202,7 +207,7 @@ private:
         ProgressiveObserver observer;
         observer.stop = [end] { return secondsNow() > end; };
         observer.onPass = [&](const Film& film, int cameraRays) {
-            writeFrame(job_, film, metadata, {stats_.seconds - before, cameraRays, false},
+            writeFrame(job_, film, metadata, view_, {stats_.seconds - before, cameraRays, false},
                        request.number);
         };
         return renderProgressive(request, stats_, observer);
@@ -283,6 +288,7 @@ private:
     std::optional<Image> reference_;
     std::optional<RelativeError> error_;
     RenderOptions options_;
+    ExrView view_;  ///< of the frame
     RenderStats stats_;
     Timing timing_;
     InputHashes inputs_;

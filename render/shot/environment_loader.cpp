@@ -46,6 +46,7 @@ bool EnvironmentLoader::load(const LightPlan::Light& light) {
     } else {
         environment_.reset();
         const RadianceImage map = readMap(light.environment, note_);
+        chromaticities_ = map.chromaticities;
         environment_ = std::make_unique<Environment>(
             std::make_shared<const EnvironmentMap>(map.image, map.luminanceWeights),
             light.rotation.turn(), Rgb(light.gain));

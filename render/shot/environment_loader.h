@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -35,6 +36,8 @@ public:
     /// Whether load() has succeeded.
     bool isLoaded() const { return environment_ != nullptr; }
     const Environment& environment() const { return *environment_; }
+    /// Primaries of the loaded map, if they are not Rec. 709 (RadianceImage::chromaticities).
+    const std::optional<std::array<float, 8>>& chromaticities() const { return chromaticities_; }
 
 private:
     using Time = std::filesystem::file_time_type;
@@ -45,6 +48,7 @@ private:
     LightPlan::Light current_;
     std::optional<Time> written_;  ///< the map's file
     std::unique_ptr<Environment> environment_;
+    std::optional<std::array<float, 8>> chromaticities_;
 };
 
 }  // namespace shadowcache

@@ -7,6 +7,7 @@
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputPart.h>
 #include <OpenEXR/ImfPartType.h>
@@ -98,6 +99,53 @@ TEST(Exr, KeepsChannelsAndMetadata) {
         EXPECT_EQ(channel.values, written->values) << channel.name;
     }
     expectTexels(path, 0.0);
+}
+
+TEST(Exr, SaysHowItIsSeen) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    ExrView view{
+        .pixelAspect = 2,
+        .screenCenter = {-0.25f, 0.5f},
+        .screenWidth = 3,
+        .framesPerSecond = 23.976,
+        .chromaticities = Chromaticities{.68f, .32f, .265f, .69f, .15f, .06f, .314f, .351f}};
+    view.worldToCamera.emplace().fill(1);
+    view.worldToCamera->at(4) = 7;
+    writeExr(path, 1, 1, {{"Y", {1.0f}}}, {}, PixelType::full, {}, view);
+    const Imf::InputFile file(path.c_str());
+    const Imf::Header& header = file.header();
+    EXPECT_EQ(header.pixelAspectRatio(), 2);
+    EXPECT_EQ(header.screenWindowCenter(), Imath::V2f(-0.25f, 0.5f));
+    EXPECT_EQ(header.screenWindowWidth(), 3);
+    EXPECT_EQ(Imf::worldToCamera(header)[1][0], 7);
+    EXPECT_FALSE(Imf::hasWorldToNDC(header));
+    EXPECT_EQ(Imf::framesPerSecond(header), Imf::Rational(24000, 1001));
+    EXPECT_EQ(Imf::chromaticities(header).green, Imath::V2f(.265f, .69f));
+    // Without a view, as before.
+    writeExr(path, 1, 1, {{"Y", {1.0f}}}, {}, PixelType::full);
+    EXPECT_FALSE(Imf::hasFramesPerSecond(Imf::InputFile(path.c_str()).header()));
+    EXPECT_FALSE(Imf::hasChromaticities(Imf::InputFile(path.c_str()).header()));
+}
+
+TEST(Radiance, NamesOtherPrimaries) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    const Chromaticities p3{.68f, .32f, .265f, .69f, .15f, .06f, .3127f, .329f};
+    Chromaticities rec709{.64f, .33f, .3f, .6f, .15f, .06f, .3127f, .329f};
+    const auto write = [&](const std::optional<Chromaticities>& colors) {
+        writeExr(path, 2, 1, {{"R", {1, 1}}, {"G", {1, 1}}, {"B", {1, 1}}}, {}, PixelType::full, {},
+                 {.chromaticities = colors});
+        return readRadiance(path);
+    };
+    const RadianceImage wide = write(p3);
+    EXPECT_EQ(wide.chromaticities, p3);
+    ASSERT_EQ(wide.notes.size(), 1u);
+    EXPECT_NE(wide.notes[0].find("not Rec. 709 but red 0.68,0.32"), std::string::npos);
+    rec709[6] += 1e-5f;
+    EXPECT_FALSE(write(rec709).chromaticities);
+    EXPECT_TRUE(write(rec709).notes.empty());
+    EXPECT_FALSE(write(std::nullopt).chromaticities);
 }
 
 TEST(Exr, HalfKeepsFiniteValuesFinite) {

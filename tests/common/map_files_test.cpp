@@ -75,6 +75,22 @@ std::vector<float> redOf(const RadianceImage& map) {
     return red;
 }
 
+// The data window is the whole map, says ImfEnvmap.h; what has no such attribute is a picture.
+TEST(MapWindows, OfTheAttributeIsTheDataWindow) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    const Imath::Box2i data({12, -2}, {15, -1});
+    MapPart part = mapPart(kDisplay, data, {{"R", 1}, {"G", 2}, {"B", 3}});
+    writeMapParts(path, {part});
+    EXPECT_EQ(readRadiance(path).image.width, 8) << "control";
+    Imf::addEnvmap(part.header, Imf::ENVMAP_LATLONG);
+    writeMapParts(path, {part});
+    const RadianceImage map = readRadiance(path);
+    EXPECT_EQ(map.image.width, 4);
+    EXPECT_EQ(map.image.height, 2);
+    EXPECT_EQ(redOf(map), (std::vector<float>{103, 104, 105, 106, 203, 204, 205, 206}));
+}
+
 TEST(MapWindows, TheMapCoversTheDisplayWindow) {
     const TemporaryFolder folder;
     const std::vector<Imath::Box2i> windows{

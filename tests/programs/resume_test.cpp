@@ -82,6 +82,49 @@ TEST_F(ResumeTest, AMapOfTheSameSizeAndDateIsAnother) {
 }
 
 /// Whether a run takes a.exr for done.
+/// A folder that may only be read, as another user's.
+class ReadOnly : public CliTest {
+protected:
+    ReadOnly() { runWell("render", kShot); }
+    ~ReadOnly() override { fs::permissions(path("."), fs::perms::owner_all); }
+
+    void protect() const {
+        for (const std::string& name : files()) fs::permissions(path(name), fs::perms(0444));
+        fs::permissions(path("."), fs::perms(0555));
+    }
+    ProgramRun asNobody(const std::string& arguments) const {
+        return run("render", arguments, {.nobody = true});
+    }
+
+    const std::string kShot = move("--frames 1-2 -o f.####.exr");
+};
+
+TEST_F(ReadOnly, FoldersAreCheckedResumedAndExplained) {
+    protect();
+    for (const char* words : {" --check", " --resume", " --explain", " --resume --explain"}) {
+        const ProgramRun done = asNobody(kShot + words);
+        EXPECT_EQ(done.status, kDone) << words << done.err;
+        EXPECT_EQ(done.err, "") << words;
+    }
+    // What must be written is refused before the set is read, as ever.
+    expectRefusal(asNobody(kShot), "shadowcache-render", "f.0001.exr", "Permission denied");
+    expectRefusal(asNobody(move("--frames 1-3 -o f.####.exr --resume")), "shadowcache-render",
+                  "Permission denied");
+}
+
+TEST_F(ReadOnly, AFileBeyondTheUsersLimitIsRefusedInALine) {
+    expectRefusal(run("render", still("-o a.exr", "64x64"), {.fileBytes = 1000}),
+                  "shadowcache-render", "a.exr", "File too large");
+}
+
+TEST_F(ReadOnly, MissingFoldersHaveMissingFrames) {
+    const ProgramRun done = run("render", move("--frames 1-2 -o none/f.####.exr --check"));
+    EXPECT_EQ(done.status, kFailed);
+    EXPECT_EQ(done.err,
+              "none/f.0001.exr: missing\nnone/f.0002.exr: missing\n"
+              "shadowcache-render: --check: 0 of 2 frames are done, expected all\n");
+}
+
 class ResumeSettings : public CliTest {
 protected:
     ResumeSettings() { runWell("render", kWords + "--env 1,1,1 --png -o a.exr"); }

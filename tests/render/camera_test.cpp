@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -13,6 +14,7 @@
 #include "common/shot/camera_file.h"
 #include "common/shot/camera_json.h"
 #include "common/shot/camera_rays.h"
+#include "common/shot/picture_view.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
@@ -29,6 +31,50 @@ TEST(Camera, RaysFollowTheFilm) {
     expectNear(CameraRays(camera, 2.0).through({1.0, 0.5}).direction, Vec3d(2, 0, -1).normalized());
     expectNear(CameraRays(camera, 1.0).through({0.0, 1.0}).direction,
                Vec3d(-1, -1, -1).normalized());
+}
+
+/// A place by a matrix of points as rows, over its fourth number.
+Vec3d transformed(const Vec3d& place, const PointMatrix& matrix) {
+    std::array<double, 4> out{};
+    for (std::size_t column = 0; column < 4; ++column)
+        for (std::size_t row = 0; row < 4; ++row)
+            out[column] += (row < 3 ? place[static_cast<int>(row)] : 1) *
+                           static_cast<double>(matrix[4 * row + column]);
+    return Vec3d(out[0], out[1], out[2]) / out[3];
+}
+
+// The attributes against the rays, whatever the camera; a picture's center in the control.
+TEST(Camera, IsWhatThePictureSaysOfIt) {
+    for (const double height : {0.0, 3.0})
+        for (const double near : {0.0, 0.25}) {
+            Camera camera = lookAt({1, 2, 3}, {2, 2.5, -5}, {0.1, 1, 0}, 0.7);
+            camera.height = height;
+            camera.near = near;
+            camera.pixelAspect = 2;
+            camera.shiftX = 0.25;
+            camera.shiftY = -0.125;
+            const ExrView view = viewOf(camera, 32, 36);
+            EXPECT_EQ(view.pixelAspect, 2);
+            for (const FilmPosition at : {FilmPosition{0.1, 0.9}, FilmPosition{1, 0.25}}) {
+                const CameraRay ray = CameraRays(camera, 32.0 / 36).through(at);
+                const Vec3d place = ray.start + ray.direction * 7;
+                const Vec3d seen = transformed(place, *view.worldToNdc);
+                EXPECT_NEAR(seen.x, at.x, 1e-5);
+                EXPECT_NEAR(seen.y, at.y, 1e-5);
+                const Vec3d inCamera = transformed(place, *view.worldToCamera);
+                EXPECT_NEAR(inCamera.z, (place - camera.origin).dot(camera.forward), 1e-5);
+                if (height > 0) continue;
+                // On the screen window, whose x points to the left.
+                const double left = -inCamera.x / inCamera.z, up = inCamera.y / inCamera.z;
+                const auto number = [](float f) { return static_cast<double>(f); };
+                const double wide = number(view.screenWidth), high = wide * 36 / 32 / 2;
+                EXPECT_NEAR(left, number(view.screenCenter[0]) + (0.5 - at.x) * wide, 1e-5);
+                EXPECT_NEAR(up, number(view.screenCenter[1]) + (0.5 - at.y) * high, 1e-5);
+            }
+        }
+    const ExrView straight = viewOf(lookAt({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.7), 40, 20);
+    EXPECT_FLOAT_EQ(straight.screenWidth, static_cast<float>(4 * std::tan(0.35)));
+    EXPECT_EQ(straight.screenCenter[0], 0);
 }
 
 TEST(Camera, ShiftMovesTheFilmByItsWidthsAndHeights) {
