@@ -85,10 +85,10 @@ private:
     std::size_t found_ = 0;
 };
 
-}  // namespace
-
-void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const Places& places,
-                  std::span<Rgb> out) {
+/// @param adjust  makes of the items at a place, and the direct irradiance there, what is wanted
+template <class Adjust>
+void irradianceOfAll(const ShadowCache& cache, const CachePreview& preview, const Places& places,
+                     std::span<Rgb> out, const Adjust& adjust) {
     std::ranges::fill(out, Rgb(kNothing));
     const std::vector<std::uint64_t> order = orderOf(places, cache.header().spacing);
     parallelFor(order.size(), kChunk, [&](const Chunk& chunk) {
@@ -97,9 +97,26 @@ void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const P
         for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
             around.moveTo(order[k]);
             if (!around.items().empty())
-                out[order[k]] = irradiance.mean(around.items(), around.normal());
+                out[order[k]] =
+                    adjust(around.items(), irradiance.mean(around.items(), around.normal()));
         }
     });
+}
+
+}  // namespace
+
+void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const Places& places,
+                  std::span<Rgb> out) {
+    irradianceOfAll(cache, preview, places, out,
+                    [](std::span<const ItemView>, const Rgb& direct) { return direct; });
+}
+
+void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const BounceSolve& solve,
+                  int bounces, const Places& places, std::span<Rgb> out) {
+    irradianceOfAll(
+        cache, preview, places, out, [&](std::span<const ItemView> items, const Rgb& direct) {
+            return direct * (1 / solve.exposure(items)) + solve.indirect(items, bounces);
+        });
 }
 
 void visibilityAt(const ShadowCache& cache, const Places& places, std::span<const Vec3d> directions,

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "common/cache/shadow_cache.h"
+#include "common/predict/bounce_solve.h"
 #include "common/predict/cache_preview.h"
 #include "common/predict/places.h"
 
@@ -19,6 +20,13 @@ namespace shadowcache {
 /// @throws Error naming the cache's file if that cannot be read any more
 void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const Places& places,
                   std::span<Rgb> out);
+
+/// The same with the light of up to `bounces` bounces (BounceSolve), over the exposed share of the
+/// items' surface.
+///
+/// @param solve  of the same environment and cache
+void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const BounceSolve& solve,
+                  int bounces, const Places& places, std::span<Rgb> out);
 
 /// Visible share of the sky around a direction.
 ///

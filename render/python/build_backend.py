@@ -14,7 +14,8 @@ import zipfile
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
-REQUIRES = {"Requires-Python": ">=3.9", "Requires-Dist": "numpy"}
+# pybind11 knows NumPy 2 from its version 2.12 on; Debian 12 has an older one.
+REQUIRES = {"Requires-Python": ">=3.9", "Requires-Dist": "numpy>=1.20,<2"}
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):

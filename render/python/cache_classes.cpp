@@ -5,12 +5,18 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "bake/library/bake_set.h"
+#include "common/base/error.h"
 #include "common/base/option_checks.h"
 #include "common/base/text_streams.h"
 #include "common/cache/cache_items.h"
+#include "common/cache/transport.h"
 #include "common/predict/many_places.h"
+#include "render/bounces/bounce_task.h"
+#include "render/bounces/item_looks.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
@@ -97,39 +103,100 @@ py::object numbersOrArray(const py::array& array) {
 
 py::object visibility(const CacheObject& cache, const py::object& points, const py::object& normals,
                       const py::object& directions, const py::object& progress, int threads) {
-    const Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals"),
-                                     vectorsOf(directions, "directions")});
+    const Broadcast all({{"points", points}, {"normals", normals}, {"directions", directions}});
     const auto kept = cache.cache;
-    std::vector<float> out = longCall(
+    py::array_t<float> out = newArray<float>(all.shape());
+    const std::span<float> shares = valuesOf<float>(out);
+    runLong(
         progress,
         [&] {
-            const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
-            std::vector<float> shares(places.positions.size());
-            visibilityAt(*kept, places, vectorsIn(all.arrays[2]), shares);
-            return shares;
+            forEachPart(all, kMostOfPart, [&](std::size_t first, const auto& vectors) {
+                visibilityAt(*kept, {vectors[0], vectors[1]}, vectors[2],
+                             shares.subspan(first, vectors[0].size()));
+            });
         },
         threads);
-    return numbersOrArray(arrayOf<float>(all.shape, std::move(out)));
+    return numbersOrArray(out);
 }
 
-py::array irradiance(const CacheObject& cache, const py::object& points, const py::object& normals,
-                     const EnvironmentObject& environment, const py::object& progress,
+/// A number of bounces, or "unlimited".
+using Bounces = std::variant<int, std::string>;
+
+int bouncesOf(const Bounces& bounces) {
+    const auto* number = std::get_if<int>(&bounces);
+    if (number && *number >= 0 && *number <= kMostBounces) return *number;
+    if (!number && std::get<std::string>(bounces) == "unlimited") return kUnlimitedBounces;
+    throw py::value_error("bounces: expected 0 to " + std::to_string(kMostBounces) +
+                          ", or 'unlimited'");
+}
+
+/// Solves the light that bounces, unless that is `wanted` already. Needs no lock.
+void solveLight(const ShadowCache& cache, SolvedLight& wanted) {
+    if (wanted.solve) return;
+    if (!wanted.items) wanted.items = std::make_shared<const ItemTable>(cache);
+    const std::optional<Transport> transport = readTransport(cache, *wanted.items);
+    if (!transport)
+        throw Error(
+            "cache: holds no transport, by which bounces are predicted: bake with "
+            "transport=True");
+    const PlainLook plain{wanted.albedo};
+    const std::vector<ItemLook> looks =
+        wanted.set ? looksOf(wanted.set->scene, *wanted.items, plain)
+                   : std::vector<ItemLook>(wanted.items->size(), ItemLook{plain.albedo, {}});
+    wanted.solve = std::make_shared<const BounceSolve>(cache, *wanted.items, *transport,
+                                                       *wanted.light, looks, wanted.bounces);
+}
+
+/// What is asked for, with what the cache's last call has of it.
+SolvedLight wantedOf(const CacheObject& cache, const EnvironmentObject& environment,
+                     const SceneObject* scene, const Bounces& bounces, const py::object& albedo) {
+    SolvedLight wanted{environment.light,
+                       scene ? scene->set : nullptr,
+                       Rgb(colorOf(albedo, "albedo")),
+                       bouncesOf(bounces),
+                       cache.items,
+                       nullptr};
+    for (int k = 0; k < 3; ++k)
+        if (!(wanted.albedo[k] >= 0 && wanted.albedo[k] <= 1))
+            throw py::value_error("albedo: expected 0 to 1");
+    if (wanted.set && wanted.set->fingerprint != cache.cache->header().fingerprint)
+        throw Error("scene: not the one that the cache was baked for (its fingerprint differs)");
+    const SolvedLight& last = cache.solved;
+    if (last.light == wanted.light && last.set == wanted.set && last.albedo == wanted.albedo &&
+        last.bounces == wanted.bounces)
+        wanted = last;
+    return wanted;
+}
+
+py::array irradiance(CacheObject& cache, const py::object& points, const py::object& normals,
+                     const EnvironmentObject& environment, const Bounces& bounces,
+                     const SceneObject* scene, const py::object& albedo, const py::object& progress,
                      int threads) {
-    Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals")});
+    const Broadcast all({{"points", points}, {"normals", normals}});
     const auto kept = cache.cache;
-    const auto light = environment.light;
-    std::vector<Rgb> out = longCall(
+    SolvedLight wanted = wantedOf(cache, environment, scene, bounces, albedo);
+    py::array_t<float> out = newArray<float>(all.shape({3}));
+    const std::span<Rgb> values = valuesOf<Rgb>(out);
+    runLong(
         progress,
         [&] {
-            const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
-            const CachePreview preview(*light, kept->header().tiers());
-            std::vector<Rgb> values(places.positions.size());
-            irradianceAt(*kept, preview, places, values);
-            return values;
+            if (wanted.bounces != 0) solveLight(*kept, wanted);
+            const CachePreview preview(*wanted.light, kept->header().tiers());
+            forEachPart(all, kMostOfPart, [&](std::size_t first, const auto& vectors) {
+                const Places places{vectors[0], vectors[1]};
+                const auto part = values.subspan(first, places.size());
+                if (wanted.bounces == 0)
+                    irradianceAt(*kept, preview, places, part);
+                else
+                    irradianceAt(*kept, preview, *wanted.solve, wanted.bounces, places, part);
+            });
         },
         threads);
-    all.shape.push_back(3);
-    return arrayOf<float>(all.shape, std::move(out));
+    if (wanted.bounces != 0) {
+        cache.items = wanted.items;
+        cache.solved = std::move(wanted);
+    }
+    return out;
 }
 
 py::dict headerOf(const CacheObject& cache) {
@@ -189,11 +256,18 @@ void defineCache(py::module_& module) {
             "or an input is not finite or a zero vector.")
         .def(
             "irradiance", irradiance, py::arg("points"), py::arg("normals"), py::arg("environment"),
-            py::kw_only(), py::arg("progress") = py::none(), py::arg("threads") = 0,
+            py::kw_only(), py::arg("bounces") = 0, py::arg("scene").none(true) = py::none(),
+            py::arg("albedo") = 0.5, py::arg("progress") = py::none(), py::arg("threads") = 0,
             "Irradiance of an Environment, as the cache predicts it without rays: free of noise,\n"
             "and biased where its counts are wrong.\n\n"
             "points: places on the set [m], normals: towards the side that is lit; (..., 3) each,\n"
             "    broadcast; normals of any length.\n"
+            "bounces: surfaces that light may meet before, or 'unlimited', by the transport that "
+            "the\n"
+            "    cache holds; of the last call's environment, scene, albedo and number it is "
+            "kept.\n"
+            "scene: that was baked, whose colours and lamps light meets; None: all of it has\n"
+            "    `albedo`, as what has no material does.\n"
             "Returns float32 (..., 3), linear RGB [radiance sr]; NaN where the cache has no item\n"
             "or an input is not finite or a zero vector. Times albedo / pi it is the radiance "
             "that\n"

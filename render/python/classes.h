@@ -11,6 +11,7 @@
 #include "common/cache/shadow_cache.h"
 #include "common/image/radiance_image.h"
 #include "common/light/environment.h"
+#include "common/predict/bounce_solve.h"
 #include "common/shot/loaded_set.h"
 
 namespace shadowcache::python {
@@ -24,11 +25,22 @@ struct SceneObject {
     std::vector<std::filesystem::path> files;  ///< none of arrays
 };
 
+/// The light that bounces under an environment, with what it is of.
+struct SolvedLight {
+    std::shared_ptr<const Environment> light;
+    std::shared_ptr<const LoadedSet> set;  ///< whose looks its surfaces have; null: all the same
+    Rgb albedo{0, 0, 0};                   ///< of what has no material
+    int bounces = 0;
+    std::shared_ptr<const ItemTable> items;
+    std::shared_ptr<const BounceSolve> solve;
+};
+
 /// Cache.
 struct CacheObject {
     std::shared_ptr<const ShadowCache> cache;
     std::filesystem::path path;              ///< empty: baked, in no file
     std::shared_ptr<const ItemTable> items;  ///< null until it is wanted
+    SolvedLight solved = {};                 ///< that was wanted last
 };
 
 /// Environment.
@@ -44,6 +56,7 @@ void defineScene(pybind11::module_& module);
 void defineCache(pybind11::module_& module);
 void defineEnvironment(pybind11::module_& module);
 void defineSampler(pybind11::module_& module);  ///< after the two
+void defineRays(pybind11::module_& module);     ///< after Scene
 void defineRender(pybind11::module_& module);
 
 }  // namespace shadowcache::python

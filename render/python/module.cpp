@@ -1,11 +1,15 @@
+#include <fmt/core.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <cmath>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/base/interrupt.h"
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/text_streams.h"
@@ -60,15 +64,13 @@ Doubles rowsOf(const py::object& value, const char* name) {
     if (array.ndim() != 2)
         throw py::value_error(std::string(name) + ": shape " + shapeText(array) +
                               ", expected (n, 3)");
-    for (py::ssize_t i = 0; i < array.size(); ++i)
-        if (!std::isfinite(array.data()[i]))
-            throw py::value_error(std::string(name) + "[" + std::to_string(i / 3) +
-                                  "]: expected finite numbers");
     return array;
 }
 
-/// One number of an array for each vertex.
-Doubles rowsOfVertices(const py::object& value, const char* name, std::size_t vertices) {
+/// One row for each vertex; without rows of none.
+std::optional<Doubles> rowsOfVertices(const py::object& value, const char* name,
+                                      std::size_t vertices) {
+    if (value.is_none()) return std::nullopt;
     Doubles array = rowsOf(value, name);
     if (vectorsIn(array).size() != vertices)
         throw py::value_error(std::string(name) + ": shape " + shapeText(array) + ", expected (" +
@@ -76,38 +78,74 @@ Doubles rowsOfVertices(const py::object& value, const char* name, std::size_t ve
     return array;
 }
 
-RawMesh meshOf(const py::object& vertices, const py::object& triangles, const py::object& colors,
-               const py::object& normals) {
-    RawMesh raw;
-    const Doubles places = rowsOf(vertices, "vertices");
-    const auto all = vectorsIn(places);
-    raw.vertices.assign(all.begin(), all.end());
-    const py::array given = py::module_::import("numpy").attr("asarray")(triangles);
-    if (given.dtype().kind() != 'i' && given.dtype().kind() != 'u')
+/// The arrays of a set, as doubles.
+struct SetArrays {
+    Doubles vertices, triangles;
+    std::optional<Doubles> colors, normals;
+};
+
+SetArrays arraysOf(const py::object& vertices, const py::object& triangles,
+                   const py::object& colors, const py::object& normals) {
+    Doubles places = rowsOf(vertices, "vertices");
+    const char kind = numbersOf(triangles, "triangles").dtype().kind();
+    if (kind != 'i' && kind != 'u')
         throw py::type_error("triangles: expected an array of integers, three corners each");
-    const Doubles corners = rowsOf(triangles, "triangles");
-    for (py::ssize_t i = 0; i < corners.size(); ++i) {
-        const double corner = corners.data()[i];
-        if (!(corner >= 0 && corner < static_cast<double>(all.size())))
-            throw py::value_error("triangles[" + std::to_string(i / 3) + "]: vertex " +
-                                  std::to_string(static_cast<long long>(corner)) +
-                                  ", expected 0 to " + std::to_string(all.size()) + " - 1");
-        raw.faceVertices.push_back(static_cast<std::uint32_t>(corner));
+    const std::size_t count = vectorsIn(places).size();
+    if (count == 0) throw py::value_error("vertices: shape (0, 3), expected some");
+    return {std::move(places), rowsOf(triangles, "triangles"),
+            rowsOfVertices(colors, "colors", count), rowsOfVertices(normals, "normals", count)};
+}
+
+/// Rows between two polls for Ctrl-C.
+constexpr std::size_t kPolled = std::size_t{1} << 20;
+
+/// Calls `take` with each row's number and its values. @throws Interrupted
+template <class Take>
+void forEachRow(const Doubles& rows, const Take& take) {
+    const std::span<const Vec3d> all = vectorsIn(rows);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (i % kPolled == 0) throwIfInterrupted();
+        take(i, all[i]);
     }
-    raw.faceSizes.assign(vectorsIn(corners).size(), 3);
-    if (!colors.is_none()) {
-        const Doubles rows = rowsOfVertices(colors, "colors", all.size());
-        for (const Vec3d& color : vectorsIn(rows)) {
+}
+
+void requireFinite(const char* name, std::size_t row, const Vec3d& v) {
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
+        throw py::value_error(std::string(name) + "[" + std::to_string(row) +
+                              "]: expected finite numbers");
+}
+
+/// Needs no lock.
+RawMesh meshOf(const SetArrays& arrays) {
+    RawMesh raw;
+    const std::size_t count = vectorsIn(arrays.vertices).size();
+    raw.vertices.reserve(count);
+    forEachRow(arrays.vertices, [&](std::size_t row, const Vec3d& place) {
+        requireFinite("vertices", row, place);
+        raw.vertices.push_back(place);
+    });
+    raw.faceVertices.reserve(3 * vectorsIn(arrays.triangles).size());
+    forEachRow(arrays.triangles, [&](std::size_t row, const Vec3d& corners) {
+        for (int k = 0; k < 3; ++k) {
+            if (!(corners[k] >= 0 && corners[k] < static_cast<double>(count)))
+                throw py::value_error(fmt::format(
+                    "triangles[{}]: vertex {:.0f}, expected 0 to {} - 1", row, corners[k], count));
+            raw.faceVertices.push_back(static_cast<std::uint32_t>(corners[k]));
+        }
+    });
+    raw.faceSizes.assign(vectorsIn(arrays.triangles).size(), 3);
+    if (arrays.colors)
+        forEachRow(*arrays.colors, [&](std::size_t, const Vec3d& color) {
             for (int k = 0; k < 3; ++k)
                 if (!(color[k] >= 0 && color[k] <= 1))
                     throw py::value_error("colors: expected linear albedos, 0 to 1");
             raw.colors.emplace_back(color);
-        }
-    }
-    if (!normals.is_none()) {
-        const Doubles rows = rowsOfVertices(normals, "normals", all.size());
-        raw.normals.assign(vectorsIn(rows).begin(), vectorsIn(rows).end());
-    }
+        });
+    if (arrays.normals)
+        forEachRow(*arrays.normals, [&](std::size_t row, const Vec3d& normal) {
+            requireFinite("normals", row, normal);
+            raw.normals.push_back(normal);
+        });
     return raw;
 }
 
@@ -136,10 +174,10 @@ SceneObject loadScene(const py::object& set, const py::object& triangles, const 
                         .references = allowExternal ? References::anywhere : References::inside,
                         .stillAt = timeOf(frame, fps)};
     if (!namesFiles(set)) {
-        RawMesh raw = meshOf(set, triangles, colors, normals);
+        const SetArrays arrays = arraysOf(set, triangles, colors, normals);
         return {
             longCall(
-                progress, [&] { return std::shared_ptr(makeSet("set", std::move(raw), options)); },
+                progress, [&] { return std::shared_ptr(makeSet("set", meshOf(arrays), options)); },
                 threads),
             {}};
     }
@@ -233,6 +271,7 @@ static void define(pybind11::module_& module) {
         },
         py::arg("threads"), "Limits all later calls together to so many threads; 0: every core.");
     shadowcache::python::defineScene(module);
+    shadowcache::python::defineRays(module);
     shadowcache::python::defineCache(module);
     shadowcache::python::defineEnvironment(module);
     shadowcache::python::defineSampler(module);

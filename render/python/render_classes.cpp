@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,9 +13,11 @@
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
+#include "common/base/parallel.h"
 #include "common/base/text_streams.h"
 #include "common/image/exr.h"
 #include "common/image/radiance.h"
+#include "common/predict/places.h"
 #include "common/random/sequence.h"
 #include "common/shot/camera_file.h"
 #include "common/shot/camera_source.h"
@@ -69,27 +72,36 @@ Rgb radianceOf(const Vec3d& color, const std::string& where) {
     return Rgb(color);
 }
 
+/// Texels of a map, at most. [EnvironmentMap]
+constexpr double kMostTexels = 0x1p31;
+
 std::shared_ptr<EnvironmentObject> environmentOf(const py::object& texels, double rotate,
                                                  const py::object& progress) {
     requireRotation(rotate);
-    const Doubles array = vectorsOf(texels, "texels");
-    if (array.ndim() != 3 || array.size() == 0)
-        throw py::value_error("texels: shape " + shapeText(array) +
+    const py::array given = numbersOf(texels, "texels");
+    if (given.ndim() != 3 || given.shape(2) != 3 || given.size() == 0)
+        throw py::value_error("texels: shape " + shapeText(given) +
                               ", expected (height, width, 3) of a lat-long map");
+    if (static_cast<double>(given.size()) / 3 > kMostTexels - 1)
+        throw py::value_error("texels: shape " + shapeText(given) +
+                              ", expected fewer than 2^31 texels");
+    const Broadcast all({{"texels", given}});
     RadianceImage map;
-    map.image.height = static_cast<int>(array.shape(0));
-    map.image.width = static_cast<int>(array.shape(1));
-    for (const Vec3d& color : vectorsIn(array))
-        map.image.pixels.push_back(radianceOf(color, "texels"));
+    map.image.height = static_cast<int>(given.shape(0));
+    map.image.width = static_cast<int>(given.shape(1));
     return longCall(progress, [&] {
+        map.image.pixels.reserve(all.size());
+        forEachPart(all, kMostOfPart, [&](std::size_t, const auto& vectors) {
+            for (const Vec3d& color : vectors[0])
+                map.image.pixels.push_back(radianceOf(color, "texels"));
+        });
         return lit("array", std::make_shared<const RadianceImage>(std::move(map)), rotate);
     });
 }
 
 std::shared_ptr<EnvironmentObject> constantEnvironment(const py::object& radiance) {
-    const py::object color = py::module_::import("numpy").attr("broadcast_to")(radiance, 3);
     RadianceImage map;
-    map.image = {1, 1, {radianceOf(vectorOf(color, "radiance"), "radiance")}};
+    map.image = {1, 1, {radianceOf(colorOf(radiance, "radiance"), "radiance")}};
     return longCall(py::none(), [&] {
         return lit("constant", std::make_shared<const RadianceImage>(std::move(map)), 0);
     });
@@ -102,62 +114,107 @@ std::shared_ptr<EnvironmentObject> rotated(const EnvironmentObject& environment,
     return longCall(progress, [&] { return turned(copy, copy.rotation + degrees); });
 }
 
-py::array integrate(const EnvironmentObject& environment) {
-    const Environment& light = *environment.light;
-    Vec3d sum(0.0);
-    for (std::size_t i = 0; i < light.texelCount(); ++i) {
-        const Environment::Texel texel = light.texel(i);
-        sum += Vec3d(texel.radiance) * static_cast<double>(texel.solidAngle);
-    }
-    return arrayOf<double>({3}, std::vector<Vec3d>{sum});
+/// Texels, samples or directions that a thread takes at a time.
+constexpr std::size_t kChunk = 16384;
+
+py::array integrate(const EnvironmentObject& environment, const py::object& progress, int threads) {
+    const auto light = environment.light;
+    py::array_t<double> out = newArray<double>({3});
+    const std::span<double> sums = valuesOf<double>(out);
+    runLong(
+        progress,
+        [&] {
+            std::vector<Vec3d> parts((light->texelCount() + kChunk - 1) / kChunk, Vec3d(0.0));
+            parallelFor(light->texelCount(), kChunk, [&](const Chunk& chunk) {
+                for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                    const Environment::Texel texel = light->texel(i);
+                    parts[chunk.index] +=
+                        Vec3d(texel.radiance) * static_cast<double>(texel.solidAngle);
+                }
+            });
+            const Vec3d sum = std::accumulate(parts.begin(), parts.end(), Vec3d(0.0));
+            for (int k = 0; k < 3; ++k) sums[static_cast<std::size_t>(k)] = sum[k];
+        },
+        threads);
+    return out;
 }
+
+/// Radiances and densities of samples, as arrays.
+struct SkySamples {
+    py::array_t<float> radiance, density;
+    std::span<Rgb> radiances;
+    std::span<float> densities;
+
+    explicit SkySamples(const Shape& shape) : density(newArray<float>(shape)) {
+        Shape vectors = shape;
+        vectors.push_back(3);
+        radiance = newArray<float>(vectors);
+        radiances = valuesOf<Rgb>(radiance);
+        densities = valuesOf<float>(density);
+    }
+    void write(std::size_t i, const EnvironmentSample& sample) const {
+        radiances[i] = sample.radiance;
+        densities[i] = sample.density;
+    }
+};
 
 /// Directions, radiances and densities of `count` samples.
 py::tuple sampleEnvironment(const EnvironmentObject& environment, std::uint32_t count,
-                            std::uint64_t seed) {
-    const Environment& light = *environment.light;
-    if (!(light.luminanceIntegral() > 0))
+                            std::uint64_t seed, const py::object& progress, int threads) {
+    const auto light = environment.light;
+    if (!(light->luminanceIntegral() > 0))
         throw py::value_error("the environment is black, there is nothing to sample");
-    std::array<std::vector<std::uint32_t>, 3> words;
-    for (int k = 0; k < 3; ++k) {
-        auto& of = words[static_cast<std::size_t>(k)];
-        of.resize(count);
-        owenSobol(0, k, seed, of);
-    }
-    std::vector<Vec3f> directions;
-    std::vector<Rgb> radiances;
-    std::vector<float> densities;
-    const auto unit = [](std::uint32_t word) { return static_cast<float>(word >> 8) * 0x1p-24f; };
-    for (std::size_t i = 0; i < count; ++i) {
-        const EnvironmentSample sample =
-            light.sample(words[0][i] * 0x1p-32, unit(words[1][i]), unit(words[2][i]));
-        directions.push_back(sample.direction);
-        radiances.push_back(sample.radiance);
-        densities.push_back(sample.density);
-    }
     const auto n = static_cast<py::ssize_t>(count);
-    return py::make_tuple(arrayOf<float>({n, 3}, std::move(directions)),
-                          arrayOf<float>({n, 3}, std::move(radiances)),
-                          arrayOf<float>({n}, std::move(densities)));
+    py::array_t<float> direction = newArray<float>({n, 3});
+    const std::span<Vec3f> directions = valuesOf<Vec3f>(direction);
+    const SkySamples samples({n});
+    const auto unit = [](std::uint32_t word) { return static_cast<float>(word >> 8) * 0x1p-24f; };
+    runLong(
+        progress,
+        [&] {
+            parallelFor(count, kChunk, [&](const Chunk& chunk) {
+                std::array<std::vector<std::uint32_t>, 3> words;
+                for (int k = 0; k < 3; ++k) {
+                    auto& of = words[static_cast<std::size_t>(k)];
+                    of.resize(chunk.end - chunk.begin);
+                    owenSobol(static_cast<std::uint32_t>(chunk.begin), k, seed, of);
+                }
+                for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                    const std::size_t at = i - chunk.begin;
+                    const EnvironmentSample sample = light->sample(
+                        words[0][at] * 0x1p-32, unit(words[1][at]), unit(words[2][at]));
+                    directions[i] = sample.direction;
+                    samples.write(i, sample);
+                }
+            });
+        },
+        threads);
+    return py::make_tuple(direction, samples.radiance, samples.density);
 }
 
 /// Radiances and densities along directions.
-py::tuple lookUp(const EnvironmentObject& environment, const py::object& directions) {
-    const Doubles array = vectorsOf(directions, "directions");
-    std::vector<Rgb> radiances;
-    std::vector<float> densities;
-    for (const Vec3d& direction : vectorsIn(array)) {
-        const Vec3d unit = direction.normalized();
-        if (!std::isfinite(unit.length()) || unit == Vec3d(0.0))
-            throw py::value_error("directions: expected finite vectors other than 0");
-        const EnvironmentSample sample = environment.light->lookUp(Vec3f(unit));
-        radiances.push_back(sample.radiance);
-        densities.push_back(sample.density);
-    }
-    Shape shape(array.shape(), array.shape() + array.ndim() - 1);
-    const auto density = arrayOf<float>(shape, std::move(densities));
-    shape.push_back(3);
-    return py::make_tuple(arrayOf<float>(shape, std::move(radiances)), density);
+py::tuple lookUp(const EnvironmentObject& environment, const py::object& directions,
+                 const py::object& progress, int threads) {
+    const auto light = environment.light;
+    const Broadcast all({{"directions", directions}});
+    const SkySamples samples(all.shape());
+    runLong(
+        progress,
+        [&] {
+            forEachPart(all, kMostOfPart, [&](std::size_t first, const auto& vectors) {
+                parallelFor(vectors[0].size(), kChunk, [&](const Chunk& chunk) {
+                    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                        const Vec3d& direction = vectors[0][i];
+                        if (!isDirection(direction))
+                            throw py::value_error(
+                                "directions: expected finite vectors other than 0");
+                        samples.write(first + i, light->lookUp(Vec3f(unitAlong(direction))));
+                    }
+                });
+            });
+        },
+        threads);
+    return py::make_tuple(samples.radiance, samples.density);
 }
 
 std::string reprOf(const EnvironmentObject& environment) {
@@ -297,8 +354,7 @@ py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject
     options.seed = seed;
     options.clampIndirect = static_cast<float>(clampIndirect);
     options.transparent = transparent;
-    options.plain.albedo =
-        Rgb(vectorOf(py::module_::import("numpy").attr("broadcast_to")(albedo, 3), "albedo"));
+    options.plain.albedo = Rgb(colorOf(albedo, "albedo"));
     const auto set = scene.set;
     const auto light = environment.light;
     const auto kept = cache ? cache->cache : nullptr;
@@ -326,12 +382,15 @@ void defineEnvironment(py::module_& module) {
                     "The same radiance from everywhere: a number, or linear RGB (3,).")
         .def("rotate", rotated, py::arg("degrees"), py::kw_only(), py::arg("progress") = py::none(),
              "The same light turned further about +Y, counter-clockwise seen from above.")
-        .def("integrate", integrate,
+        .def("integrate", integrate, py::kw_only(), py::arg("progress") = py::none(),
+             py::arg("threads") = 0,
              "Integral of the radiance over all directions [radiance sr], (3,) float64.")
         .def("sample", sampleEnvironment, py::arg("count"), py::kw_only(), py::arg("seed") = 1,
+             py::arg("progress") = py::none(), py::arg("threads") = 0,
              "Directions distributed as the luminance: (directions (count, 3), radiances\n"
              "(count, 3), densities (count,) [1/sr]), float32, of a scrambled Sobol' sequence.")
-        .def("look_up", lookUp, py::arg("directions"),
+        .def("look_up", lookUp, py::arg("directions"), py::kw_only(),
+             py::arg("progress") = py::none(), py::arg("threads") = 0,
              "Radiances (..., 3), and the densities [1/sr] (...) with which sample() draws them,\n"
              "along directions (..., 3) of any length, float32.")
         .def_property_readonly(

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -33,68 +34,88 @@ SampleAim aimOf(bool control) {
     return control ? SampleAim::difference : SampleAim::light;
 }
 
-/// What is known of samples, as arrays; `shape` is theirs.
-py::dict columnsOf(const std::vector<LightSample>& samples, const Shape& shape) {
-    std::vector<Vec3f> directions;
-    std::vector<Rgb> radiances, controls;
-    std::vector<double> densities;
-    for (const LightSample& sample : samples) {
-        directions.push_back(sample.direction);
-        radiances.push_back(sample.radiance);
-        controls.push_back(sample.control);
-        densities.push_back(sample.pdf);
+/// What is known of samples, as arrays.
+class Columns {
+public:
+    explicit Columns(const Shape& shape) : pdf_(newArray<double>(shape)) {
+        Shape vectors = shape;
+        vectors.push_back(3);
+        for (auto* each : {&direction_, &radiance_, &control_}) *each = newArray<float>(vectors);
+        directions_ = valuesOf<Vec3f>(direction_);
+        radiances_ = valuesOf<Rgb>(radiance_);
+        controls_ = valuesOf<Rgb>(control_);
+        densities_ = valuesOf<double>(pdf_);
     }
-    Shape vectors = shape;
-    vectors.push_back(3);
-    using namespace py::literals;
-    return py::dict("direction"_a = arrayOf<float>(vectors, std::move(directions)),
-                    "radiance"_a = arrayOf<float>(vectors, std::move(radiances)),
-                    "control"_a = arrayOf<float>(vectors, std::move(controls)),
-                    "pdf"_a = arrayOf<double>(shape, std::move(densities)));
-}
+
+    /// Samples from number `first` on. Needs no lock.
+    void write(std::size_t first, std::span<const LightSample> samples) {
+        for (const LightSample& sample : samples) {
+            directions_[first] = sample.direction;
+            radiances_[first] = sample.radiance;
+            controls_[first] = sample.control;
+            densities_[first++] = sample.pdf;
+        }
+    }
+
+    py::dict dict() const {
+        using namespace py::literals;
+        return py::dict("direction"_a = direction_, "radiance"_a = radiance_,
+                        "control"_a = control_, "pdf"_a = pdf_);
+    }
+
+private:
+    py::array_t<float> direction_, radiance_, control_;
+    py::array_t<double> pdf_;
+    std::span<Vec3f> directions_;
+    std::span<Rgb> radiances_, controls_;
+    std::span<double> densities_;
+};
 
 py::dict sampleAt(const SamplerObject& sampler, const py::object& points, const py::object& normals,
                   std::uint32_t count, std::uint64_t seed, bool control, const py::object& progress,
                   int threads) {
-    Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals")});
+    const Broadcast all({{"points", points}, {"normals", normals}});
     const SamplerObject kept = sampler;
-    const SampleAim aim = aimOf(control);
-    std::vector<LightSample> samples;
-    std::vector<Rgb> integrals = longCall(
+    Columns columns(all.shape({count}));
+    py::array_t<float> integral = newArray<float>(all.shape({3}));
+    const std::span<Rgb> integrals = valuesOf<Rgb>(integral);
+    runLong(
         progress,
         [&] {
-            const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
-            samples.resize(places.size() * count);
-            std::vector<Rgb> values(places.size());
-            samplePlaces(*kept.sampler, places, aim, seed, samples, values);
-            return values;
+            const std::size_t most = std::max<std::size_t>(1, kMostOfPart / std::max(1u, count));
+            std::vector<LightSample> samples;
+            forEachPart(all, most, [&](std::size_t first, const auto& vectors) {
+                samples.resize(vectors[0].size() * count);
+                samplePlaces(*kept.sampler, {vectors[0], vectors[1]}, aimOf(control), {seed, first},
+                             samples, integrals.subspan(first, vectors[0].size()));
+                columns.write(first * count, samples);
+            });
         },
         threads);
-    Shape shape = all.shape;
-    shape.push_back(count);
-    py::dict columns = columnsOf(samples, shape);
-    all.shape.push_back(3);
-    columns["integral"] = arrayOf<float>(all.shape, std::move(integrals));
-    return columns;
+    py::dict dict = columns.dict();
+    dict["integral"] = integral;
+    return dict;
 }
 
 py::dict lookUpAt(const SamplerObject& sampler, const py::object& points, const py::object& normals,
                   const py::object& directions, bool control, const py::object& progress,
                   int threads) {
-    const Broadcast all = broadcast({vectorsOf(points, "points"), vectorsOf(normals, "normals"),
-                                     vectorsOf(directions, "directions")});
+    const Broadcast all({{"points", points}, {"normals", normals}, {"directions", directions}});
     const SamplerObject kept = sampler;
-    const SampleAim aim = aimOf(control);
-    const std::vector<LightSample> found = longCall(
+    Columns columns(all.shape());
+    runLong(
         progress,
         [&] {
-            const Places places{vectorsIn(all.arrays[0]), vectorsIn(all.arrays[1])};
-            std::vector<LightSample> along(places.size());
-            readAlong(*kept.sampler, places, aim, vectorsIn(all.arrays[2]), along);
-            return along;
+            std::vector<LightSample> along;
+            forEachPart(all, kMostOfPart, [&](std::size_t first, const auto& vectors) {
+                along.resize(vectors[0].size());
+                readAlong(*kept.sampler, {vectors[0], vectors[1]}, aimOf(control), vectors[2],
+                          along);
+                columns.write(first, along);
+            });
         },
         threads);
-    return columnsOf(found, all.shape);
+    return columns.dict();
 }
 
 }  // namespace

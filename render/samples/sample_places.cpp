@@ -21,7 +21,8 @@ constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 }  // namespace
 
 void samplePlaces(const LightSampler& sampler, const Places& places, SampleAim aim,
-                  std::uint64_t seed, std::span<LightSample> samples, std::span<Rgb> integrals) {
+                  const PlaceSequences& sequences, std::span<LightSample> samples,
+                  std::span<Rgb> integrals) {
     std::ranges::fill(samples, LightSample{});
     std::ranges::fill(integrals, Rgb(kNothing));
     if (places.size() == 0) return;
@@ -35,7 +36,8 @@ void samplePlaces(const LightSampler& sampler, const Places& places, SampleAim a
             reader.moveTo(places.positions[i], Vec3f(unitAlong(places.normals[i])), aim);
             integrals[i] = reader.integral();
             if (reader.empty()) continue;
-            const std::uint64_t own = hashWords(seed, RenderSalt::placeSamples, i);
+            const std::uint64_t own =
+                hashWords(sequences.seed, RenderSalt::placeSamples, sequences.first + i);
             for (int k = 0; k < 3; ++k) owenSobol(0, k, own, words[static_cast<std::size_t>(k)]);
             for (std::size_t k = 0; k < count; ++k)
                 samples[i * count + k] = reader.sample(

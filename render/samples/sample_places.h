@@ -8,18 +8,24 @@
 
 namespace shadowcache {
 
+/// Which sequences places have.
+struct PlaceSequences {
+    std::uint64_t seed = 1;
+    std::uint64_t first = 0;  ///< number of the first place: parts of many places have theirs
+};
+
 /// Draws directions to the light at many places at once, on all threads: at each an Owen-scrambled
 /// Sobol' sequence of its own.
 ///
 /// @param places     those that are not finite, or have a normal of length 0, get samples with
 ///                   pdf 0 and a NaN integral
-/// @param seed       of the sequences
 /// @param samples    the same number for each place, one place after the other; pdf 0 where no
 ///                   light reaches the place
 /// @param integrals  LightSampler::Reader::integral() of each place
 /// @throws Error naming the cache's file if that cannot be read any more
 void samplePlaces(const LightSampler& sampler, const Places& places, SampleAim aim,
-                  std::uint64_t seed, std::span<LightSample> samples, std::span<Rgb> integrals);
+                  const PlaceSequences& sequences, std::span<LightSample> samples,
+                  std::span<Rgb> integrals);
 
 /// What is known along one direction from each place: LightSampler::Reader::along().
 ///

@@ -51,7 +51,7 @@ def check_content(package, module):
     wanted = {f"usr/bin/{name}" for name in PROGRAMS} | {f"usr/share/man/man1/{name}.1" for name in PROGRAMS}
     wanted |= {"usr/share/doc/shadowcache/LICENSE", "usr/share/shadowcache/shadowcache-blender.zip",
                "usr/include/shadowcache/common/cache/shadow_cache.h"}
-    wanted |= {f"usr/lib/python3/dist-packages/{name}" for name in ("shadowcache.pyi", "shadowcache_trade/__main__.py")
+    wanted |= {f"usr/lib/python3/dist-packages/{name}" for name in ("shadowcache-stubs/__init__.pyi", "shadowcache_trade/__main__.py")
                if module}
     assert wanted <= files, wanted - files
     assert any(name.endswith("libshadowcache.a") for name in files)

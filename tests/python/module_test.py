@@ -230,6 +230,43 @@ def test_not_a_number_comes_back(cache, white):
     assert np.isnan(cache.irradiance((0, 50, 0), UP, white)).all()  # far from any surface
 
 
+def box_with_a_window(albedo):
+    """A room of 2 m whose ceiling is open, all of one colour."""
+    low, high = np.array([-1.0, 0, -1]), np.array([1.0, 2, 1])
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * (high - low) + low
+    quads = [(0, 4, 5, 1), (0, 1, 3, 2), (4, 6, 7, 5), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    return shadowcache.load_set(corners, triangles, colors=np.full((8, 3), albedo))
+
+
+def test_irradiance_with_bounces(white):
+    room = box_with_a_window(0.6)
+    baked = shadowcache.bake(room, spacing=0.2, level=3)
+    below = [(0, 2, 0.1), (0, -1, 0)]
+    at = room.intersect(*below)["position"]
+    direct, one, all_of_it = (baked.irradiance(at, UP, white, bounces=b, scene=room)[0] for b in (0, 1, "unlimited"))
+    assert direct == baked.irradiance(at, UP, white)[0] and direct < one < all_of_it
+    camera = shadowcache.Camera((0.01, 1.99, 0.1), (0, 0, 0.1), fov=2)
+    for bounces, found in ((1, one), ("unlimited", all_of_it)):
+        truth = shadowcache.render(room, None, white, camera, size=(16, 16), camera_rays=32, samples=16, bounces=bounces,
+                                   aovs=["irradiance"])["irradiance"].mean()
+        assert found == pytest.approx(truth, rel=0.05)
+        assert found != pytest.approx(1.15 * truth, rel=0.05)  # the control: 15 per cent off
+    # Colours of the set, or one for all of it.
+    assert baked.irradiance(at, UP, white, bounces=1, albedo=0.6)[0] == pytest.approx(one, rel=1e-4)
+    assert baked.irradiance(at, UP, white, bounces=1, albedo=0)[0] == pytest.approx(direct, rel=0.01)
+
+
+def test_bounces_that_cannot_be_predicted(scene, cache, white):
+    with pytest.raises(shadowcache.Error, match="holds no transport"):
+        shadowcache.bake(scene, spacing=1, level=1, transport=False).irradiance(OPEN, UP, white, bounces=1)
+    with pytest.raises(shadowcache.Error, match="scene: not the one"):
+        cache.irradiance(OPEN, UP, white, bounces=1, scene=box_with_a_window(0.5))
+    for bad in (-1, 1001, "many"):
+        with pytest.raises(ValueError, match="bounces: expected 0 to 1000"):
+            cache.irradiance(OPEN, UP, white, bounces=bad)
+
+
 def test_items_are_a_view(cache):
     items = cache.items()
     assert len(items) == len(cache) > 100
@@ -245,6 +282,35 @@ def test_items_are_a_view(cache):
     del other
     gc.collect()
     assert np.array_equal(kept, copy)
+
+
+# Rays.
+
+def test_rays_meet_the_roof(scene):
+    origins = [(-1, 3, 0), (1, 3, 0), (-1, 0.5, 0), (1, 3, 0), (np.nan, 0, 0)]
+    directions = [(0, -2, 0), (0, -2, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)]
+    met = scene.intersect(origins, directions)
+    assert met["distance"] == pytest.approx([2, 3, 0.5, np.inf, np.nan], nan_ok=True)
+    assert met["triangle"].tolist()[3:] == [-1, -1] and (met["triangle"][:3] >= 0).all()
+    assert np.allclose(met["position"][:3], [(-1, 1, 0), (1, 0, 0), (-1, 1, 0)])
+    assert np.allclose(met["normal"][:3], [(0, 1, 0), (0, 1, 0), (0, -1, 0)])  # on the ray's side
+    assert np.isnan(met["position"][3:]).all() and np.isnan(met["normal"][3:]).all()
+    assert scene.occluded(origins, directions).tolist() == [True, True, True, False, False]
+    assert scene.occluded((-1, 0.5, 0), (0, 2, 0)) is True
+    assert scene.occluded((-1, 0.5, 0), (0, 2, 0), reach=0.4) is False
+    assert scene.occluded((-1, 0.5, 0), (0, 2, 0), reach=0.6) is True
+    with pytest.raises(ValueError, match="reach"):
+        scene.occluded(origins, directions, reach=0)
+
+
+def test_rays_start_off_the_surface_that_was_met(scene):
+    rng = np.random.default_rng(4)
+    down = scene.intersect(rng.uniform((-1.9, 2, -1.9), (1.9, 2, 1.9), (3000, 3)), (0, -1, 0))
+    assert not scene.occluded(down["start"], UP).any()
+    assert scene.occluded(down["position"] - (0, 1e-3, 0), UP).all()  # the control: below the surface
+    directions = rng.normal(size=(3000, 3)) * (1, 0, 1) + UP
+    seen = visible_past_the_roof(down["start"], directions) | (down["position"][:, 1] > 0.5)
+    assert (scene.occluded(down["start"], directions) == ~seen).mean() > 0.999
 
 
 # Environments.
@@ -396,6 +462,11 @@ def long_render(scene, cache, white, camera, **options):
     return shadowcache.render(scene, cache, white, camera, size=(640, 360), spp=4096, **options)
 
 
+def for_ever(call):
+    while True:
+        call()
+
+
 def turn_for_ever(sky):
     while True:
         sky = sky.rotate(1)
@@ -405,7 +476,13 @@ def turn_for_ever(sky):
     long_render,
     lambda scene, cache, white, camera: shadowcache.bake(scene, spacing=0.004, rays=255),
     lambda scene, cache, white, camera: turn_for_ever(shadowcache.Environment.from_array(np.ones((2048, 4096, 3)))),
-], ids=["render", "bake", "map"])
+    lambda scene, cache, white, camera: for_ever(lambda: shadowcache.Environment.from_array(np.broadcast_to(1.0, (4096, 8192, 3)))),
+    lambda scene, cache, white, camera: for_ever(lambda: white.sample(1 << 24)),
+    lambda scene, cache, white, camera: for_ever(lambda: white.look_up(np.broadcast_to(UP, (1 << 24, 3)))),
+    lambda scene, cache, white, camera: for_ever(lambda: cache.visibility(OPEN, UP, np.broadcast_to(UP, (1 << 26, 3)))),
+    lambda scene, cache, white, camera: for_ever(lambda: scene.intersect(np.broadcast_to(OPEN, (1 << 24, 3)), UP)),
+    lambda scene, cache, white, camera: for_ever(lambda: scene.occluded(np.broadcast_to(OPEN, (1 << 24, 3)), UP)),
+], ids=["render", "bake", "map", "from_array", "sample", "look_up", "visibility", "intersect", "occluded"])
 def test_interrupt_within_a_second(scene, cache, white, camera, call):
     sent = []
 
@@ -413,7 +490,7 @@ def test_interrupt_within_a_second(scene, cache, white, camera, call):
         sent.append(time.monotonic())
         os.kill(os.getpid(), signal.SIGINT)
 
-    timer = threading.Timer(2.0, interrupt)
+    timer = threading.Timer(0.7, interrupt)
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         call(scene, cache, white, camera)

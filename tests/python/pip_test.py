@@ -48,7 +48,7 @@ def test_installed_module_works_in_another_folder(environment, tmp_path):
 
     shown = run(environment / "bin/pip", "show", "--files", "shadowcache", cwd=tmp_path).stdout
     assert "Requires: numpy" in shown
-    assert "shadowcache.pyi" in shown and "shadowcache_trade/__main__.py" in shown
+    assert "shadowcache-stubs/__init__.pyi" in shown and "shadowcache_trade/__main__.py" in shown
     removed = run(environment / "bin/pip", "uninstall", "--yes", "shadowcache", cwd=tmp_path)
     assert removed.returncode == 0, removed.stdout
     assert not Path(file).exists()

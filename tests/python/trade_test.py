@@ -59,7 +59,7 @@ def run(folder, *arguments, **options):
 
 @pytest.fixture(scope="module")
 def done(folder):
-    ended = run(folder, "--frames", "1-3")
+    ended = run(folder, "--frames", "1-3", "--env-rotate", "130")
     assert ended.returncode == 0, ended.stderr
     return ended
 
@@ -249,16 +249,28 @@ def test_run(done, folder):
     assert not list(folder.glob(".part*"))
 
 
-def test_the_printed_commands_work(done, folder):
+def test_the_printed_commands_render_what_was_measured(done, folder):
+    """As they are printed: the light, the camera, the size and the samples of the module's calls."""
     lines = [line.strip() for line in done.stdout.splitlines() if line.startswith("    shadowcache-")]
     assert len(lines) == 2 and "--bounces 0" in lines[1]  # as measured
     programs = {"shadowcache-bake": BAKE, "shadowcache-render": RENDER}
     for line in lines:
         program, *words = shlex.split(line)
-        more = ["-o", "picture.##.exr", "--size", "16x9"] if program == "shadowcache-render" else []
-        ended = subprocess.run([programs[program], *words, *more], cwd=folder, capture_output=True, text=True, check=False)
+        ended = subprocess.run([programs[program], *words], cwd=folder, capture_output=True, text=True, check=False)
         assert ended.returncode == 0, (line, ended.stderr)
-    assert (folder / "set.vdb").exists() and (folder / "picture.03.exr").exists()
+    words = shlex.split(lines[1])
+    rays, samples = (int(words[words.index(option) + 1]) for option in ("--camera-rays", "--samples"))
+    assert (folder / "set.0001.exr").exists() and (folder / "set.0003.exr").exists()
+
+    def measured(turn):
+        return shadowcache.render(shadowcache.load_set(folder / "set.obj"), shadowcache.Cache.open(folder / "set.vdb"),
+                                  shadowcache.Environment.load(MAP, rotate=turn),
+                                  shadowcache.Camera.load(folder / "camera.json", frame=2), size=(64, 36), frame=2,
+                                  camera_rays=rays, samples=samples, bounces=0)["color"]
+
+    printed = shadowcache.read_exr(folder / "set.0002.exr")["color"]
+    assert np.array_equal(printed, measured(130))
+    assert not np.allclose(printed, measured(0), rtol=0.05)  # the control
 
 
 @pytest.mark.parametrize("arguments, message", [

@@ -50,10 +50,13 @@ def option_line(point, shot, names):
 
 
 def render_line(result, shot, names):
+    """The command that renders the shot as it was measured, in the size that is delivered."""
     rays, samples = best_split(result.cache)[0]
     bounces = [] if shot.bounces == BOUNCES else ["--bounces", str(shot.bounces)]
-    return shlex.join(["shadowcache-render", *shot.files, *shot.set_options, "--cache", names, "--env",
-                       shot.environment, *shot.camera_options, "--camera-rays", str(rays), "--samples", str(samples), *bounces])
+    turn = [] if shot.sky.rotation == 0 else ["--env-rotate", repr(shot.sky.rotation)]
+    return shlex.join(["shadowcache-render", *shot.files, *shot.set_options, "--cache", names, "--env", shot.environment, *turn,
+                       *shot.camera_options, "--size", f"{shot.delivered[0]}x{shot.delivered[1]}", "--camera-rays", str(rays),
+                       "--samples", str(samples), *bounces, "-o", os.path.splitext(names)[0] + ".####.exr"])
 
 
 def table(result, shot):
