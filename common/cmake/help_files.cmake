@@ -12,6 +12,10 @@ function(shadowcache_help_files program)
         COMMAND ${program} --bash-completion > "${completion}"
         DEPENDS ${program} VERBATIM)
     add_custom_target(${program}-help ALL DEPENDS "${page}" "${completion}")
+    # A build of some targets, as scenes/demo makes it, is no package.
+    install(CODE "if(NOT EXISTS \"${page}\" OR NOT EXISTS \"${completion}\")
+    message(FATAL_ERROR \"${program} is not built: cmake --install needs all of the build, cmake --build ${PROJECT_BINARY_DIR}\")
+endif()")
     install(FILES "${page}" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
     install(FILES "${completion}"
         DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
