@@ -82,7 +82,8 @@ TEST(DefaultPathScene, IsWhatItsTruthTakesItFor) {
     for (int y = 0; y < kHeight; y += kHeight - 1)
         for (int x = 0; x < kWidth; x += kWidth - 1) {
             const Pixel& pixel = film.pixels[static_cast<std::size_t>(y * kWidth + x)];
-            const Vec3d wanted = View::place((x + 0.5) / kWidth, (y + 0.5) / kHeight).position;
+            const Vec3d wanted =
+                View::place((x + 0.5) / kWidth, (y + 0.5) / kHeight).place.position;
             EXPECT_LT((Vec3d(pixel.position) - wanted).length(), 1e-5);
         }
 }

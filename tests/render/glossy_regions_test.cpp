@@ -167,7 +167,7 @@ class GlossyRegionsTest : public testing::Test {
 protected:
     GlossyRegionsTest() {
         PlaceLookup lookup(world_.cache.cache());
-        lookup.pool(world_.scene, point_, 0);
+        lookup.pool(world_.scene, point_.place, 0);
         const DirectionTiers tiers = world_.cache.cache().header().tiers();
         RegionBuilder<LobeIntegrand> builder(world_.environment, tiers);
         const float leastNoise = CellSplitter(world_.environment, tiers).leastNoise();
@@ -220,7 +220,7 @@ TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
     const std::uint32_t member = 0;
     std::vector<double> values;
     for (std::uint64_t k = 0; k < 12000; ++k) {
-        point_.seed = hashWords(k, 3);
+        point_.slot.seed = hashWords(k, 3);
         const PointBatch batch{{&point_, 1}, 32};
         roundCounts(std::array{32.0}, 0, shares);
         double sum = 0;

@@ -59,7 +59,7 @@ TEST(Pilot, LooksEvenlyOverTheFilm) {
     // Control: other seeds look at other places of these pixels.
     int same = 0;
     for (std::size_t i = 0; i < first.size(); ++i)
-        same += first[i].position == looker.seen[i].position;
+        same += first[i].place.position == looker.seen[i].place.position;
     EXPECT_LT(same, 10);
 }
 

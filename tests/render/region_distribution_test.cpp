@@ -31,7 +31,7 @@ protected:
         const DirectionTiers tiers = world_.cache.cache().header().tiers();
         const ShadingPoint point = world_.below();
         PlaceLookup lookup(world_.cache.cache());
-        lookup.pool(world_.scene, point, 0);
+        lookup.pool(world_.scene, point.place, 0);
         const CellSplitter splitter(world_.environment, tiers);
         RegionBuilder<CosineIntegrand> ofCosine(world_.environment, tiers);
         const Regions& regions =

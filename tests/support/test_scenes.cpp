@@ -219,7 +219,7 @@ World::World(TriangleMesh set, const Image& map, const BakeOptions& options)
 double World::irradianceUnderSlab(const ShadingPoint& point) const {
     constexpr std::size_t kFloorTriangles = 2, kSlabTriangles = 12;
     ShadingPoint start = point;
-    start.position = mesh.origin + Vec3d(point.place.rayOrigin);
+    start.place.position = mesh.origin + Vec3d(point.place.rayOrigin);
     return kPi - hiddenByConvex(mesh, kFloorTriangles, kFloorTriangles + kSlabTriangles, start);
 }
 
@@ -244,7 +244,8 @@ Estimates runEstimator(const Estimator& estimator, const ShadingPoint& point, in
     const auto workspace = estimator.makeWorkspace();
     ShadingPoint at = point;
     for (int i = 1; i <= count; ++i) {
-        at.seed = hashWords(static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(samples));
+        at.slot.seed =
+            hashWords(static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(samples));
         const Estimate e = estimator.estimate(at, samples, *workspace, plan);
         for (int c = 0; c < 3; ++c)
             estimates.color[static_cast<std::size_t>(c)].push_back(
