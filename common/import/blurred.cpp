@@ -13,7 +13,7 @@ namespace shadowcache {
 
 namespace {
 
-constexpr std::size_t kTrianglesPerChunk = 1 << 16;
+constexpr std::size_t kBlurChunk = 1 << 16;
 
 /// Of a triangle's largest coordinate. Rays start up to as far off a surface (Scene::rayOrigin),
 /// and see nothing that is smaller.
@@ -65,8 +65,8 @@ Triangle triangleOf(const MeshSoup& soup, std::size_t i, const Vec3d& origin) {
 
 void countBlurred(const Vec3d& origin, MeshSoup& soup) {
     const std::size_t count = soup.triangles.size();
-    std::vector<Blurred> chunks(count / kTrianglesPerChunk + 1);
-    parallelFor(count, kTrianglesPerChunk, [&](const Chunk& chunk) {
+    std::vector<Blurred> chunks(count / kBlurChunk + 1);
+    parallelFor(count, kBlurChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const bool isLocal = soup.groupOf(i) != 0;
             const Triangle t = triangleOf(soup, i, isLocal ? Vec3d(0.0) : origin);

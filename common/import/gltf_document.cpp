@@ -20,7 +20,7 @@ constexpr const char* kDraco = "KHR_draco_mesh_compression";
 /// many elements, and one more for each of its bytes.
 constexpr std::size_t kMostZeros = std::size_t{1} << 20;
 
-constexpr int kMostMode = 6, kTriangles = 4;
+constexpr int kMostMode = 6, kDefaultMode = 4;
 
 constexpr Named<std::size_t> kComponents[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
                                               {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
@@ -269,13 +269,13 @@ private:
         to.indices =
             addAccessor(extension, {corners.size(), false, {{}, GltfType::uint32, 1, 4}, {}},
                         {reinterpret_cast<const char*>(corners.data()), 4 * corners.size()});
-        to.mode = kTriangles;
+        to.mode = kDefaultMode;
     }
 
     GltfPrimitive primitive(const GltfObject& from) {
         GltfPrimitive to;
         to.mode = from.index("mode", kMostMode + 1);
-        if (to.mode < 0) to.mode = kTriangles;
+        if (to.mode < 0) to.mode = kDefaultMode;
         extensions_.add("primitive", from);
         if (from.hasExtension(kDraco)) {
             readDraco(from, to);

@@ -9,7 +9,7 @@ namespace shadowcache {
 namespace {
 
 /// Nearer than that, float has bits for an eighth of a texel of 4096.
-constexpr double kFar = 256;
+constexpr double kFarTurns = 256;
 
 Vec2f inFloat(const GltfTexturePlace& on, const Vec3f& uv1) {
     return {Vec3f(on.toS).dot(uv1), Vec3f(on.toT).dot(uv1)};
@@ -17,7 +17,7 @@ Vec2f inFloat(const GltfTexturePlace& on, const Vec3f& uv1) {
 
 /// An even number, so that mirrors stay what they are.
 double periodsOf(double middle, bool repeats) {
-    return repeats && std::abs(middle) >= kFar ? 2 * std::round(middle / 2) : 0;
+    return repeats && std::abs(middle) >= kFarTurns ? 2 * std::round(middle / 2) : 0;
 }
 
 /// Disjoint sets. [Tarjan 1975, with path halving]
@@ -65,7 +65,7 @@ TextureIslands::TextureIslands(std::span<const Vec2d> places,
     std::vector<Imath::Box2d> boxes(1);
     for (const Vec2d& p : places) boxes[0].extendBy(p);
     const auto isFar = [](const Vec2d& p) {
-        return !(std::abs(p.x) < kFar && std::abs(p.y) < kFar);
+        return !(std::abs(p.x) < kFarTurns && std::abs(p.y) < kFarTurns);
     };
     if (std::ranges::any_of(places, isFar)) {
         Sets sets(places.size());
