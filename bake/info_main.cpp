@@ -18,8 +18,8 @@
 #include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/report_failure.h"
+#include "common/base/run_rows.h"
 #include "common/cli/command_line.h"
-#include "common/cli/options.h"
 #include "common/image/png.h"
 
 namespace shadowcache {
@@ -68,7 +68,6 @@ void define(CLI::App& app, Arguments& a) {
         ->capture_default_str()
         ->group(group);
     app.add_option("-o,--output", a.output, "File for --at or --export-grid")->group("Output");
-    addThreadsOption(app, a.threads, "Output");
     app.footer(
         "Examples:\n"
         "  shadowcache-info room.vdb\n"
@@ -84,7 +83,6 @@ void define(CLI::App& app, Arguments& a) {
 
 /// Refuses invalid options before the long work starts.
 void validate(const Arguments& a) {
-    requireRange("threads", a.threads, 0, kMaxThreads);
     requireRange("env-rotate", a.environmentRotation, -1e6, 1e6);
     if (!a.report.empty()) {
         requireExtension(a.report, ".html");
@@ -166,7 +164,9 @@ int main(int argc, char** argv) try {
     Arguments arguments;
     beginCommandLine(app);
     define(app, arguments);
-    if (const auto status = parseCommandLine(app, argc, argv)) return *status;
+    std::vector<OptionRow> rows{threadsRow(arguments.threads)};
+    rows[0].group = "Output";
+    if (const auto status = parseCommandLine(app, argc, argv, rows)) return *status;
     run(arguments);
     return kDone;
 } catch (const std::exception& e) {

@@ -11,8 +11,8 @@
 #include "common/base/leftovers.h"
 #include "common/base/option_checks.h"
 #include "common/base/report_failure.h"
+#include "common/base/run_rows.h"
 #include "common/cli/command_line.h"
-#include "common/cli/options.h"
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
@@ -27,7 +27,8 @@ int main(int argc, char** argv) try {
         ->required()
         ->take_all();
     app.add_option("-o,--output", output, "Cache to write (OpenVDB, .vdb)")->required();
-    addProgressOption(app, "Options");
+    std::vector<OptionRow> rows{progressRow()};
+    rows[0].group = "Options";
     app.footer(
         "All caches must have the same set, spacing, direction level and kind of refinement.\n"
         "The same shard twice is refused; shards that are missing are named. The caches are read\n"
@@ -35,7 +36,7 @@ int main(int argc, char** argv) try {
         "Examples:\n"
         "  shadowcache-merge part*.vdb -o set.vdb\n"
         "  shadowcache-merge seed1.vdb seed2.vdb -o better.vdb");
-    if (const auto status = parseCommandLine(app, argc, argv)) return *status;
+    if (const auto status = parseCommandLine(app, argc, argv, rows)) return *status;
     requireExtension(output, ".vdb");
     requireWritable(output);
     installInterruptHandler();

@@ -3,27 +3,31 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "common/base/error.h"
 #include "common/base/exit_status.h"
-#include "common/base/number_text.h"
 #include "common/base/option_checks.h"
 #include "common/base/report_failure.h"
+#include "common/base/run_rows.h"
 #include "common/base/text_streams.h"
 #include "common/cli/command_line.h"
-#include "common/cli/options.h"
-#include "common/command/shot_arguments.h"
 #include "common/farm/farm_files.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/frames.h"
+#include "common/shot/set_options.h"
 
 namespace shadowcache {
 namespace {
 
 struct Arguments {
-    ShotArguments shot;
+    SetOptions set;
+    CameraOptions camera;
+    std::string frames;
+    int width = 960, height = 540;
+    std::vector<std::string> words;  ///< that bake and render have in common
     std::string pictures, bakeWith;
     const FarmScheduler* scheduler = nullptr;
     FarmJob job;
@@ -31,38 +35,59 @@ struct Arguments {
     int threads = 0;
 };
 
-void define(CLI::App& app, Arguments& a) {
-    const std::string shot = "Shot";
-    addSetOptions(app, a.shot, shot, shot);
-    addShotOptions(app, a.shot, shot, shot);
-    app.get_option("--camera")->required();
-    app.get_option("--frames")->required();
-    const std::string work = "Work";
-    app.add_option("--bake-shards", a.job.shards, "Tasks of the bake, 1 to 10000")
-        ->capture_default_str()
-        ->group(work);
-    app.add_option("--chunk", a.job.chunk, "Frames of a task")->capture_default_str()->group(work);
-    addThreadsOption(app, a.threads, work);
-    app.add_option("--bake-with", a.bakeWith,
-                   "Further options of shadowcache-bake, as in \"--spacing 0.1 --rays 32\"")
-        ->group(work);
-    const std::string output = "Output";
-    std::vector<std::string> names;
-    for (const FarmScheduler& scheduler : farmSchedulers()) names.emplace_back(scheduler.name);
-    addWordOption(
-        app, "--for", names, [&a](std::size_t i) { a.scheduler = &farmSchedulers()[i]; },
-        "What runs the job: a scheduler")
-        ->required()
-        ->group(output);
-    app.add_option("-o,--output", a.folder,
-                   "Folder of the job, on a disk that all machines share, for scripts, logs, the "
-                   "cache and the frames")
-        ->required()
-        ->group(output);
-    app.add_option("--pictures", a.pictures,
-                   "EXR to write (.exr); #### or %04d becomes the frame number "
-                   "[frames/frame.####.exr in the job's folder]")
-        ->group(output);
+/// A row of an option that bake and render get as it was given.
+OptionRow passedOn(OptionRow row, std::vector<std::string>& words) {
+    row.group = "Shot";
+    row.read = [read = row.read, name = row.isPositional ? "" : "--" + row.name,
+                isFlag = row.form == OptionForm::flag, &words](std::span<const std::string> texts) {
+        read(texts);
+        for (const std::string& text : texts) {
+            if (isFlag && text != "true") continue;
+            if (!name.empty()) words.push_back(name);
+            if (!isFlag) words.push_back(text);
+        }
+    };
+    return row;
+}
+
+std::vector<OptionRow> optionRows(Arguments& a) {
+    std::vector<OptionRow> rows;
+    for (const OptionRow& row : setRows(a.set)) rows.push_back(passedOn(row, a.words));
+    for (const OptionRow& row :
+         {cameraRow(a.camera.name).required(), shutterRow(a.camera.shutter), fpsRow(a.set.fps),
+          sizeRow(a.width, a.height), dynamicRow(a.set.dynamic)})
+        rows.push_back(passedOn(row, a.words));
+    rows.push_back(framesRow(a.frames).required());
+    rows.back().group = "Shot";
+    std::vector<std::string> schedulers;
+    for (const FarmScheduler& scheduler : farmSchedulers()) schedulers.emplace_back(scheduler.name);
+    OptionRow output = textRow("output", a.folder,
+                               "Folder of the job, on a disk that all machines share, for scripts, "
+                               "logs, the cache and the frames");
+    output.letter = 'o';
+    for (OptionRow& row : std::vector{
+             wholeRow("bake-shards", a.job.shards, 1, kMostShards, "Tasks of the bake, 1 to 10000"),
+             wholeRow("chunk", a.job.chunk, 1, std::numeric_limits<int>::max(), "Frames of a task"),
+             threadsRow(a.threads),
+             textRow("bake-with", a.bakeWith,
+                     "Further options of shadowcache-bake, as in \"--spacing 0.1 --rays "
+                     "32\"")}) {
+        row.group = "Work";
+        rows.push_back(std::move(row));
+    }
+    for (OptionRow& row :
+         std::vector{option_row::word(
+                         "for", [&a](std::size_t i) { a.scheduler = &farmSchedulers()[i]; },
+                         schedulers, "What runs the job: a scheduler")
+                         .required(),
+                     output.required(),
+                     textRow("pictures", a.pictures,
+                             "EXR to write (.exr); #### or %04d becomes the frame number "
+                             "[frames/frame.####.exr in the job's folder]")}) {
+        row.group = "Output";
+        rows.push_back(std::move(row));
+    }
+    return rows;
 }
 
 constexpr const char* kFooter =
@@ -95,41 +120,18 @@ void refuseOurOptions(const std::vector<std::string>& words, const char* where) 
                             ": set by shadowcache-farm itself, expected other options");
 }
 
-/// The words that bake and render have in common.
-std::vector<std::string> commonWords(const ShotArguments& shot) {
-    meshOptionsOf(shot);  // refuses what is out of range
-    sizeOf(shot);
-    std::vector<std::string> words;
-    for (const auto& file : shot.files) words.push_back(file.string());
-    const auto add = [&](const char* option, const std::string& value) {
-        words.insert(words.end(), {option, value});
-    };
-    const ShotArguments standard;
-    if (shot.zUp) add("--up", "z");
-    if (shot.scale != standard.scale) add("--scale", numberText(shot.scale));
-    if (shot.setFrame) add("--set-frame", std::to_string(*shot.setFrame));
-    if (shot.allowExternal) words.emplace_back("--allow-external");
-    add("--camera", shot.camera);
-    if (shot.shutter != standard.shutter) add("--shutter", numberText(shot.shutter));
-    if (shot.fps != standard.fps) add("--fps", numberText(shot.fps));
-    if (shot.size != standard.size) add("--size", shot.size);
-    for (const std::string& moving : shot.dynamic) add("--dynamic", moving);
-    return words;
-}
-
 FarmJob jobOf(const Arguments& a, std::vector<std::string> forRenderer) {
     FarmJob job = a.job;
-    job.set = commonWords(a.shot);
-    job.sources = a.shot.files;
-    CameraOptions camera;
-    camera.name = a.shot.camera;
-    if (camera.isFile()) job.sources.emplace_back(a.shot.camera);
+    meshOptionsOf(a.set);  // refuses what is out of range
+    job.set = a.words;
+    job.sources = a.set.files;
+    if (a.camera.isFile()) job.sources.emplace_back(a.camera.name);
     TextReader words(a.bakeWith);
     for (std::string word; words >> word;) job.bakeOnly.push_back(word);
     refuseOurOptions(job.bakeOnly, "--bake-with");
     refuseOurOptions(forRenderer, "--");
     job.renderOnly = std::move(forRenderer);
-    job.frames = parseFrames(a.shot.frames);
+    job.frames = parseFrames(a.frames);
     job.pictures = a.pictures;
     if (!a.pictures.empty()) {
         requireExtension(a.pictures, ".exr");
@@ -187,12 +189,12 @@ int main(int argc, char** argv) try {
                  "shadowcache-farm");
     Arguments arguments;
     beginCommandLine(app);
-    define(app, arguments);
+    const std::vector<OptionRow> rows = optionRows(arguments);
     app.footer(kFooter);
     // CLI11 would take what follows -- for files of the set.
     char** const end = argv + argc;
     char** const separator = std::find(argv, end, std::string_view("--"));
-    if (const auto status = parseCommandLine(app, static_cast<int>(separator - argv), argv))
+    if (const auto status = parseCommandLine(app, static_cast<int>(separator - argv), argv, rows))
         return *status;
     run(arguments, {separator == end ? end : separator + 1, end});
     return kDone;

@@ -9,14 +9,11 @@
 int main(int argc, char** argv) try {
     using namespace shadowcache;
     installFailureHandler();
-    Arguments arguments;
-    if (const auto status = parseArguments(argc, argv, arguments)) return *status;
-    if (arguments.serve) {
-        serve(arguments.job.threads);
-        return kDone;
-    }
-    const RenderJob job = jobOf(arguments);
-    if (arguments.list)
+    RenderJob job;
+    if (const auto status = parseArguments(argc, argv, job)) return *status;
+    if (job.run.serve)
+        serve(job.run.threads);
+    else if (job.run.list)
         listSet(job);
     else
         run(job);

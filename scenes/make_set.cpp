@@ -5,7 +5,6 @@
 #include "common/base/exit_status.h"
 #include "common/base/report_failure.h"
 #include "common/cli/command_line.h"
-#include "common/cli/options.h"
 #include "scenes/sets.h"
 
 /// Writes one of the bundled sets: shadowcache-make-set courtyard|scatter -o FILE
@@ -18,10 +17,11 @@ int main(int argc, char** argv) try {
     std::string output;
     std::string camera;
     std::int64_t triangles = 1'000'000;
-    shadowcache::addWordOption(
-        app, "set", {"courtyard", "scatter"}, [&](std::size_t i) { scatter = i == 1; },
-        "courtyard or scatter")
-        ->required();
+    shadowcache::OptionRow set = shadowcache::option_row::word(
+        "set", [&](std::size_t i) { scatter = i == 1; }, {"courtyard", "scatter"},
+        "courtyard or scatter");
+    set.isPositional = true;
+    set.group = "Options";
     app.add_option("-o,--output", output,
                    "the set: .ply, or, for the courtyard, .glb, with materials")
         ->required();
@@ -32,7 +32,9 @@ int main(int argc, char** argv) try {
         "Examples:\n"
         "  shadowcache-make-set courtyard -o courtyard.glb --camera courtyard.json\n"
         "  shadowcache-make-set scatter --triangles 10000000 -o scatter.ply");
-    if (const auto status = shadowcache::parseCommandLine(app, argc, argv)) return *status;
+    if (const auto status =
+            shadowcache::parseCommandLine(app, argc, argv, std::vector{set.required()}))
+        return *status;
 
     const bool glb = std::filesystem::path(output).extension() == ".glb";
     if (scatter) {

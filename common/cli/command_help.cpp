@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/text_streams.h"
 #include "common/base/version.h"
@@ -59,7 +60,60 @@ std::string namesOf(const CLI::Option& option, const char* between) {
     return names;
 }
 
+std::string jsonText(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        out += c == '\n' ? "\\n" : std::string(1, c);
+    }
+    return out + '"';
+}
+
+std::string listOf(const std::vector<std::string>& words) {
+    std::string all;
+    for (const std::string& word : words) all += (all.empty() ? "" : ", ") + jsonText(word);
+    return "[" + all + "]";
+}
+
+/// A number that JSON can hold.
+std::string numberOrNull(double number) {
+    return std::isfinite(number) ? numberText(number) : "null";
+}
+
+constexpr Named<OptionForm> kForms[] = {
+    {"flag", OptionForm::flag},     {"whole", OptionForm::whole},
+    {"number", OptionForm::number}, {"numbers", OptionForm::numbers},
+    {"fields", OptionForm::fields}, {"word", OptionForm::word},
+    {"words", OptionForm::words},   {"text", OptionForm::text},
+    {"texts", OptionForm::texts}};
+
+std::string asJson(const OptionRow& row) {
+    std::string form;
+    for (const Named<OptionForm>& named : kForms)
+        if (named.value == row.form) form = named.name;
+    std::string line = "{\"name\": " + jsonText(row.name) + ", \"form\": " + jsonText(form);
+    const std::pair<const char*, Door> doors[] = {
+        {"serve", Door::serve}, {"python", Door::python}, {"blender", Door::blender}};
+    for (const auto& [name, door] : doors)
+        if (row.isAt(door))
+            line += std::string(", \"") + name + "\": " + jsonText(row.nameAt(door));
+    if (row.form == OptionForm::whole || row.form == OptionForm::number)
+        line += ", \"range\": [" + numberOrNull(row.range.least) + ", " +
+                numberOrNull(row.range.most) + "]";
+    if (row.range.isLeastOut || row.range.isMostOut)
+        line += std::string(", \"excluded\": \"") + (row.range.isMostOut ? "most" : "least") + "\"";
+    if (!row.choices.empty()) line += ", \"choices\": " + listOf(row.choices);
+    line += ", \"standard\": " + jsonText(row.standard);
+    return line + ", \"help\": " + jsonText(row.help) + "}";
+}
+
 }  // namespace
+
+std::string optionsAsJson(std::span<const OptionRow> rows) {
+    std::string all;
+    for (const OptionRow& row : rows) all += (all.empty() ? "[\n" : ",\n") + asJson(row);
+    return all + "\n]\n";
+}
 
 std::string manPage(const CLI::App& app) {
     const std::string& name = app.get_name();

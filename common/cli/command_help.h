@@ -1,6 +1,9 @@
 #pragma once
 
+#include <span>
 #include <string>
+
+#include "common/base/option_row.h"
 
 namespace CLI {  // NOLINT(readability-identifier-naming)
 class App;
@@ -13,5 +16,8 @@ std::string manPage(const CLI::App& app);
 
 /// A script for bash that completes the program's options and their choices.
 std::string bashCompletion(const CLI::App& app);
+
+/// A table of options as JSON: an object a row, a row a line, with the names at all doors.
+std::string optionsAsJson(std::span<const OptionRow> rows);
 
 }  // namespace shadowcache

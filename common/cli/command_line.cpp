@@ -4,9 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
@@ -14,12 +11,13 @@
 #include "common/base/atomic_file.h"
 #include "common/base/exit_status.h"
 #include "common/base/option_checks.h"
+#include "common/base/progress.h"
 #include "common/base/report_failure.h"
 #include "common/base/suggestion.h"
-#include "common/base/take_text.h"
 #include "common/base/text_streams.h"
 #include "common/base/version.h"
 #include "common/cli/command_help.h"
+#include "common/cli/options.h"
 
 namespace shadowcache {
 
@@ -209,7 +207,10 @@ void showInHelp(CLI::App& app, std::vector<std::string> groups) {
 }
 
 std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
+                                    std::span<const OptionRow> rows,
                                     const std::function<void()>& check) {
+    if (findRow(rows, "progress")) setProgressStyle(standardProgressStyle());
+    addRows(app, rows);
     const std::string group = "Settings file";
     std::filesystem::path written;
     app.set_config("--config", "",
@@ -226,14 +227,20 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
     };
     addPrinter("--man-page", manPage);
     addPrinter("--bash-completion", bashCompletion);
+    app.add_flag_callback("--options", [rows] { printAndEnd(optionsAsJson(rows)); })
+        ->configurable(false)
+        ->group("");
     try {
         app.parse(argc, argv);
         requireValues(app);
+        readRows(app, rows);
         check();
     } catch (const CLI::Success& e) {
         return app.exit(e);
     } catch (const CLI::ParseError& e) {
         return reportWrongUsage(app, e, argv[argc - 1]);
+    } catch (const FormError& e) {
+        return reportWrongUsage(app, CLI::ValidationError(e.what()), argv[argc - 1]);
     }
     if (!written.empty()) {
         requireExtension(written, ".toml");
@@ -241,33 +248,6 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
         writeWhole(written, app.config_to_str(false, false));
     }
     return std::nullopt;
-}
-
-std::array<int, 2> parsePair(const char* option, const std::string& text, const char* wanted) {
-    std::array<int, 2> pair{};
-    std::string_view rest = text;
-    if (takeNumber(rest, pair[0]) && (takeCharacter(rest, 'x') || takeCharacter(rest, ',')) &&
-        takeNumber(rest, pair[1]) && rest.empty() && pair[0] >= 0 && pair[1] >= 0)
-        return pair;
-    throw Error(std::string(option) + " " + text + ": expected " + wanted);
-}
-
-std::uint64_t parseSize(const char* option, const std::string& text) {
-    double bytes = 0;
-    const char* const end = text.data() + text.size();
-    const char* const unit = std::from_chars(text.data(), end, bytes, std::chars_format::fixed).ptr;
-    std::string rest(unit, end);
-    std::ranges::transform(rest, rest.begin(), [](unsigned char c) { return std::toupper(c); });
-    const std::string units = "KMGT";
-    const std::size_t power = rest.empty() ? units.npos : units.find(rest[0]);
-    if (power != units.npos) {
-        bytes *= std::pow(1024.0, static_cast<double>(power + 1));
-        rest.erase(0, 1);
-    }
-    if (!(bytes >= 1 && bytes <= 0x1p62) || (rest != "" && rest != "B" && rest != "IB"))
-        throw Error(std::string(option) + " " + text +
-                    ": expected a size in bytes, as in 4G, 1.5G or 512M");
-    return static_cast<std::uint64_t>(bytes);
 }
 
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app) {

@@ -2,13 +2,14 @@
 
 #include <optional>
 
-#include "render/app/arguments.h"
+#include "render/library/job.h"
 
 namespace shadowcache {
 
-/// The options of shadowcache-render, in the groups that --help shows.
+/// Reads the command line of shadowcache-render and a settings file that it names into a job.
 ///
 /// @return the status to exit with if there is nothing left to do: help, version, wrong usage
-std::optional<int> parseArguments(int argc, char** argv, Arguments& arguments);
+/// @throws Error naming the option, the text and the values wanted
+std::optional<int> parseArguments(int argc, char** argv, RenderJob& job);
 
 }  // namespace shadowcache

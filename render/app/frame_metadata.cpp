@@ -18,40 +18,34 @@ std::string gainText(const Vec3d& gain) {
 }  // namespace
 
 std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPlan::Light& light) {
-    std::vector<std::filesystem::path> inputs = job.files;
-    for (const DynamicFile& file : job.dynamic) {
+    std::vector<std::filesystem::path> inputs = job.stage.set.files;
+    for (const DynamicFile& file : job.stage.set.dynamic) {
         inputs.push_back(file.mesh);
         inputs.push_back(file.track);
     }
-    for (const std::string& text : {job.cache.string(), job.camera.name, light.environment})
+    for (const std::string& text : {job.stage.cache.string(), job.camera.name, light.environment})
         inputs.emplace_back(text);
     return inputs;
 }
 
-std::string biasOf(const RenderJob& job) {
-    if (job.render.preview) return "preview: what rays add to the prediction is filtered";
-    if (job.render.bounces != 0 && job.render.clampIndirect > 0)
-        return "clamp-indirect: bright light that bounces is cut";
-    return biasOf(job.render.samples);
-}
-
-Metadata frameMetadata(const RenderJob& job, std::optional<std::uint64_t> fingerprint,
-                       const LightPlan::Light& light, int frame, InputHashes& inputs) {
+Metadata frameMetadata(const RenderJob& job, const PictureSettings& settings,
+                       std::optional<std::uint64_t> fingerprint, const LightPlan::Light& light,
+                       int frame, InputHashes& inputs) {
     Metadata metadata{{"shadowcache:version", kVersion}};
-    for (const auto& [name, value] : job.settings)
+    for (const auto& [name, value] : job.run.settings)
         if (name != "env" && name != "env-rotate" && name != "env-gain" && name != "spp" &&
             name != "camera-rays" && name != "samples" && name != "bounces")
             metadata.emplace_back("shadowcache:" + name, value);
     // --spp, --preview, --target-error and --estimator choose these.
-    metadata.emplace_back("shadowcache:camera-rays", std::to_string(job.render.cameraRays));
-    metadata.emplace_back("shadowcache:bounces", job.render.bounces == kUnlimitedBounces
+    metadata.emplace_back("shadowcache:camera-rays", std::to_string(settings.options.cameraRays));
+    metadata.emplace_back("shadowcache:bounces", settings.options.bounces == kUnlimitedBounces
                                                      ? "unlimited"
-                                                     : std::to_string(job.render.bounces));
-    metadata.emplace_back("shadowcache:samples", std::to_string(job.render.samples));
+                                                     : std::to_string(settings.options.bounces));
+    metadata.emplace_back("shadowcache:samples", std::to_string(settings.options.samples));
     metadata.emplace_back("shadowcache:env", light.environment);
     metadata.emplace_back("shadowcache:env-rotate", light.rotation.text());
     metadata.emplace_back("shadowcache:env-gain", gainText(light.gain));
-    metadata.emplace_back("shadowcache:bias", biasOf(job));
+    metadata.emplace_back("shadowcache:bias", biasOf(settings));
     metadata.emplace_back("shadowcache:frame", std::to_string(frame));
     metadata.emplace_back("shadowcache:inputs", inputs.of(inputsOf(job, light)));
     if (fingerprint) {

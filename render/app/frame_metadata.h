@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/image/exr.h"
-#include "render/app/job.h"
 #include "render/app/resume.h"
+#include "render/library/job.h"
 #include "render/shot/light_plan.h"
 
 namespace shadowcache {
@@ -18,13 +18,11 @@ namespace shadowcache {
 /// Files whose change makes a picture another one.
 std::vector<std::filesystem::path> inputsOf(const RenderJob& job, const LightPlan::Light& light);
 
-/// How a job's pictures are biased: "none", or the cause.
-std::string biasOf(const RenderJob& job);
-
 /// All metadata of a frame's file but the time it took.
 ///
 /// @param fingerprint  of the cache's set; none without a cache
-Metadata frameMetadata(const RenderJob& job, std::optional<std::uint64_t> fingerprint,
-                       const LightPlan::Light& light, int frame, InputHashes& inputs);
+Metadata frameMetadata(const RenderJob& job, const PictureSettings& settings,
+                       std::optional<std::uint64_t> fingerprint, const LightPlan::Light& light,
+                       int frame, InputHashes& inputs);
 
 }  // namespace shadowcache

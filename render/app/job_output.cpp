@@ -23,43 +23,40 @@
 namespace shadowcache {
 
 std::filesystem::path frameFile(const RenderJob& job, int frame) {
-    return framePath(job.output, frame,
-                     job.frames.size() > 1 ? FrameNames::several
-                     : job.framesGiven     ? FrameNames::one
-                                           : FrameNames::unasked);
+    return framePath(job.run.output, frame,
+                     job.run.frames.size() > 1 ? FrameNames::several
+                     : job.run.framesGiven     ? FrameNames::one
+                                               : FrameNames::unasked);
 }
 
 std::filesystem::path outputName(const RenderJob& job) {
-    return job.frames.size() == 1 ? frameFile(job, job.frames.front()) : job.output;
+    return job.run.frames.size() == 1 ? frameFile(job, job.run.frames.front()) : job.run.output;
 }
 
 std::vector<std::filesystem::path> frameFiles(const RenderJob& job, int frame) {
     std::vector<std::filesystem::path> files{frameFile(job, frame)};
-    if (!job.png) return files;
+    if (!job.run.png) return files;
     auto png = files.front();
     files.push_back(png.replace_extension(".png"));
-    for (const auto& [aov, picture] : aovPictures(png, job.aovs)) files.push_back(picture);
+    for (const auto& [aov, picture] : aovPictures(png, job.picture.aovs)) files.push_back(picture);
     return files;
 }
 
-void validateOutputs(const RenderJob& job, const EstimatorEntry& entry) {
-    requireExtension(job.output, ".exr");
-    for (const std::string& aov : job.aovs)
-        if (needsInsight(aov) && !entry.needsCache)
-            throw Error("--aov " + aov + ": requires --estimator cache");
-    for (const int frame : job.frames) frameFiles(job, frame);
-    if (!job.stats.empty()) requireExtension(job.stats, ".json");
+void validateOutputs(const RenderJob& job) {
+    requireExtension(job.run.output, ".exr");
+    for (const int frame : job.run.frames) frameFiles(job, frame);
+    if (!job.run.stats.empty()) requireExtension(job.run.stats, ".json");
 }
 
 void requireWritableOutputs(const RenderJob& job) {
-    for (const int frame : job.frames)
+    for (const int frame : job.run.frames)
         for (const auto& file : frameFiles(job, frame)) requireWritable(file);
-    if (!job.stats.empty()) requireWritable(job.stats);
+    if (!job.run.stats.empty()) requireWritable(job.run.stats);
 }
 
 void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {
-    std::set<std::filesystem::path> inputs{job.reference};
-    for (std::size_t i = 0; i < job.frames.size(); ++i)
+    std::set<std::filesystem::path> inputs{job.run.reference};
+    for (std::size_t i = 0; i < job.run.frames.size(); ++i)
         for (const auto& input : inputsOf(job, plan.at(i))) inputs.insert(input);
     std::set<std::filesystem::path> kept;
     for (const auto& input : inputs)
@@ -70,9 +67,9 @@ void refuseToOverwriteInputs(const RenderJob& job, const LightPlan& plan) {
         if (kept.contains(std::filesystem::weakly_canonical(output, no)))
             throwFileError(output, "is an input of this run, expected another file to write");
     };
-    for (const int frame : job.frames)
+    for (const int frame : job.run.frames)
         for (const auto& file : frameFiles(job, frame)) check(file);
-    check(job.stats);
+    check(job.run.stats);
 }
 
 void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, const ExrView& view,
@@ -83,23 +80,23 @@ void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, const
     metadata.emplace_back("shadowcache:processor", instructionSet());
     metadata.emplace_back("shadowcache:camera-rays-done", std::to_string(progress.cameraRays));
     if (!progress.complete) metadata.emplace_back("shadowcache:incomplete", "true");
-    writeExr(path, film.width, film.height, channels(film, job.aovs), metadata,
-             job.half ? PixelType::half : PixelType::full,
+    writeExr(path, film.width, film.height, channels(film, job.picture.aovs), metadata,
+             job.run.half ? PixelType::half : PixelType::full,
              {film.x, film.y, film.frameWidth, film.frameHeight}, view);
-    if (!job.png) return;
+    if (!job.run.png) return;
     auto png = path;
-    writePng(png.replace_extension(".png"), colorImage(film), job.exposure, alphaOf(film));
-    for (const auto& [aov, picture] : aovPictures(png, job.aovs))
+    writePng(png.replace_extension(".png"), colorImage(film), job.run.exposure, alphaOf(film));
+    for (const auto& [aov, picture] : aovPictures(png, job.picture.aovs))
         writePng(picture, falseColorImage(film, aov), 0);
 }
 
-void writeStats(const RenderJob& job, const EstimatorEntry& entry, const TriangleMesh& mesh,
+void writeStats(const RenderJob& job, const PictureSettings& settings, const TriangleMesh& mesh,
                 const ShadowCache* cache, const Timing& timing, const RenderStats& stats,
                 const std::optional<RelativeError>& error) {
     JsonFile out;
     out.set("version", std::string(kVersion));
-    out.set("estimator", std::string(entry.name));
-    out.set("bias", biasOf(job));
+    out.set("estimator", std::string(settings.estimator.name));
+    out.set("bias", biasOf(settings));
     out.set("triangles", std::uint64_t{mesh.triangles.size()});
     const Box3d bounds = placedBounds(mesh);
     const Vec3d least = bounds.min + mesh.origin, most = bounds.max + mesh.origin;
@@ -133,7 +130,7 @@ void writeStats(const RenderJob& job, const EstimatorEntry& entry, const Triangl
         out.set("error.max", error->max);
     }
     out.set("peak_rss_bytes", peakMemoryBytes());
-    out.write(job.stats);
+    out.write(job.run.stats);
 }
 
 }  // namespace shadowcache

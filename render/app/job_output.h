@@ -5,10 +5,10 @@
 #include "common/cache/shadow_cache.h"
 #include "common/image/exr.h"
 #include "common/image/image.h"
-#include "render/app/job.h"
 #include "render/frame/compare.h"
 #include "render/frame/film.h"
 #include "render/frame/integrator.h"
+#include "render/library/job.h"
 #include "render/shot/light_plan.h"
 
 namespace shadowcache {
@@ -16,7 +16,7 @@ namespace shadowcache {
 // What a job writes: the frames' files, and the statistics.
 
 /// Refuses names that no output can have. @throws Error
-void validateOutputs(const RenderJob& job, const EstimatorEntry& entry);
+void validateOutputs(const RenderJob& job);
 
 /// Refuses what could not be written, before the long work. @throws Error
 void requireWritableOutputs(const RenderJob& job);
@@ -50,7 +50,7 @@ struct Timing {
 };
 
 /// The JSON of --stats. @throws Error
-void writeStats(const RenderJob& job, const EstimatorEntry& entry, const TriangleMesh& mesh,
+void writeStats(const RenderJob& job, const PictureSettings& settings, const TriangleMesh& mesh,
                 const ShadowCache* cache, const Timing& timing, const RenderStats& stats,
                 const std::optional<RelativeError>& error);
 

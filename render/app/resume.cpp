@@ -8,25 +8,26 @@
 #include "common/cache/checksums.h"
 #include "common/image/exr.h"
 #include "common/import/set_files.h"
+#include "render/library/option_table.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// The files among them are compared by their content, under whatever name (`inputs`).
-constexpr const char* kSilent[] = {
-    "SET",      "cache",     "env",         "dynamic",     "seconds",          "threads",
-    "output",   "frames",    "shot-frames", "stats",       "resume",           "png",
-    "exposure", "reference", "memory",      "progressive", "camera-rays-done", "progress",
-    "processor"};
+/// How a picture came about, beside its options.
+constexpr const char* kSilent[] = {"seconds", "camera-rays-done", "processor"};
 
 const std::string kPrefix = "shadowcache:";
 
+/// Files are compared by their content, under whatever name (`inputs`).
+///
 /// @param pictures  whether PNG files are wanted, which are exposed; the EXR is not
 bool matters(const std::string& name, bool pictures) {
     if (!name.starts_with(kPrefix)) return false;
     if (pictures && name == kPrefix + "exposure") return true;
-    return std::none_of(std::begin(kSilent), std::end(kSilent),
+    const OptionRow* row = findRow(optionTable(), name.substr(kPrefix.size()));
+    return (!row || row->isCompared) &&
+           std::none_of(std::begin(kSilent), std::end(kSilent),
                         [&](const char* silent) { return name == kPrefix + silent; });
 }
 

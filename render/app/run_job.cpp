@@ -14,26 +14,18 @@
 #include "common/base/process.h"
 #include "common/base/progress.h"
 #include "common/image/exr.h"
-#include "common/import/load_mesh.h"
 #include "common/import/mesh_reader.h"
-#include "common/shot/camera_source.h"
 #include "common/shot/gltf_shot.h"
 #include "common/shot/picture_view.h"
 #include "render/app/explain.h"
 #include "render/app/frame_check.h"
 #include "render/app/frame_metadata.h"
-#include "render/app/job_cache.h"
 #include "render/app/job_output.h"
 #include "render/app/memory_report.h"
 #include "render/app/pixel_report.h"
-#include "render/frame/aov_channels.h"
-#include "render/frame/integrator.h"
-#include "render/frame/pilot.h"
-#include "render/frame/progressive.h"
 #include "render/frame/target_error.h"
-#include "render/library/pixel_rays.h"
-#include "render/library/shot.h"
-#include "render/library/stale_cache.h"
+#include "render/library/lit_stage.h"
+#include "render/library/stage.h"
 #include "render/shot/environment_loader.h"
 #include "render/shot/light_plan.h"
 
@@ -46,31 +38,27 @@ namespace {
 constexpr double kFewWithoutItems = 1e-3;
 
 /// Refuses invalid options before the long work starts.
-///
-/// @return the estimator asked for
-const EstimatorEntry& validate(const RenderJob& job) {
-    validate(job.render);
-    requireRange("threads", job.threads, 0, kMaxThreads);
-    requireRange("fps", job.fps, 1e-3, 1e6);
-    requireRange("time-limit", job.timeLimit, 0.0, 1e9);
-    requireRange("exposure", job.exposure, -64.0f, 64.0f);
-    requireRange("fov-y", job.camera.fovYDegrees, 0.01, 179.0);
-    if (job.debugPixel) {
-        requireRange("debug (x)", (*job.debugPixel)[0], 0, job.render.width - 1);
-        requireRange("debug (y)", (*job.debugPixel)[1], 0, job.render.height - 1);
+PictureSettings settingsOf(const RenderJob& job) {
+    PictureSettings settings =
+        resolve(job.picture, !job.stage.cache.empty(), job.stage.set.mesh.gloss);
+    if (job.run.debugPixel) {
+        requireRange("debug (x)", (*job.run.debugPixel)[0], 0, settings.options.width - 1);
+        requireRange("debug (y)", (*job.run.debugPixel)[1], 0, settings.options.height - 1);
     }
-    const EstimatorEntry& entry = estimatorOf(job);
-    requireFit(entry, !job.cache.empty(), job.render);
-    validateOutputs(job, entry);
-    return entry;
+    validateOutputs(job);
+    return settings;
 }
 
-/// What reading a map has to say.
 void printNote(const std::string& text, NoteKind kind) {
     if (kind == NoteKind::warning)
         std::fprintf(stderr, "shadowcache-render: warning: %s\n", text.c_str());
     else
-        std::printf("map: %s\n", text.c_str());
+        std::printf("%s\n", text.c_str());
+}
+
+/// What reading a map has to say.
+void printMapNote(const std::string& text, NoteKind kind) {
+    printNote(kind == NoteKind::note ? "map: " + text : text, kind);
 }
 
 /// A job in progress: the inputs, loaded once, and the frames.
@@ -78,96 +66,101 @@ class Run {
 public:
     explicit Run(const RenderJob& job)
         : job_(job),
-          entry_(validate(job)),
-          plan_(job.light, job.frames, job.shotFrames),
-          light_(printNote),
-          inputs_(job.mesh.references) {
-        setThreadCount(job.threads);
+          run_(job.run),
+          settings_(settingsOf(job)),
+          plan_(job.light, run_.frames, run_.shotFrames),
+          light_(printMapNote),
+          inputs_(job.stage.set.mesh.references) {
+        setThreadCount(run_.threads);
         installInterruptHandler();
     }
 
     void run() {
         const double start = secondsNow();
         plan_.requireFiles();
-        if (job_.check) return checkFrames(job_, plan_, inputs_);
+        if (run_.check) return checkFrames(job_, settings_, plan_, inputs_);
         refuseToOverwriteInputs(job_, plan_);
         if (nothingLeft()) {
-            skipped_ = job_.frames.size();
+            skipped_ = run_.frames.size();
             return summarize();
         }
-        if (!job_.explain && !job_.debugPixel) requireWritableOutputs(job_);
-        std::vector<GltfShot> shots = openShots(job_.files, job_.mesh, job_.fps);
-        const CameraSource camera(job_.camera, shots);
-        for (const int frame : job_.frames) camera.moveAt(frame);
-        if (!job_.reference.empty()) reference_ = readReference(job_.reference, job_.render);
-        mesh_ = loadMesh(job_.files, job_.mesh);
-        std::printf("set: %s\n", describe(mesh_.report).c_str());
-        moving_.emplace(shots, job_.dynamic, job_.mesh, mesh_.origin, job_.fps);
-        for (const int frame : job_.frames) moving_->requireFrame(frame);
-        for (GltfShot& shot : shots) shot.dropData();
-        if (!moving_->empty())
-            std::printf("moving: %zu triangles, not in the cache\n", moving_->triangles());
-        cache_ = openCacheOfSet(job_, mesh_);
-        const double loaded = secondsNow();
-        scene_.emplace(mesh_);
-        makeShot();
-        timing_ = {loaded - start, secondsNow() - loaded};
-        options_ = job_.render;
-        options_.insight = std::ranges::any_of(job_.aovs, needsInsight);
-        Progress progress("frames", job_.frames.size());
-        for (std::size_t i = 0; i < job_.frames.size(); ++i) {
-            frame(camera, i);
+        if (!run_.explain && !run_.debugPixel) requireWritableOutputs(job_);
+        load(start);
+        Progress progress("frames", run_.frames.size());
+        for (std::size_t i = 0; i < run_.frames.size(); ++i) {
+            frame(i);
             progress.add(1);
-            if (job_.explain) return;
+            if (run_.explain) return;
             if (interrupted_) break;
         }
-        if (job_.debugPixel) return;
+        if (run_.debugPixel) return;
         summarize();
-        if (!job_.stats.empty())
-            writeStats(job_, entry_, mesh_, cache_.get(), timing_, stats_, error_);
+        if (!run_.stats.empty())
+            writeStats(job_, settings_, stage_->mesh(), stage_->cache(), timing_, stats_, error_);
         // The frame is there, but is not what was asked for: --resume renders it again.
         if (interrupted_) throw Interrupted();
     }
 
 private:
-    void frame(const CameraSource& camera, std::size_t i) {
+    /// Loads all but the light. What takes no time is refused before what does.
+    void load(double start) {
+        stage_.emplace(job_.stage, printNote);
+        camera_.emplace(stage_->cameras(job_.camera));
+        for (const int frame : run_.frames) camera_->moveAt(frame);
+        if (!run_.reference.empty()) reference_ = readReference(run_.reference, settings_.options);
+        stage_->load();
+        for (const int frame : run_.frames) stage_->requireFrame(frame);
+        const double loaded = secondsNow() - stage_->sceneSeconds();
+        lit_.emplace(stage_->scene(), stage_->cache(), settings_.estimator,
+                     lightingOf(job_.picture, settings_), job_.stage.cache.string());
+        lit_->requireTransport(settings_.options);
+        if (!lit_->note().empty()) printNote(lit_->note(), NoteKind::note);
+        timing_ = {loaded - start, secondsNow() - loaded};
+    }
+
+    void frame(std::size_t i) {
         throwIfInterrupted();
-        const int frame = job_.frames[i];
-        Metadata metadata =
-            frameMetadata(job_, cache_ ? std::optional(cache_->header().fingerprint) : std::nullopt,
-                          plan_.at(i), frame, inputs_);
-        if (job_.resume && !job_.explain && isDone(metadata, frame)) return;
+        const int frame = run_.frames[i];
+        const ShadowCache* cache = stage_->cache();
+        Metadata metadata = frameMetadata(
+            job_, settings_, cache ? std::optional(cache->header().fingerprint) : std::nullopt,
+            plan_.at(i), frame, inputs_);
+        if (run_.resume && !run_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
-        if (light_.load(plan_.at(i))) shot_->setEnvironment(light_.environment());
-        const Estimator& estimator = shot_->estimator();
+        if (light_.load(plan_.at(i))) lit_->setEnvironment(light_.environment());
         timing_.build += secondsNow() - start;
-        scene_->setMoving(moving_->pose(frame));
-        const double before = stats_.seconds;
-        const FrameRequest wanted{estimator, camera.moveAt(frame), frame, options_};
-        view_ = viewOf(wanted.camera.middle(), options_.width, options_.height);
-        view_.framesPerSecond = camera.fps() > 0 ? camera.fps() : job_.fps;
+        stage_->pose(frame);
+        const CameraMove camera = camera_->moveAt(frame);
+        view_ = viewOf(camera.middle(), settings_.options.width, settings_.options.height);
+        view_.framesPerSecond = camera_->fps() > 0 ? camera_->fps() : job_.stage.set.fps;
         view_.chromaticities = light_.chromaticities();
-        if (job_.explain) {
-            const Forecast forecast{entry_, !job_.estimator.empty(),
-                                    static_cast<int>(job_.frames.size()),
+        if (run_.explain) {
+            const Forecast forecast{settings_.estimator, job_.picture.estimator.has_value(),
+                                    static_cast<int>(run_.frames.size()),
                                     timing_.load + timing_.build};
-            std::fputs(explain(wanted, forecast).c_str(), stdout);
+            const FrameRequest request{lit_->estimator(), camera, frame, settings_.options};
+            std::fputs(explain(request, forecast).c_str(), stdout);
             return;
         }
-        const auto [request, correction] = planned(wanted);
-        if (job_.debugPixel) {
-            const auto [x, y] = *job_.debugPixel;
-            reportPixel(request, x, y);
-            return;
+        const double before = stats_.seconds;
+        const Picture picture = lit_->plan(camera, frame, settings_.options, stats_, targetError());
+        if (run_.debugPixel) {
+            const auto [x, y] = *run_.debugPixel;
+            return reportPixel(picture.request(), x, y);
         }
-        const ProgressiveFrame done = renderFrame(request, metadata, before);
+        finish(frame, picture, std::move(metadata), before);
+    }
+
+    /// Renders a frame, writes it, and keeps what is to be said of it.
+    void finish(int frame, const Picture& picture, Metadata metadata, double before) {
+        const ProgressiveFrame done = filmOf(picture, metadata, before);
         const Film& film = done.film;
-        stats_.samples = request.options.samples;
+        const RenderOptions& options = picture.request().options;
+        stats_.samples = options.samples;
         stats_.cameraRaysAPixel = meanCameraRays(film);
-        stats_.ownError =
-            correction *
-            measuredError(film.pixels, estimator.context().environment.luminanceWeights());
-        if (job_.targetError > 0) reportError(frame);
+        stats_.ownError = picture.errorCorrection() *
+                          measuredError(film.pixels, light_.environment().luminanceWeights());
+        if (targetError() > 0) reportError(frame);
         writeFrame(job_, film, std::move(metadata), view_,
                    {stats_.seconds - before, done.cameraRays, done.end != FrameEnd::interrupted},
                    frame);
@@ -176,60 +169,44 @@ private:
         if (done.end != FrameEnd::complete)
             std::printf("frame %d: %s after %d of %d camera rays a pixel\n", frame,
                         done.end == FrameEnd::interrupted ? "interrupted" : "out of time",
-                        done.cameraRays, request.options.cameraRays);
+                        done.cameraRays, options.cameraRays);
         interrupted_ = done.end == FrameEnd::interrupted;
     }
 
-    TargetPlan planned(const FrameRequest& wanted) {
-        if (job_.targetError > 0) return planForError(wanted, job_.targetError, stats_);
-        TargetPlan plain{wanted};
-        plain.frame.plan = planFrame(wanted, stats_);
-        return plain;
-    }
-
-    void makeShot() {
-        shot_.emplace(*scene_, cache_.get(), entry_,
-                      ShotOptions{job_.estimatorOptions, job_.sequence, job_.render.bounces,
-                                  job_.render.plain});
-        if (!shot_->missesTransport()) return;
-        requireTransport(*shot_, job_.render, job_.cache);
-        std::printf(
-            "bounces: not predicted, the cache holds no transport; unbiased, but noisier\n");
-    }
-
     /// The frame; with --progressive the file is written after each pass.
-    ProgressiveFrame renderFrame(const FrameRequest& request, const Metadata& metadata,
-                                 double before) {
-        if (!job_.progressive)
-            return {render(request, stats_), request.options.cameraRays, FrameEnd::complete};
+    ProgressiveFrame filmOf(const Picture& picture, const Metadata& metadata, double before) {
+        if (!run_.progressive)
+            return {picture.film(stats_), picture.request().options.cameraRays, FrameEnd::complete};
         const double end =
-            job_.timeLimit > 0 ? secondsNow() + job_.timeLimit : std::numeric_limits<double>::max();
+            run_.timeLimit > 0 ? secondsNow() + run_.timeLimit : std::numeric_limits<double>::max();
         ProgressiveObserver observer;
         observer.stop = [end] { return secondsNow() > end; };
         observer.onPass = [&](const Film& film, int cameraRays) {
             writeFrame(job_, film, metadata, view_, {stats_.seconds - before, cameraRays, false},
-                       request.number);
+                       picture.request().number);
         };
-        return renderProgressive(request, stats_, observer);
+        return picture.film(stats_, observer);
     }
+
+    double targetError() const { return job_.picture.rays.targetError.value_or(0); }
 
     /// Prints the error estimated from the spread of the frame's camera rays.
     void reportError(int frame) const {
         std::printf(
             "frame %d: %.4g camera rays a pixel, relMSE %.3g by the spread of its camera rays, "
             "target %.3g\n",
-            frame, stats_.cameraRaysAPixel, stats_.ownError, job_.targetError);
+            frame, stats_.cameraRaysAPixel, stats_.ownError, targetError());
     }
 
     /// Whether --resume finds every frame, so that the set need not be loaded.
     bool nothingLeft() {
-        return job_.resume && !job_.explain && !job_.debugPixel && job_.reference.empty() &&
-               job_.stats.empty() && allFramesDone(job_, plan_, inputs_);
+        return run_.resume && !run_.explain && !run_.debugPixel && run_.reference.empty() &&
+               run_.stats.empty() && allFramesDone(job_, settings_, plan_, inputs_);
     }
 
     /// Whether the frame exists as it would be rendered; counts those that do, reports the others.
     bool isDone(const Metadata& metadata, int frame) {
-        const FrameState state = stateOfFrame(job_, metadata, frame);
+        const FrameState state = stateOfFrame(job_, settings_, metadata, frame);
         const auto file = frameFile(job_, frame);
         if (state == FrameState::broken)
             std::printf("%s: incomplete, rendered again\n", file.c_str());
@@ -242,18 +219,19 @@ private:
 
     /// Camera rays asked for by samples of each; those that pixels have, where these are others.
     void printEffort() const {
-        if (job_.targetError > 0) {
+        if (targetError() > 0) {
             std::printf(", %.4g camera rays a pixel", stats_.cameraRaysAPixel);
             return;
         }
-        std::printf(", %d x %d samples", job_.render.cameraRays, stats_.samples);
-        if (stats_.cameraRaysAPixel != job_.render.cameraRays)
+        std::printf(", %d x %d samples", settings_.options.cameraRays, stats_.samples);
+        if (stats_.cameraRaysAPixel != settings_.options.cameraRays)
             std::printf(" with %.4g camera rays a pixel", stats_.cameraRaysAPixel);
     }
 
     void summarize() const {
-        std::printf("%s: %zu frame%s", entry_.name, rendered_, rendered_ == 1 ? "" : "s");
-        if (job_.resume)
+        std::printf("%s: %zu frame%s", settings_.estimator.name, rendered_,
+                    rendered_ == 1 ? "" : "s");
+        if (run_.resume)
             std::printf(" (%zu more %s done)", skipped_, skipped_ == 1 ? "was" : "were");
         printEffort();
         std::printf(", %.1f M camera rays, %.1f M shadow rays",
@@ -270,24 +248,23 @@ private:
         if (without > kFewWithoutItems)
             std::printf(", %s of the camera rays found no item", percentText(without, 2).c_str());
         std::printf(" in %.2f s", stats_.seconds);
-        if (job_.render.preview) std::printf(" (biased: filtered)");
+        if (settings_.options.preview) std::printf(" (biased: filtered)");
         if (error_) std::printf(", relMSE %.3g", error_->mean);
         std::printf(" -> %s\n", outputName(job_).c_str());
-        if (cache_) printMemoryUse(cache_->memoryUse(), shot_ ? shot_->bounceBytes() : 0);
+        if (stage_ && stage_->cache())
+            printMemoryUse(stage_->cache()->memoryUse(), lit_->bounceBytes());
     }
 
     const RenderJob& job_;
-    const EstimatorEntry& entry_;
+    const RunOptions& run_;
+    const PictureSettings settings_;
     LightPlan plan_;
     EnvironmentLoader light_;
-    TriangleMesh mesh_;
-    std::optional<MovingSet> moving_;
-    std::unique_ptr<ShadowCache> cache_;
-    std::optional<Scene> scene_;
-    std::optional<Shot> shot_;
+    std::optional<Stage> stage_;
+    std::optional<LitStage> lit_;
+    std::optional<CameraSource> camera_;
     std::optional<Image> reference_;
     std::optional<RelativeError> error_;
-    RenderOptions options_;
     ExrView view_;  ///< of the frame
     RenderStats stats_;
     Timing timing_;
@@ -303,10 +280,11 @@ void run(const RenderJob& job) {
 }
 
 void listSet(const RenderJob& job) {
+    const SetOptions& set = job.stage.set;
     std::size_t cameras = 0;
-    for (const auto& file : job.files) {
+    for (const auto& file : set.files) {
         if (!isGltf(file)) throwFileError(file, "--list supports glTF only");
-        const GltfShot shot(file, job.mesh, job.fps);
+        const GltfShot shot(file, meshOptionsOf(set), set.fps);
         std::fputs(describe(shot, cameras).c_str(), stdout);
         cameras += shot.cameraNodes().size();
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/app/job.h"
+#include "render/library/job.h"
 
 namespace shadowcache {
 

@@ -10,7 +10,7 @@ import zipfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 EXPORTER = os.path.join(HERE, os.pardir, os.pardir, "scenes", "blender_export")
-SUFFIXES = (".py", ".toml")
+SUFFIXES = (".py", ".json", ".toml")
 THEN = (1980, 1, 1, 0, 0, 0)  # so that equal sources make equal bytes
 
 

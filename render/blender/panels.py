@@ -5,7 +5,7 @@ import os
 
 import bpy
 
-from . import bake, engine, estimate, folders, hybrid, preferences, programs
+from . import bake, engine, estimate, folders, hybrid, preferences, programs, properties
 
 # Panels of Blender that are made for engines of its own kind and do not fit this one.
 UNFIT = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_simplify_viewport", "RENDER_PT_gpencil",
@@ -37,7 +37,8 @@ class SHADOWCACHE_PT_sampling(Panel, bpy.types.Panel):
         row = column.row()
         row.active = not settings.target_error
         row.prop(settings, "camera_rays")
-        for name in ("target_error", "samples", "bounces", "clamp_indirect", "viewport_rays", "seed"):
+        for name in ("target_error", "samples", "bounces", "clamp_indirect", "viewport_rays", "seed",
+                     *properties.OTHERS):
             column.prop(settings, name)
         for name in preferences.NEEDED:
             try:

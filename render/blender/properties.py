@@ -3,6 +3,13 @@
 
 import bpy
 
+from .option_table import ROWS, property_of
+
+
+def option(name, **own):
+    """The property of an option of the renderer; what is said here differs from its row in the table."""
+    return property_of(name, bpy, **own)
+
 
 class ShadowcacheSettings(bpy.types.PropertyGroup):
     cache_folder: bpy.props.StringProperty(
@@ -27,29 +34,30 @@ class ShadowcacheSettings(bpy.types.PropertyGroup):
     use_motion: bpy.props.BoolProperty(
         name="Moving Objects", default=True,
         description="Objects that move in the scene's frames are rendered in each frame and not baked. Off: each frame is a set of its own, baked as a whole")
-    camera_rays: bpy.props.IntProperty(
-        name="Camera Rays", min=1, max=65536, default=16, description="Camera rays of a pixel: edges, depth of field")
-    target_error: bpy.props.FloatProperty(
-        name="Noise Target", min=0, max=1, default=0, precision=4, step=0.1,
+    camera_rays: option("camera_rays", default=16, description="Camera rays of a pixel: edges, depth of field")
+    target_error: option(
+        "target_error", name="Noise Target", min=0, max=1, precision=4, step=0.1,
         description="Error of the picture, the mean of variance over squared luminance: each part gets the camera rays that it needs, found by a pilot. 0: as many as Camera Rays says")
-    samples: bpy.props.IntProperty(
-        name="Shadow Rays", min=1, max=65536, default=4, description="Shadow rays of each camera ray")
-    bounces: bpy.props.IntProperty(
-        name="Bounces", min=0, max=64, default=4, description="Surfaces that light may meet before the one that is seen")
-    clamp_indirect: bpy.props.FloatProperty(
-        name="Clamp Indirect", min=0, default=0,
-        description="Most radiance that bounces add to a camera ray: no fireflies, but darker. 0: off, free of bias")
-    seed: bpy.props.IntProperty(name="Seed", min=0, default=1, description="Of all random numbers; each frame has its own in any case")
-    filter: bpy.props.EnumProperty(
-        name="Pixel Filter", default="blackman-harris", items=(
-            ("blackman-harris", "Blackman-Harris", "As in Cycles"), ("gaussian", "Gaussian", ""), ("box", "Box", "")))
-    filter_width: bpy.props.FloatProperty(
-        name="Width", subtype="PIXEL", min=0.01, max=10, default=1.5, description="Of the pixel filter")
+    samples: option("samples", name="Shadow Rays", min=1, default=4, description="Shadow rays of each camera ray")
+    bounces: option("bounces", soft_max=64, default=4, description="Surfaces that light may meet before the one that is seen")
+    clamp_indirect: option(
+        "clamp_indirect", description="Most radiance that bounces add to a camera ray: no fireflies, but darker. 0: off, free of bias")
+    seed: option("seed", description="Of all random numbers; each frame has its own in any case")
+    filter: option("filter", name="Pixel Filter", items=(
+        ("blackman-harris", "Blackman-Harris", "As in Cycles"), ("gaussian", "Gaussian", ""), ("box", "Box", "")))
+    filter_width: option(
+        "filter_width", name="Width", subtype="PIXEL", min=0.01, max=10, default=1.5, description="Of the pixel filter")
     viewport_rays: bpy.props.IntProperty(
         name="Viewport Rays", min=1, max=4096, default=64, description="Rays of a pixel until the viewport rests")
     # Made and removed by the operators of the hybrid.
     hybrid_rest: bpy.props.PointerProperty(type=bpy.types.Scene)
     hybrid_lamps: bpy.props.PointerProperty(type=bpy.types.Scene)
+
+
+# Options that are not laid out above.
+OTHERS = [name for name in ROWS if name not in ShadowcacheSettings.__annotations__]
+for name in OTHERS:
+    ShadowcacheSettings.__annotations__[name] = option(name)
 
 
 class ShadowcacheLayerSettings(bpy.types.PropertyGroup):

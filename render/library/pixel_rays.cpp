@@ -14,9 +14,6 @@ namespace {
 constexpr int kStandardRays = 64;
 constexpr int kPreviewRays = 4;
 
-/// Above 0, which no number of rays reaches: the rounding of floats, squared.
-constexpr double kLeastTargetError = 1e-14;
-
 /// Samples of a camera ray where a target error chooses the camera rays.
 constexpr int kTargetErrorSamples = 4;
 

@@ -7,6 +7,9 @@
 
 namespace shadowcache {
 
+/// Above 0, which no number of rays reaches: the rounding of floats, squared.
+inline constexpr double kLeastTargetError = 1e-14;
+
 /// The rays that are asked for of a pixel.
 struct PixelRays {
     std::optional<int> spp;                  ///< shadow rays, one of each camera ray

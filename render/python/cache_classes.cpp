@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "bake/library/bake_rows.h"
 #include "bake/library/bake_set.h"
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
@@ -17,9 +18,11 @@
 #include "common/predict/many_places.h"
 #include "render/bounces/bounce_task.h"
 #include "render/bounces/item_looks.h"
+#include "render/library/option_table.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
+#include "render/python/options.h"
 
 namespace shadowcache::python {
 
@@ -28,19 +31,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, std::optional<double> spacing,
-                                       int level, int rays, bool uniform, bool transport,
-                                       std::uint64_t seed, const py::object& progress,
-                                       int threads) {
+std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, const py::object& progress,
+                                       int threads, const py::kwargs& keywords) {
     BakeOptions options;
-    options.spacing = spacing.value_or(0);
-    options.level = level;
-    options.rays = rays;
-    options.adaptive = !uniform;
-    options.transport = transport;
-    options.seed = seed;
+    std::optional<double> chosenSpacings;
+    readKeywords("bake", keywords, bakeRows(options, chosenSpacings));
     // Without a spacing one is chosen, but 0 is none.
-    if (spacing) requireRange("spacing", *spacing, 1e-300, kMostSpacing);
+    if (keywords.contains("spacing") && !keywords["spacing"].is_none())
+        requireRange("spacing", options.spacing, 1e-300, kMostSpacing);
     const auto set = scene.set;
     return longCall(
         progress,
@@ -52,10 +50,13 @@ std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, std::optional<d
         threads);
 }
 
-std::shared_ptr<CacheObject> openCache(const fs::path& path) {
+std::shared_ptr<CacheObject> openCache(const fs::path& path, const py::object& memory) {
+    RenderJob job;
+    const std::vector<OptionRow> rows = optionRows(Part::cache, job);
+    if (!memory.is_none()) readOption(*findRow(rows, "memory"), memory);
     return longCall(py::none(), [&] {
         return std::make_shared<CacheObject>(
-            CacheObject{std::make_shared<const ShadowCache>(path), path, {}});
+            CacheObject{std::make_shared<const ShadowCache>(path, job.stage.memory), path, {}});
     });
 }
 
@@ -223,7 +224,10 @@ void defineCache(py::module_& module) {
     py::class_<CacheObject, std::shared_ptr<CacheObject>>(
         module, "Cache",
         "Which directions reach the sky, for every place near the surfaces of a set.")
-        .def_static("open", openCache, py::arg("path"), "Reads a cache file (.vdb) into memory.")
+        .def_static(
+            "open", openCache, py::arg("path"), py::kw_only(), py::arg("memory") = py::none(),
+            "Reads a cache file (.vdb) into memory; with memory='4G' page by page as it is\n"
+            "needed, of which so much stays.")
         .def("save", saveCache, py::arg("path"),
              "Writes the cache to a file (.vdb), as shadowcache-bake does, and returns its bytes.")
         .def_property_readonly(
@@ -273,16 +277,14 @@ void defineCache(py::module_& module) {
             "that\n"
             "a Lambertian surface reflects.")
         .def("__repr__", reprOf);
-    module.def(
-        "bake", bakeScene, py::arg("scene"), py::kw_only(), py::arg("spacing") = py::none(),
-        py::arg("level") = 5, py::arg("rays") = 16, py::arg("uniform") = false,
-        py::arg("transport") = true, py::arg("seed") = 1, py::arg("progress") = py::none(),
-        py::arg("threads") = 0,
+    BakeOptions standard;
+    std::optional<double> none;
+    static const std::string kBakeHelp =
         "Bakes a Scene, and returns its Cache in memory: the items of shadowcache-bake.\n\n"
-        "spacing: side of a voxel [m]; None: chosen from the set's size.\n"
-        "level: finest direction level, 0 to 5. rays: of a region of mixed visibility,\n"
-        "    1 to 255. uniform: refine all regions. transport: keep which items the rays of\n"
-        "    each item met, which bounced light uses.");
+        "Options, with their standard values:\n" +
+        helpOf(bakeRows(standard, none));
+    module.def("bake", bakeScene, py::arg("scene"), py::kw_only(), py::arg("progress") = py::none(),
+               py::arg("threads") = 0, kBakeHelp.c_str());
 }
 
 }  // namespace shadowcache::python

@@ -20,6 +20,7 @@
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
+#include "render/python/options.h"
 
 namespace shadowcache::python {
 
@@ -261,8 +262,17 @@ static void define(pybind11::module_& module) {
     namespace py = pybind11;
     module.doc() = shadowcache::python::kModuleDoc;
     module.attr("__version__") = shadowcache::kVersion;
-    py::register_exception<shadowcache::Error>(module, "Error", PyExc_RuntimeError).doc() =
+    static auto& error = *new py::exception<shadowcache::Error>(
+        module, "Error", PyExc_RuntimeError);  // outlives Python
+    error.doc() =
         "An input or a file that is refused; the text names it, what was found and expected.";
+    py::register_exception_translator([](std::exception_ptr thrown) {
+        try {
+            std::rethrow_exception(thrown);
+        } catch (const shadowcache::Error& e) {
+            error(shadowcache::python::inPythonsWords(e.what()).c_str());
+        }
+    });
     module.def(
         "set_threads",
         [](int threads) {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
+#include <vector>
 
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
@@ -22,11 +22,14 @@
 #include "common/shot/camera_file.h"
 #include "common/shot/camera_source.h"
 #include "render/frame/aov_channels.h"
-#include "render/library/shot.h"
-#include "render/library/wanted.h"
+#include "render/library/cache_of_set.h"
+#include "render/library/lit_stage.h"
+#include "render/library/option_table.h"
+#include "render/library/picture_options.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
+#include "render/python/options.h"
 
 namespace shadowcache::python {
 
@@ -307,62 +310,55 @@ py::dict readPicture(const fs::path& path) {
     return picturesOf(file.channels, file.width, file.height);
 }
 
-using Bounces = std::variant<int, std::string>;
-
-std::optional<int> bouncesOf(const std::optional<Bounces>& wanted) {
-    if (!wanted) return std::nullopt;
-    if (const auto* text = std::get_if<std::string>(&*wanted)) return parseBounces(*text);
-    return parseBounces(std::to_string(std::get<int>(*wanted)));
+/// The options of render(), written to a job.
+std::vector<OptionRow> pictureRows(RenderJob& job) {
+    std::vector<OptionRow> rows = optionRows(Part::size, job);
+    for (const Part part : {Part::picture, Part::cache})
+        for (const OptionRow& row : optionRows(part, job))
+            if (part == Part::picture || row.name == "stale-ok") rows.push_back(row);
+    return rows;
 }
 
-void requireCacheOf(const LoadedSet& set, const ShadowCache& cache, bool staleOk) {
-    if (staleOk || cache.header().fingerprint == set.fingerprint) return;
-    throw Error(
-        "cache: baked for another set (its fingerprint differs): bake this set, or use the cache "
-        "with stale_ok=True, which is unbiased but noisier");
+/// What is said of a picture, for people. To be called with the interpreter's lock.
+void warn(const std::vector<std::string>& notes) {
+    for (const std::string& note : notes)
+        if (PyErr_WarnEx(PyExc_UserWarning, note.c_str(), 1) != 0) throw py::error_already_set();
 }
 
 /// The picture's channels. To be called without the interpreter's lock.
 std::vector<Channel> renderChannels(const LoadedSet& set, const ShadowCache* cache,
                                     const Environment& environment, const Camera& camera, int frame,
-                                    const Wanted& wanted) {
-    const auto [estimator, options] = choose(wanted, cache != nullptr);
-    Shot shot(set.scene, cache, estimator, {.bounces = options.bounces, .plain = options.plain});
-    if (shot.missesTransport() && (options.samples == 0 || options.preview))
-        throw Error(
-            "cache: holds no transport, of which a preview of bounces is made: bake with "
-            "transport=True, or render with bounces=0");
-    shot.setEnvironment(environment);
+                                    const PictureOptions& asked, std::vector<std::string>& notes) {
+    const PictureSettings settings = resolve(asked, cache != nullptr, set.options.gloss);
+    LitStage lit(set.scene, cache, settings.estimator, lightingOf(asked, settings));
+    lit.requireTransport(settings.options);
+    if (!lit.note().empty()) notes.push_back(lit.note());
+    lit.setEnvironment(environment);
     RenderStats stats;
-    return channels(shot.renderFrame(camera, frame, options, stats), wanted.aovs);
+    const Picture picture =
+        lit.plan(camera, frame, settings.options, stats, asked.rays.targetError.value_or(0));
+    return channels(picture.film(stats), asked.aovs);
 }
 
 py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject>& cache,
-                     const EnvironmentObject& environment, const Camera& camera,
-                     const std::array<int, 2>& size, std::optional<int> spp,
-                     const std::optional<Bounces>& bounces, const std::vector<std::string>& aovs,
-                     std::optional<std::string> estimator, bool preview,
-                     std::optional<int> cameraRays, std::optional<int> samples,
-                     double clampIndirect, bool transparent, const py::object& albedo,
-                     std::uint64_t seed, int frame, bool staleOk, const py::object& progress,
-                     int threads) {
-    Wanted wanted{
-        std::move(estimator), {spp, cameraRays, samples, preview}, bouncesOf(bounces), aovs, {}};
-    RenderOptions& options = wanted.options;
-    options.width = size[0];
-    options.height = size[1];
-    options.seed = seed;
-    options.clampIndirect = static_cast<float>(clampIndirect);
-    options.transparent = transparent;
-    options.plain.albedo = Rgb(colorOf(albedo, "albedo"));
+                     const EnvironmentObject& environment, const Camera& camera, int frame,
+                     const py::object& progress, int threads, const py::kwargs& options) {
+    RenderJob job;
+    readKeywords("render", options, pictureRows(job));
     const auto set = scene.set;
     const auto light = environment.light;
     const auto kept = cache ? cache->cache : nullptr;
-    if (kept) requireCacheOf(*set, *kept, staleOk);
+    std::vector<std::string> notes;
+    if (kept)
+        isStale(kept->header(), set->fingerprint, "cache", job.stage.staleOk,
+                [&](const std::string& text, NoteKind) { notes.push_back(text); });
     const std::vector<Channel> all = longCall(
-        progress, [&] { return renderChannels(*set, kept.get(), *light, camera, frame, wanted); },
+        progress,
+        [&] { return renderChannels(*set, kept.get(), *light, camera, frame, job.picture, notes); },
         threads);
-    return picturesOf(all, options.width, options.height);
+    warn(notes);
+    const FilmRectangle region = job.picture.options.region();
+    return picturesOf(all, region.width, region.height);
 }
 
 }  // namespace
@@ -438,32 +434,19 @@ void defineRender(py::module_& module) {
             "lens_radius", [](const Camera& c) { return c.lens.radius; },
             "Of the aperture [m]; 0: all is sharp.")
         .def("__repr__", [](const Camera& camera) { return reprOf(camera); });
-    module.def(
-        "render", renderScene, py::arg("scene"), py::arg("cache").none(true),
-        py::arg("environment"), py::arg("camera"), py::kw_only(),
-        py::arg("size") = std::array<int, 2>{960, 540}, py::arg("spp") = py::none(),
-        py::arg("bounces") = py::none(), py::arg("aovs") = std::vector<std::string>{},
-        py::arg("estimator") = py::none(), py::arg("preview") = false,
-        py::arg("camera_rays") = py::none(), py::arg("samples") = py::none(),
-        py::arg("clamp_indirect") = 0.0, py::arg("transparent") = false, py::arg("albedo") = 0.5,
-        py::arg("seed") = 1, py::arg("frame") = 1, py::arg("stale_ok") = false,
-        py::arg("progress") = py::none(), py::arg("threads") = 0,
+    RenderJob standard;
+    static const std::string kRenderHelp =
         "Renders a Scene as a Camera sees it: the pixels of shadowcache-render.\n\n"
-        "cache: of the scene; None: rendered without one.\n"
-        "size: (width, height) [pixels]. spp: shadow rays of a pixel, 64 by default; in place of\n"
-        "    it camera_rays, and samples of each.\n"
-        "bounces: surfaces that light may meet before the one that is seen, 4 by default;\n"
-        "    'unlimited'.\n"
-        "aovs: names of further pictures ('irradiance', 'normal', 'depth', ...).\n"
-        "preview: filter the noise of few rays; spp=0: the cache's prediction alone. Both are\n"
-        "    biased.\n"
-        "transparent: leave the sky out; 'color' then has what the set covers as fourth channel,\n"
-        "    by which the others are multiplied.\n"
-        "albedo: of what has no material, one value or linear RGB. frame: number of the frame,\n"
-        "    which chooses its random numbers with the seed.\n"
-        "stale_ok: whether the cache may be of another set.\n"
-        "Returns a dict of float32 arrays: 'color' (height, width, 3), linear radiance, and each\n"
-        "of the aovs, (height, width, 3) or (height, width).");
+        "cache: of the scene; None: rendered without one. frame: number of the frame, which\n"
+        "    chooses its random numbers with the seed.\n"
+        "Returns a dict of float32 arrays: 'color' (height, width, 3), linear radiance, with\n"
+        "transparent=True (height, width, 4), and each of the aovs, (height, width, 3) or\n"
+        "(height, width).\n\n"
+        "Options, with their standard values:\n" +
+        helpOf(pictureRows(standard));
+    module.def("render", renderScene, py::arg("scene"), py::arg("cache").none(true),
+               py::arg("environment"), py::arg("camera"), py::kw_only(), py::arg("frame") = 1,
+               py::arg("progress") = py::none(), py::arg("threads") = 0, kRenderHelp.c_str());
     module.def("read_exr", readPicture, py::arg("path"),
                "The pictures of an EXR file of shadowcache-render, named as render() names them.");
 }

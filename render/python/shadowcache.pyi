@@ -29,7 +29,7 @@ class Scene:
 
 class Cache:
     @staticmethod
-    def open(path: _Path) -> Cache: ...
+    def open(path: _Path, *, memory: str | None = ...) -> Cache: ...
     def save(self, path: _Path) -> int: ...
     @property
     def path(self) -> str | None: ...
@@ -146,11 +146,11 @@ def bake(
     scene: Scene,
     *,
     spacing: float | None = ...,
-    level: int = ...,
-    rays: int = ...,
-    uniform: bool = ...,
-    transport: bool = ...,
-    seed: int = ...,
+    level: int | None = ...,
+    rays: int | None = ...,
+    uniform: bool | None = ...,
+    transport: bool | None = ...,
+    seed: int | None = ...,
     progress: _Progress = ...,
     threads: int = ...,
 ) -> Cache: ...
@@ -160,21 +160,29 @@ def render(
     environment: Environment,
     camera: Camera,
     *,
-    size: tuple[int, int] = ...,
-    spp: int | None = ...,
-    bounces: int | str | None = ...,
-    aovs: Sequence[str] = ...,
-    estimator: str | None = ...,
-    preview: bool = ...,
-    camera_rays: int | None = ...,
-    samples: int | None = ...,
-    clamp_indirect: float = ...,
-    transparent: bool = ...,
-    albedo: ArrayLike = ...,
-    seed: int = ...,
     frame: int = ...,
-    stale_ok: bool = ...,
     progress: _Progress = ...,
     threads: int = ...,
+    size: tuple[int, int] | None = ...,
+    crop: tuple[int, int, int, int] | None = ...,
+    spp: int | None = ...,
+    bounces: int | str | None = ...,
+    preview: bool | None = ...,
+    target_error: float | None = ...,
+    estimator: str | None = ...,
+    camera_rays: int | None = ...,
+    samples: int | None = ...,
+    budget: str | None = ...,
+    aovs: Sequence[str] | None = ...,
+    albedo: ArrayLike | None = ...,
+    material: dict[str, float] | None = ...,
+    transparent: bool | None = ...,
+    filter: str | None = ...,
+    filter_width: float | None = ...,
+    clamp_indirect: float | None = ...,
+    pass_rays: int | None = ...,
+    seed: int | None = ...,
+    sequence: str | None = ...,
+    stale_ok: bool | None = ...,
 ) -> dict[str, NDArray[np.float32]]: ...
 def read_exr(path: _Path) -> dict[str, NDArray[np.float32]]: ...

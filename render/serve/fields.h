@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "common/base/named.h"
+#include "common/base/option_row.h"
 
 namespace shadowcache {
 
@@ -21,7 +22,6 @@ public:
     Fields(const nlohmann::json& object, std::string where);
 
     /// Each throws Error "WHERE: KEY is VALUE, expected ..." if the value is of another kind.
-    std::optional<double> number(const std::string& key);
     std::optional<std::int64_t> integer(const std::string& key, std::int64_t least,
                                         std::int64_t most);
     std::optional<bool> flag(const std::string& key);
@@ -31,21 +31,10 @@ public:
                                                const std::vector<std::size_t>& counts);
     std::optional<std::vector<std::string>> texts(const std::string& key);
     std::optional<Fields> object(const std::string& key);
-    /// One of the names of a choice.
-    template <class T, std::size_t Count>
-    std::optional<T> choice(const std::string& key, const Named<T> (&names)[Count]) {
-        const auto found = text(key);
-        if (!found) return std::nullopt;
-        std::string all;
-        for (const Named<T>& named : names) {
-            if (*found == named.name) return named.value;
-            all += all.empty() ? named.name : std::string(", ") + named.name;
-        }
-        refuse(key, all);
-    }
+    /// The values of options, each under its name for requests, which are read.
+    void read(std::span<const OptionRow> rows);
 
     bool has(const std::string& key) const;
-    bool hasText(const std::string& key) const;
 
     /// A value that must be there. @throws Error "WHERE: has no KEY"
     template <class T>

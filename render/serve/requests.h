@@ -7,25 +7,15 @@
 #include <variant>
 #include <vector>
 
-#include "common/import/mesh_options.h"
-#include "common/random/sequence.h"
-#include "common/shot/camera_source.h"
-#include "common/shot/moving_set.h"
-#include "render/library/wanted.h"
-#include "render/shot/light_plan.h"
+#include "render/library/job.h"
 
 namespace shadowcache {
 
-// What a line of docs/serve.md asks for. The standard values are those of the command line.
+// What a line of docs/serve.md asks for.
 
 /// Loads a set and its cache in place of what was loaded before.
 struct LoadRequest {
-    std::vector<std::filesystem::path> files{};
-    MeshOptions mesh{.shadingNormals = true, .gloss = true};
-    std::filesystem::path cache{};  ///< empty: none
-    bool staleOk = false;
-    std::vector<DynamicFile> dynamic{};
-    double fps = 24;
+    StageOptions stage{};
 };
 
 struct EnvironmentRequest {
@@ -47,9 +37,7 @@ struct RegionRequest {
 
 /// All options of pictures: those that are not named are the standard ones.
 struct OptionsRequest {
-    Wanted wanted{};
-    EstimatorOptions estimator{};
-    Sequence sequence = Sequence::sobol;
+    PictureOptions picture{};
 };
 
 struct RenderRequest {

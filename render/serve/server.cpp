@@ -1,6 +1,7 @@
 #include "render/serve/server.h"
 
 #include <errno.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -21,6 +22,7 @@
 #include "common/base/parallel.h"
 #include "common/base/report_failure.h"
 #include "common/base/watch.h"
+#include "render/library/option_table.h"
 #include "render/serve/replies.h"
 #include "render/serve/requests.h"
 #include "render/serve/session.h"
@@ -78,10 +80,13 @@ class Worker {
 public:
     explicit Worker(Replies& replies)
         : replies_(replies),
-          session_([this](const std::string& text) { replies_.log(number_, oneLine(text)); },
-                   [this](std::uint64_t number, const Session::Reply& fields) {
-                       replies_.picture(number, fields);
-                   }),
+          session_(
+              [this](const std::string& text) {
+                  replies_.log(number_, oneLine(inWordsOf(Door::serve, text)));
+              },
+              [this](std::uint64_t number, const Session::Reply& fields) {
+                  replies_.picture(number, fields);
+              }),
           thread_([this] { work(); }) {}
 
     void add(std::uint64_t number, Command command) {
@@ -149,7 +154,7 @@ private:
         } catch (const std::bad_alloc&) {
             replies_.error(task.number, "out of memory");
         } catch (const std::exception& e) {
-            replies_.error(task.number, oneLine(e.what()));
+            replies_.error(task.number, oneLine(inWordsOf(Door::serve, e.what())));
         }
     }
 
@@ -177,8 +182,8 @@ bool readRequests(Worker& worker, Replies& replies) {
     Lines lines;
     while (const auto line = lines.next()) {
         if (line->size() > kMostLine) {
-            replies.error(std::nullopt, "line longer than " + std::to_string(kMostLine) +
-                                            " bytes, expected less");
+            replies.error(std::nullopt,
+                          fmt::format("line longer than {} bytes, expected less", kMostLine));
             continue;
         }
         Request request = parseRequest(*line);

@@ -8,6 +8,7 @@
 
 #include "common/base/error.h"
 #include "common/base/process.h"
+#include "common/base/progress.h"
 #include "common/base/watch.h"
 #include "render/frame/aov_channels.h"
 #include "render/serve/pixel_file.h"
@@ -29,8 +30,8 @@ bool sameGloss(const std::optional<Gloss>& a, const std::optional<Gloss>& b) {
            a->specular == b->specular && a->specularColor == b->specularColor;
 }
 
-/// Whether a shot of the one is one of the other. Estimators have no other options here.
-bool sameShot(const ShotOptions& a, const ShotOptions& b) {
+/// Whether a stage that is lit so looks the same. Estimators have no other options here.
+bool isSame(const LightingOptions& a, const LightingOptions& b) {
     return a.estimator.cache.adaptive == b.estimator.cache.adaptive && a.sequence == b.sequence &&
            a.bounces == b.bounces && a.plain.albedo == b.plain.albedo &&
            sameGloss(a.plain.gloss, b.plain.gloss);
@@ -61,9 +62,9 @@ Session::Reply shown(const Film& film, const std::vector<Channel>& planes,
 
 }  // namespace
 
-Session::Session(Log log, Picture picture)
+Session::Session(Log log, OnPicture onPicture)
     : log_(std::move(log)),
-      picture_(std::move(picture)),
+      onPicture_(std::move(onPicture)),
       light_([this](const std::string& text, NoteKind) { log_("map: " + text); }) {}
 
 Session::~Session() = default;
@@ -87,19 +88,30 @@ Session::Reply Session::run(std::uint64_t number, const Command& command) {
 }
 
 Session::Reply Session::load(const LoadRequest& request) {
-    shot_.reset();
+    lit_.reset();
     if (camerasOfSet_) cameras_.reset();
     stage_.reset();  // first: both may not fit into memory
-    stage_.emplace(request, log_);
+    stageOptions_ = request.stage;
+    stage_.emplace(request.stage, [this](const std::string& text, NoteKind) { log_(text); });
+    Progress progress("load", Stage::kSteps);
+    try {
+        stage_->load([&] {
+            progress.add(1);
+            throwIfStopped();
+        });
+    } catch (...) {
+        stage_.reset();
+        throw;
+    }
     return {{"triangles", stage_->mesh().report.placed},
             {"cached", stage_->cache() != nullptr},
             {"stale", stage_->isStale()}};
 }
 
 Session::Reply Session::light(const EnvironmentRequest& request) {
-    const bool wasLit = std::exchange(lit_, false);
+    const bool wasLit = std::exchange(isLit_, false);
     const bool changed = light_.load(request.light);
-    lit_ = wasLit && !changed;
+    isLit_ = wasLit && !changed;
     return Reply::object();
 }
 
@@ -124,63 +136,61 @@ CameraMove Session::cameraAt(int frame) const {
     return *camera_;
 }
 
-void Session::makeShot(const Chosen& chosen) {
-    const RenderOptions& options = chosen.options;
-    const ShotOptions wanted{options_.estimator, options_.sequence, options.bounces, options.plain};
-    if (!shot_ || estimator_ != &chosen.estimator || !sameShot(shotOptions_, wanted)) {
-        lit_ = false;
-        shot_.reset();
-        shot_.emplace(stage_->scene(), stage_->cache(), chosen.estimator, wanted);
-        estimator_ = &chosen.estimator;
-        shotOptions_ = wanted;
-        if (shot_->missesTransport())
-            log_("bounces: not predicted, the cache holds no transport; unbiased, but noisier");
+void Session::makeLit(const PictureSettings& settings) {
+    const LightingOptions wanted = lightingOf(options_.picture, settings);
+    if (!lit_ || &lit_->entry() != &settings.estimator || !isSame(lit_->options(), wanted)) {
+        isLit_ = false;
+        lit_.reset();
+        lit_.emplace(stage_->scene(), stage_->cache(), settings.estimator, wanted,
+                     stageOptions_.cache.string());
+        if (!lit_->note().empty()) log_(lit_->note());
     }
-    requireTransport(*shot_, options, stage_->cacheFile());
-    if (!lit_) shot_->setEnvironment(light_.environment());
-    lit_ = true;
+    lit_->requireTransport(settings.options);
+    if (!isLit_) lit_->setEnvironment(light_.environment());
+    isLit_ = true;
 }
 
 Session::Reply Session::render(std::uint64_t number, const RenderRequest& request) {
     if (!stage_) throw Error("render: no set, expected the request load before");
     if (!light_.isLoaded())
         throw Error("render: no environment, expected the request environment before");
-    Wanted wanted = options_.wanted;
-    wanted.options.width = size_.width;
-    wanted.options.height = size_.height;
-    wanted.options.crop = region_.region;
-    const Chosen chosen = choose(wanted, stage_->cache() != nullptr);
+    PictureOptions asked = options_.picture;
+    asked.options.width = size_.width;
+    asked.options.height = size_.height;
+    asked.options.crop = region_.region;
+    const PictureSettings settings =
+        resolve(asked, stage_->cache() != nullptr, stageOptions_.set.mesh.gloss);
     const CameraMove camera = cameraAt(request.frame);
     PixelFile pixels(request.pixels);
     pixelFiles_.insert(request.pixels);
     const double start = secondsNow();
-    makeShot(chosen);
+    makeLit(settings);
     stage_->pose(request.frame);
     const double lit = secondsNow();
     const auto show = [&](const Film& film) {
-        const std::vector<Channel> planes = channels(film, wanted.aovs);
+        const std::vector<Channel> planes = channels(film, asked.aovs);
         return shown(film, planes, request.pixels, pixels.write(headerOf(number, film), planes));
     };
     RenderStats stats;
     Film film;
-    const double target = wanted.rays.targetError.value_or(0);
+    const Picture picture = lit_->plan(camera, request.frame, settings.options, stats,
+                                       asked.rays.targetError.value_or(0));
     if (request.progressive) {
         ProgressiveObserver observer;
         observer.onPass = [&](const Film& pass, int rays) {
             Reply reply = show(pass);
             reply["rays"] = rays;
-            picture_(number, reply);
+            onPicture_(number, reply);
         };
-        ProgressiveFrame frame =
-            shot_->renderPasses(camera, request.frame, chosen.options, stats, observer, target);
+        ProgressiveFrame frame = picture.film(stats, observer);
         throwIfStopped();
         film = std::move(frame.film);
     } else {
-        film = shot_->renderFrame(camera, request.frame, chosen.options, stats, target);
+        film = picture.film(stats);
     }
     Reply reply = show(film);
-    reply["estimator"] = chosen.estimator.name;
-    reply["bias"] = chosen.options.preview ? "filtered" : biasOf(chosen.options.samples);
+    reply["estimator"] = settings.estimator.name;
+    reply["bias"] = biasOf(settings);
     reply["seconds"] = {{"light", lit - start}, {"render", secondsNow() - lit}};
     reply["camera-rays"] = stats.cameraRays + stats.spreadRays;
     reply["shadow-rays"] = stats.shadowRays;

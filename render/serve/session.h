@@ -7,9 +7,9 @@
 #include <set>
 #include <string>
 
-#include "render/library/shot.h"
+#include "render/library/lit_stage.h"
+#include "render/library/stage.h"
 #include "render/serve/requests.h"
-#include "render/serve/stage.h"
 #include "render/shot/environment_loader.h"
 
 namespace shadowcache {
@@ -21,11 +21,11 @@ class Session {
 public:
     using Reply = nlohmann::ordered_json;
     using Log = std::function<void(const std::string&)>;
-    using Picture = std::function<void(std::uint64_t number, const Reply&)>;
+    using OnPicture = std::function<void(std::uint64_t number, const Reply&)>;
 
     /// @param log      has lines for people
-    /// @param picture  is told of each pass of a progressive picture but the last
-    Session(Log log, Picture picture);
+    /// @param onPicture  is told of each pass of a progressive picture but the last
+    Session(Log log, OnPicture onPicture);
     ~Session();
 
     /// Does what a request asks for, and tells what came of it; nothing for stop and quit.
@@ -44,9 +44,11 @@ private:
     Reply see(const CameraRequest& request);
     Reply render(std::uint64_t number, const RenderRequest& request);
     CameraMove cameraAt(int frame) const;
-    void makeShot(const Chosen& chosen);
+    void makeLit(const PictureSettings& settings);
+
     Log log_;
-    Picture picture_;
+    OnPicture onPicture_;
+    StageOptions stageOptions_;
     std::optional<Stage> stage_;
     EnvironmentLoader light_;
     std::optional<Camera> camera_;
@@ -55,10 +57,8 @@ private:
     SizeRequest size_{960, 540};
     RegionRequest region_;
     OptionsRequest options_;
-    std::optional<Shot> shot_;
-    const EstimatorEntry* estimator_ = nullptr;  ///< of the shot, with the options below
-    ShotOptions shotOptions_;
-    bool lit_ = false;  ///< the shot, by light_
+    std::optional<LitStage> lit_;
+    bool isLit_ = false;  ///< lit_, by light_
     std::set<std::filesystem::path> pixelFiles_;
 };
 

@@ -11,7 +11,7 @@ namespace shadowcache {
 
 namespace {
 
-RadianceImage readMap(const std::string& environment, const EnvironmentLoader::NoteSink& note) {
+RadianceImage readMap(const std::string& environment, const NoteSink& note) {
     if (const auto color = parseRadiance(environment)) {
         RadianceImage map;
         map.image = {1, 1, {*color}};

@@ -12,18 +12,19 @@
 
 namespace shadowcache {
 
-/// What is said of a map that is read.
+/// What is said of what is read.
 enum class NoteKind {
-    note,    ///< what reading it chose or mended
+    note,    ///< what reading it found, chose or mended
     warning  ///< what is likely to be a mistake
 };
+
+/// Has lines for people.
+using NoteSink = std::function<void(const std::string& text, NoteKind kind)>;
 
 /// Loads one environment after another; a map is read and tabulated anew only where it is another
 /// file, or has been written since.
 class EnvironmentLoader {
 public:
-    using NoteSink = std::function<void(const std::string& text, NoteKind kind)>;
-
     /// @param note  has lines for people
     explicit EnvironmentLoader(NoteSink note);
 

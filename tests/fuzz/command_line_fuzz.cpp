@@ -34,8 +34,8 @@ std::vector<std::string> wordsOf(const std::uint8_t* bytes, std::size_t size) {
 
 #if SHADOWCACHE_FUZZ_RENDER
 void parse(int argc, char** argv) {
-    shadowcache::Arguments arguments;
-    if (!shadowcache::parseArguments(argc, argv, arguments)) shadowcache::jobOf(arguments);
+    shadowcache::RenderJob job;
+    shadowcache::parseArguments(argc, argv, job);
 }
 #else
 void parse(int argc, char** argv) {

@@ -1,4 +1,5 @@
-// Writes the first files of each corpus: fuzz_seeds FOLDER.
+// Writes the first files of each corpus, and what dictionaries have of the options' table:
+// fuzz_seeds SEEDS DICTIONARIES.
 
 #include "tests/fuzz/make_seeds.h"
 
@@ -10,6 +11,7 @@
 #include "common/base/report_failure.h"
 #include "common/cache/cache_items.h"
 #include "common/image/exr.h"
+#include "render/library/option_table.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache {
@@ -42,6 +44,26 @@ void writePictures(const fs::path& folder) {
               "#?X\r\nCOLORCORR=1 2 .5\r\nFORMAT= 32-bit_rle_rgbe\r\n\r\n+X 2 +Y 9\r\n" +
                   std::string("\x80\x40\x20\x81\1\1\1\7\2\2\x80\x81", 12) +
                   std::string("\2\2\x80\x81\1\1\1\0\1\1\1\0\x80\0\0\x81\1\1\1\7", 20));
+}
+
+/// What a fuzzer of options tries, beside the words of tests/fuzz/dictionaries.
+///
+/// @param before, after  around the name that an option has at the door
+void writeDictionary(const fs::path& path, Door door, const std::string& before,
+                     const std::string& after) {
+    std::string text;
+    for (const OptionRow& row : optionTable()) {
+        if (!row.isAt(door) || row.isPositional) continue;
+        text += "\"" + before + row.nameAt(door) + after + "\"\n";
+        for (const std::string& choice : row.choices) text += "\"" + choice + "\"\n";
+    }
+    writeSeed(path, text);
+}
+
+void writeDictionaries(const fs::path& folder) {
+    writeDictionary(folder / "render_words", Door::commandLine, "--", "");
+    writeDictionary(folder / "render_settings", Door::commandLine, "", "");
+    writeDictionary(folder / "request", Door::serve, "\\\"", "\\\"");
 }
 
 void writeTexts(const fs::path& folder) {
@@ -144,13 +166,14 @@ void writeShotLookups(const fs::path& folder) {
 
 int main(int argc, char** argv) try {
     using namespace shadowcache;
-    if (argc != 2) throw Error("expected the folder to write");
+    if (argc != 3) throw Error("expected the folders of seeds and of dictionaries to write");
     writeImportSeeds(argv[1]);
     writePictures(argv[1]);
     writeTexts(argv[1]);
     writeCaches(argv[1]);
     writeShotLookups(argv[1]);
     writeCases(argv[1]);
+    writeDictionaries(argv[2]);
 } catch (const std::exception& e) {
     return shadowcache::reportFailure("fuzz_seeds", e);
 }

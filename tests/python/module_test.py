@@ -415,14 +415,14 @@ def test_samples_are_what_is_looked_up(cache, white):
     (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES * 0), shadowcache.Error, "no triangle left"),
     (lambda c, w: shadowcache.load_set("none.obj"), shadowcache.Error, "none.obj"),
     (lambda c, w: shadowcache.load_set([]), ValueError, "vertices: shape"),
-    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES, up="x"), shadowcache.Error, "--up x"),
+    (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES, up="x"), shadowcache.Error, "up x: expected one of y, z"),
     (lambda c, w: shadowcache.load_set(VERTICES, TRIANGLES, scale=0), shadowcache.Error, "scale"),
     (lambda c, w: shadowcache.Cache.open("none.vdb"), shadowcache.Error, "none.vdb: no such file"),
     (lambda c, w: c.save("cache.obj"), shadowcache.Error, "cache.obj"),
     (lambda c, w: c.save("/no/such/folder/a.vdb"), shadowcache.Error, "/no/such/folder"),
     (lambda c, w: shadowcache.Environment.load("none.exr"), shadowcache.Error, "none.exr"),
     (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 0)), shadowcache.Error, ""),
-    (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), fov=180), shadowcache.Error, "fov-y"),
+    (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), fov=180), shadowcache.Error, "^fov 180: expected"),
     (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), lens_radius=-1), ValueError, "lens_radius"),
     (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), lens_radius=np.nan), ValueError, "lens_radius"),
     (lambda c, w: shadowcache.Camera((0, 0, 0), (0, 0, 1), lens_radius=1, focus=0), ValueError, "focus"),
@@ -436,11 +436,13 @@ def test_refusals(cache, white, call, kind, text):
 
 
 @pytest.mark.parametrize("options, text", [
-    ({"size": (0, 4)}, "--size"), ({"spp": 0}, "--spp 0"), ({"bounces": -1}, "--bounces -1"),
-    ({"bounces": "many"}, "--bounces many"), ({"aovs": ["nothing"]}, "--aov nothing"),
-    ({"estimator": "nothing"}, "--estimator nothing"), ({"albedo": 2}, "--albedo"),
-    ({"estimator": "mis", "preview": True}, "--preview"), ({"estimator": "mis", "aovs": ["openness"]}, "--aov openness"),
-    ({"clamp_indirect": -1}, "--clamp-indirect")])
+    ({"size": (0, 4)}, "^size"), ({"spp": 0}, "^spp 0"), ({"bounces": -1}, "^bounces -1"),
+    ({"bounces": "many"}, "^bounces many"), ({"aovs": ["nothing"]}, "^aovs nothing"),
+    ({"estimator": "nothing"}, "^estimator nothing"), ({"albedo": 2}, "^albedo"),
+    ({"estimator": "mis", "preview": True}, "^preview"), ({"estimator": "mis", "aovs": ["openness"]}, "^aovs openness"),
+    ({"clamp_indirect": -1}, "^clamp_indirect -1: expected 0"), ({"samples": 2}, "^spp cannot be combined with samples"),
+    ({"filter": "gausian"}, "did you mean gaussian"), ({"crop": (0, 0, 9, 9)}, "^crop 0,0,9x9: expected a part of the frame"),
+    ({"material": {"rough": 1}}, "^material rough=1: expected roughness=")])
 def test_refusals_of_render(scene, cache, white, camera, options, text):
     with pytest.raises(shadowcache.Error, match=text):
         shadowcache.render(scene, cache, white, camera, **{"size": (8, 8), "spp": 1, **options})
@@ -448,10 +450,10 @@ def test_refusals_of_render(scene, cache, white, camera, options, text):
 
 def test_cache_of_another_set(cache, white, camera):
     other = shadowcache.load_set(VERTICES * 2, TRIANGLES)
-    with pytest.raises(shadowcache.Error, match="baked for another set"):
+    with pytest.raises(shadowcache.Error, match="baked for another set.* stale_ok=True"):
         shadowcache.render(other, cache, white, camera, size=(8, 8), spp=1)
     assert shadowcache.render(other, cache, white, camera, size=(8, 8), spp=1, stale_ok=True)["color"].max() > 0
-    with pytest.raises(shadowcache.Error, match="holds no transport"):
+    with pytest.raises(shadowcache.Error, match="holds no transport.*transport=False, or render with bounces 0"):
         plain = shadowcache.bake(other, spacing=1, level=1, transport=False)
         shadowcache.render(other, plain, white, camera, size=(8, 8), spp=0, preview=True)
 
@@ -698,6 +700,67 @@ def test_stub_names_everything():
     for node in stub.body:
         if isinstance(node, ast.ClassDef) and node.name != "Error":
             assert names(node.body) == public(getattr(shadowcache, node.name)), node.name
+
+
+def table(program):
+    """Options of a program as it prints them, by their names in Python."""
+    rows = json.loads(subprocess.run([BUILD / program, "--options"], capture_output=True, check=True).stdout)
+    return {row["python"]: row for row in rows if "python" in row}
+
+
+def keywords_of(name):
+    """Keyword arguments of a function of the stub."""
+    stub = ast.parse((BUILD / "python/shadowcache.pyi").read_text(encoding="utf-8"))
+    found = next(node for node in stub.body if isinstance(node, ast.FunctionDef) and node.name == name)
+    return {argument.arg for argument in found.args.kwonlyargs} - {"frame", "progress", "threads"}
+
+
+def test_options_are_those_of_the_table(scene, cache, white, camera):
+    """The stub names each option of render() and bake(), their help tells it, and no other is taken."""
+    for call, program in (("render", "render/shadowcache-render"), ("bake", "bake/shadowcache-bake")):
+        names = keywords_of(call)
+        assert names <= set(table(program)), names
+        for name in names:
+            assert "\n%s: " % name in getattr(shadowcache, call).__doc__, name
+    with pytest.raises(TypeError, match="unexpected keyword argument 'sampels', did you mean samples"):
+        shadowcache.render(scene, cache, white, camera, sampels=1)
+
+
+def test_ends_of_ranges(scene, cache, white, camera):
+    """Each number of render() is taken at both ends of its range; what is beyond is refused under its name."""
+    rows = table("render/shadowcache-render")
+    walked = 0
+    for name in sorted(keywords_of("render")):
+        row = rows[name]
+        if "range" not in row or row["range"][1] is None or name == "seed":
+            continue
+        least, most = row["range"]
+        whole = row["form"] == "whole"
+        for value in (least, most):
+            # Refused, but for the threads: that is found out last.
+            with pytest.raises(shadowcache.Error, match="^threads -1"):
+                shadowcache.render(scene, cache, white, camera, threads=-1, **{name: int(value) if whole else value})
+        for value in (least - 1, most + max(1, most * 0.01)):
+            with pytest.raises(shadowcache.Error, match="^%s .*expected" % name):
+                shadowcache.render(scene, cache, white, camera, **{name: int(value) if whole else value})
+        with pytest.raises(TypeError, match="^%s: expected a (whole )?number" % name):
+            shadowcache.render(scene, cache, white, camera, **{name: [1, 2]})
+        walked += 1
+    assert walked >= 7
+
+
+def test_options_that_the_command_line_has(scene, cache, white, camera):
+    """Filter, crop and target error do to the picture what they do there."""
+    def render(**options):
+        return shadowcache.render(scene, cache, white, camera, size=(16, 9), **options)["color"]
+
+    whole = render(camera_rays=4, samples=1, filter="box")
+    assert not np.array_equal(whole, render(camera_rays=4, samples=1, filter_width=3.0))
+    part = render(camera_rays=4, samples=1, filter="box", crop=(4, 2, 6, 5))
+    assert np.array_equal(part, whole[2:7, 4:10])
+    coarse, fine = (render(target_error=error, samples=1, bounces=0) for error in (1e-1, 1e-4))
+    assert coarse.shape == fine.shape and not np.array_equal(coarse, fine)
+    assert np.array_equal(render(spp=2, material={"roughness": 1.0}), render(spp=2, material={"roughness": 1}))
 
 
 def examples_of_page():

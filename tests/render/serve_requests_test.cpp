@@ -33,21 +33,21 @@ std::string errorOf(const std::string& line) {
 
 TEST(ServeRequests, LoadHasTheStandardsOfTheCommandLine) {
     const auto load = commandOf<LoadRequest>(R"("request": "load", "set": ["a.glb", "b.ply"])");
-    EXPECT_EQ(load.files, (std::vector<std::filesystem::path>{"a.glb", "b.ply"}));
-    EXPECT_TRUE(load.cache.empty());
-    EXPECT_TRUE(load.mesh.shadingNormals && load.mesh.gloss);
-    EXPECT_FALSE(load.mesh.zUp || load.mesh.stillAt || load.staleOk);
-    EXPECT_EQ(load.mesh.references, References::inside);
+    EXPECT_EQ(load.stage.set.files, (std::vector<std::filesystem::path>{"a.glb", "b.ply"}));
+    EXPECT_TRUE(load.stage.cache.empty());
+    EXPECT_TRUE(load.stage.set.mesh.shadingNormals && load.stage.set.mesh.gloss);
+    EXPECT_FALSE(load.stage.set.mesh.zUp || load.stage.set.frame || load.stage.staleOk);
+    EXPECT_EQ(load.stage.set.mesh.references, References::inside);
     const auto all = commandOf<LoadRequest>(
         R"("request": "load", "set": ["a"], "cache": "c", "stale-ok": true, "up": "z",
            "scale": 0.01, "set-frame": 48, "fps": 24, "allow-external": true,
            "normals": "geometric", "surfaces": "diffuse", "dynamic": ["d.glb@t.json"])");
-    EXPECT_TRUE(all.mesh.zUp && all.staleOk);
-    EXPECT_FALSE(all.mesh.shadingNormals || all.mesh.gloss);
-    EXPECT_EQ(all.mesh.stillAt, 2.0);
-    EXPECT_EQ(all.mesh.references, References::anywhere);
-    ASSERT_EQ(all.dynamic.size(), 1u);
-    EXPECT_EQ(all.dynamic[0].track, "t.json");
+    EXPECT_TRUE(all.stage.set.mesh.zUp && all.stage.staleOk);
+    EXPECT_FALSE(all.stage.set.mesh.shadingNormals || all.stage.set.mesh.gloss);
+    EXPECT_EQ(meshOptionsOf(all.stage.set).stillAt, 2.0);
+    EXPECT_EQ(all.stage.set.mesh.references, References::anywhere);
+    ASSERT_EQ(all.stage.set.dynamic.size(), 1u);
+    EXPECT_EQ(all.stage.set.dynamic[0].track, "t.json");
 }
 
 TEST(ServeRequests, EnvironmentsTurnAndGain) {
@@ -81,21 +81,21 @@ TEST(ServeRequests, CamerasAreStatedOrNamed) {
 
 TEST(ServeRequests, OptionsAreThoseOfTheCommandLine) {
     const auto none = commandOf<OptionsRequest>(R"("request": "options")");
-    EXPECT_FALSE(none.wanted.rays.spp || none.wanted.bounces || none.wanted.estimator);
-    EXPECT_EQ(none.wanted.options.seed, 1u);
+    EXPECT_FALSE(none.picture.rays.spp || none.picture.bounces || none.picture.estimator);
+    EXPECT_EQ(none.picture.options.seed, 1u);
     const auto all = commandOf<OptionsRequest>(
         R"("request": "options", "camera-rays": 4, "samples": 2, "bounces": "unlimited",
            "aov": ["normal"], "filter": "box", "clamp-indirect": 3, "seed": 9007199254740991,
            "albedo": 0.25, "material": {"metallic": 1}, "sequence": "random", "budget": "uniform",
            "estimator": "mis")");
-    EXPECT_EQ(all.wanted.rays.cameraRays, 4);
-    EXPECT_EQ(all.wanted.bounces, kUnlimitedBounces);
-    EXPECT_EQ(all.wanted.options.filter, FilterKind::box);
-    EXPECT_EQ(all.wanted.options.seed, 9007199254740991u);
-    EXPECT_EQ(all.wanted.options.plain.albedo, Rgb(0.25f));
-    EXPECT_EQ(all.wanted.options.plain.gloss->metallic, 1);
-    EXPECT_EQ(all.sequence, Sequence::random);
-    EXPECT_FALSE(all.estimator.cache.adaptive);
+    EXPECT_EQ(all.picture.rays.cameraRays, 4);
+    EXPECT_EQ(all.picture.bounces, kUnlimitedBounces);
+    EXPECT_EQ(all.picture.options.filter, FilterKind::box);
+    EXPECT_EQ(all.picture.options.seed, 9007199254740991u);
+    EXPECT_EQ(all.picture.options.plain.albedo, Rgb(0.25f));
+    EXPECT_EQ(all.picture.options.plain.gloss->metallic, 1);
+    EXPECT_EQ(all.picture.sequence, Sequence::random);
+    EXPECT_FALSE(all.picture.estimators.cache.adaptive);
 }
 
 TEST(ServeRequests, RefusalsNameTheKeyTheValueAndTheWantedOne) {
@@ -111,15 +111,16 @@ TEST(ServeRequests, RefusalsNameTheKeyTheValueAndTheWantedOne) {
         {R"({"id":1,"request":"stop","now":1})", "stop: unknown key now"},
         {R"({"id":1,"request":"load","set":[1]})", "set is [1], expected a list of texts"},
         {R"({"id":1,"request":"load","set":["a\u0000b"]})", "expected a list of texts"},
-        {R"({"id":1,"request":"load","set":["a"],"scale":0})", "--scale"},
-        {R"({"id":1,"request":"load","set":["a"],"up":"x"})", "up is \"x\", expected y, z"},
+        {R"({"id":1,"request":"load","set":["a"],"scale":0})",
+         "load: scale 0: expected a number above 0"},
+        {R"({"id":1,"request":"load","set":["a"],"up":"x"})", "load: up x: expected one of y, z"},
         {R"({"id":1,"request":"size","width":1e3,"height":3})", "expected a whole number"},
         {R"({"id":1,"request":"size","width":99999999999,"height":3})", "width is 99999999999"},
         {R"({"id":1,"request":"options","target-error":0.01,"spp":4})",
-         "expected target-error, or"},
-        {R"({"id":1,"request":"options","albedo":2})", "--albedo 2: expected 0 to 1"},
+         "options: spp cannot be combined with target-error"},
+        {R"({"id":1,"request":"options","albedo":2})", "options: albedo 2: expected 0 to 1"},
         {R"({"id":1,"request":"options","material":{"rough":1}})",
-         "options: material: unknown key rough, did you mean roughness?"},
+         "options: material rough=1: expected roughness=, metallic=, ior= or specular="},
         {R"({"id":1,"request":"options","spp":1e999})", "number out of range"},
         {R"({"id":1,"request":"camera"})", "expected name, eye with look-at, or view"},
         {R"({"id":1,"request":"camera","view":{"fov":1}})",

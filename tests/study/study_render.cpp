@@ -6,8 +6,9 @@
 #include <array>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
+#include <limits>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,22 +16,21 @@
 #include "common/base/exit_status.h"
 #include "common/base/json_file.h"
 #include "common/base/option_checks.h"
+#include "common/base/option_text.h"
 #include "common/base/parallel.h"
 #include "common/base/report_failure.h"
 #include "common/cache/shadow_cache.h"
 #include "common/cli/command_line.h"
-#include "common/cli/options.h"
-#include "common/command/shot_arguments.h"
 #include "common/image/exr.h"
 #include "common/image/png.h"
 #include "common/import/load_mesh.h"
 #include "common/shot/camera_source.h"
-#include "common/shot/frames.h"
 #include "common/trace/scene.h"
 #include "render/frame/aov_channels.h"
 #include "render/frame/compare.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
+#include "render/library/option_table.h"
 #include "render/shot/environment_loader.h"
 #include "tests/study/estimators/larcher_sequence.h"
 #include "tests/study/estimators/technique_table.h"
@@ -50,92 +50,86 @@ constexpr Named<Sequence (*)(std::uint32_t samples)> kSequencesOfStudy[] = {
 
 /// The command line.
 struct Arguments {
-    ShotArguments shot;
-    std::vector<double> eye, lookAt;
-    CameraOptions camera;
-    LightOptions light;
-    std::string technique = "paper", pixelMap = "200x100";
+    RenderJob job;
+    std::string technique = "paper";
     TechniqueOptions options;
     Sequence (*sequence)(std::uint32_t) = kSequencesOfStudy[0].value;
-    std::filesystem::path cache, output, reference, stats;
-    RenderOptions render;
-    float albedo = 0.5f, exposure = 0;
-    bool png = false;
 };
 
-void definePicture(CLI::App& app, Arguments& a) {
-    addSetOptions(app, a.shot, "Picture", "Picture");
-    addShotOptions(app, a.shot, "Picture", "Picture");
-    app.add_option("--env", a.light.environment, "Lat-long map, or a constant radiance R,G,B")
-        ->required();
-    app.add_option("--env-rotate", a.light.rotation, "Rotation of the map about +Y in degrees");
-    app.add_option("--eye", a.eye, "Position of the camera: X,Y,Z")->delimiter(',')->expected(3);
-    app.add_option("--look-at", a.lookAt, "Point that it looks at: X,Y,Z")
-        ->delimiter(',')
-        ->expected(3);
-    app.add_option("--fov-y", a.camera.fovYDegrees, "Vertical field of view in degrees");
-    app.add_option("--albedo", a.albedo, "Albedo of surfaces without colours, 0 to 1");
-    app.add_option("--samples", a.render.samples, "Samples a pixel")->capture_default_str();
-    addSeedOption(app, a.render.seed, "Seed of all random numbers");
-    app.add_option("--cache", a.cache, "Cache of the set, written by shadowcache-bake");
-    app.add_option("-o,--output", a.output, "EXR to write")->required();
-    app.add_flag("--png", a.png, "Also write an sRGB PNG");
-    app.add_option("--exposure", a.exposure, "Exposure of the PNG in stops");
-    app.add_option("--reference", a.reference, "EXR to compare with");
-    app.add_option("--stats", a.stats, "Write rays and errors as JSON");
+/// Options of shadowcache-render that are options here.
+const std::set<std::string>& sharedOptions() {
+    static const std::set<std::string> names{
+        "SET",        "up",      "scale", "set-frame", "allow-external", "env",
+        "env-rotate", "camera",  "eye",   "look-at",   "fov-y",          "frames",
+        "fps",        "shutter", "size",  "albedo",    "samples",        "seed",
+        "cache",      "output",  "png",   "exposure",  "reference",      "stats"};
+    return names;
 }
 
-void defineTechnique(CLI::App& app, Arguments& a) {
+/// Those that only the study has.
+std::vector<OptionRow> techniqueRows(Arguments& a) {
     std::string names;
     for (const Technique& technique : techniques())
         names += "\n  " + technique.name + ": " + technique.summary +
                  (technique.bias == "none" ? "" : " (biased)");
-    app.add_option("--estimator", a.technique, "Technique:" + names)->capture_default_str();
-    addChoice(app, "--sequence", a.sequence, kSequencesOfStudy,
-              "Sample sequence: sobol (Owen-scrambled), random, larcher-xor or larcher-shift "
-              "(Larcher-Pillichshammer points, randomised)");
-    addChoice(app, "--budget", a.options.cache.adaptive, kBudgets,
-              "uniform: --samples for every pixel; adaptive: in the mean, allocated by the noise "
-              "that `cache` predicts");
     VariantOptions& paper = a.options.paper;
-    app.add_option("--triangles", paper.triangles,
-                   "Triangles M of the map's triangulation, 20 to 100000");
-    app.add_option("--alpha", paper.alpha, "Weight of the cached visibility, 0 to below 1");
-    app.add_option("--threshold", paper.threshold,
-                   "Minimum number of pooled rays for a region to be used");
-    app.add_option("--max-level", paper.maxLevel, "Finest level of the triangles, 0 to 7");
-    app.add_option("--order", paper.order, "Importance within a triangle: 0 constant, 1 linear");
-    app.add_option("--beta", paper.beta,
-                   "Fraction of samples drawn uniformly over the hemisphere, 0 to 1");
-    addChoice(app, "--convolution", paper.exactConvolution, kConvolutions,
-              "table: interpolated between 32 x 64 normals; exact: computed at each normal");
-    app.add_option("--cache-level", paper.cacheLevel,
-                   "Finest direction level of the counts used, 0 to 7");
-    app.add_option("--lights", a.options.lights.lights, "Directional lights K, 1 to 10000");
-    app.add_option("--pixel-map", a.pixelMap,
-                   "Size of the low-resolution map: WxH, 8x4 to 4096x2048");
+    constexpr int kMost = std::numeric_limits<int>::max();
+    const auto readMap = [&a](const std::string& text) {
+        const auto [columns, lines] = pairOf("pixel-map", text, "WxH, as in 200x100");
+        a.options.pixel = {columns, lines};
+    };
+    // What is out of range is refused by validate().
+    return {
+        textRow("estimator", a.technique, "Technique:" + names),
+        wordRow("sequence", a.sequence, kSequencesOfStudy,
+                "Sample sequence: sobol (Owen-scrambled), random, larcher-xor or larcher-shift "
+                "(Larcher-Pillichshammer points, randomised)"),
+        wordRow("budget", a.options.cache.adaptive, kBudgets,
+                "uniform: --samples for every pixel; adaptive: in the mean, allocated by the "
+                "noise that `cache` predicts"),
+        wholeRow("triangles", paper.triangles, 0, kMost,
+                 "Triangles M of the map's triangulation, 20 to 100000"),
+        numberRow("alpha", paper.alpha, {}, "Weight of the cached visibility, 0 to below 1"),
+        wholeRow("threshold", paper.threshold, 0, kMost,
+                 "Minimum number of pooled rays for a region to be used"),
+        wholeRow("max-level", paper.maxLevel, 0, kMost, "Finest level of the triangles, 0 to 7"),
+        wholeRow("order", paper.order, 0, 1, "Importance within a triangle: 0 constant, 1 linear"),
+        numberRow("beta", paper.beta, {0, 1},
+                  "Fraction of samples drawn uniformly over the hemisphere, 0 to 1"),
+        wordRow("convolution", paper.exactConvolution, kConvolutions,
+                "table: interpolated between 32 x 64 normals; exact: computed at each normal"),
+        wholeRow("cache-level", paper.cacheLevel, 0, kMost,
+                 "Finest direction level of the counts used, 0 to 7"),
+        wholeRow("lights", a.options.lights.lights, 0, kMost, "Directional lights K, 1 to 10000"),
+        ownRow("pixel-map", OptionForm::text, readMap,
+               "Size of the low-resolution map: WxH, 8x4 to 4096x2048 [200x100]")};
 }
 
-/// Reads the options that are texts, and refuses what is out of range.
-Technique complete(Arguments& a) {
-    const auto [width, height] = sizeOf(a.shot);
-    a.render.width = width;
-    a.render.height = height;
-    a.render.plain.albedo = Rgb(a.albedo);
-    a.camera.name = a.shot.camera;
-    if (!a.eye.empty() && !a.lookAt.empty()) {
-        a.camera.eye = Vec3d(a.eye[0], a.eye[1], a.eye[2]);
-        a.camera.lookAt = Vec3d(a.lookAt[0], a.lookAt[1], a.lookAt[2]);
+std::vector<OptionRow> rowsOf(Arguments& a) {
+    std::vector<OptionRow> rows;
+    for (OptionRow& row : optionRows(a.job)) {
+        if (!sharedOptions().contains(row.name)) continue;
+        row.isRequired = row.name == "SET" || row.name == "env" || row.name == "output";
+        rows.push_back(std::move(row));
     }
-    const auto [columns, rows] = parsePair("--pixel-map", a.pixelMap, "WxH, as in 200x100");
-    a.options.pixel = {columns, rows};
+    for (OptionRow& row : techniqueRows(a)) {
+        row.group = "Technique";
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+/// Refuses what is out of range.
+Technique complete(Arguments& a) {
+    RenderOptions& options = a.job.picture.options;
+    options.samples = a.job.picture.rays.samples.value_or(options.samples);
     a.options.paper.minLevel = std::min(a.options.paper.minLevel, a.options.paper.maxLevel);
     validate(a.options);
-    shadowcache::validate(a.render);
-    requireRange("samples", a.render.samples, 1, kMostSamples);
-    requireExtension(a.output, ".exr");
+    shadowcache::validate(options);
+    requireRange("samples", options.samples, 1, kMostSamples);
+    requireExtension(a.job.run.output, ".exr");
     Technique technique = findTechnique(a.technique);
-    if (technique.needsCache && a.cache.empty())
+    if (technique.needsCache && a.job.stage.cache.empty())
         throw Error("--estimator " + a.technique + " requires --cache");
     return technique;
 }
@@ -151,41 +145,44 @@ void writeStats(const Arguments& a, const Technique& technique, const RenderStat
         out.set("error.l2", error->l2);
         out.set("error.p99", error->p99);
     }
-    out.write(a.stats);
+    out.write(a.job.run.stats);
 }
 
 void run(Arguments a) {
     const Technique technique = complete(a);
     if (technique.inOrder) setThreadCount(1);
-    const MeshOptions meshOptions = meshOptionsOf(a.shot, {.shadingNormals = true, .gloss = true});
-    const TriangleMesh mesh = loadMesh(a.shot.files, meshOptions);
-    const int number = a.shot.frames.empty() ? 1 : parseFrames(a.shot.frames).front();
-    const CameraSource camera(a.camera, {});
-    const LightPlan lights(a.light, std::array{number});
+    const SetOptions& set = a.job.stage.set;
+    const RunOptions& outputs = a.job.run;
+    const RenderOptions& options = a.job.picture.options;
+    const TriangleMesh mesh = loadMesh(set.files, meshOptionsOf(set));
+    const int number = outputs.frames.front();
+    const CameraSource camera(a.job.camera, {});
+    const LightPlan lights(a.job.light, std::array{number});
     EnvironmentLoader light([](const std::string&, NoteKind) {});
     light.load(lights.at(0));
     std::optional<ShadowCache> cache;
-    if (!a.cache.empty()) cache.emplace(a.cache);
+    if (!a.job.stage.cache.empty()) cache.emplace(a.job.stage.cache);
     const Scene scene(mesh);
-    const auto samples = static_cast<std::uint32_t>(a.render.samples);
+    const auto samples = static_cast<std::uint32_t>(options.samples);
     const auto estimator = makeEstimator(
         technique.name,
         {scene, light.environment(), cache ? &*cache : nullptr, a.sequence(samples)}, a.options);
-    FrameRequest frame{*estimator, camera.moveAt(number), number, a.render};
+    FrameRequest frame{*estimator, camera.moveAt(number), number, options};
     RenderStats stats;
     frame.plan = planFrame(frame, stats);
     const Film film = render(frame, stats);
-    writeExr(a.output, film.width, film.height, channels(film, {}),
+    writeExr(outputs.output, film.width, film.height, channels(film, {}),
              {{"shadowcache:bias", technique.bias}}, PixelType::full,
              {film.x, film.y, film.frameWidth, film.frameHeight});
     const Image image = colorImage(film);
-    if (a.png) {
-        auto png = a.output;
-        writePng(png.replace_extension(".png"), image, a.exposure);
+    if (outputs.png) {
+        auto png = outputs.output;
+        writePng(png.replace_extension(".png"), image, outputs.exposure);
     }
     std::optional<RelativeError> error;
-    if (!a.reference.empty()) error = relativeError(image, readReference(a.reference, a.render));
-    if (!a.stats.empty()) writeStats(a, technique, stats, error);
+    if (!outputs.reference.empty())
+        error = relativeError(image, readReference(outputs.reference, options));
+    if (!outputs.stats.empty()) writeStats(a, technique, stats, error);
 }
 
 }  // namespace
@@ -198,9 +195,8 @@ int main(int argc, char** argv) try {
     CLI::App app("Renders with the techniques that the paper compares.",
                  "shadowcache-study-render");
     beginCommandLine(app);
-    study::definePicture(app, arguments);
-    study::defineTechnique(app, arguments);
-    if (const auto status = parseCommandLine(app, argc, argv)) return *status;
+    const std::vector<OptionRow> rows = study::rowsOf(arguments);
+    if (const auto status = parseCommandLine(app, argc, argv, rows)) return *status;
     study::run(arguments);
     return kDone;
 } catch (const std::exception& e) {

@@ -10,7 +10,7 @@
 #include "common/cache/cache_items.h"
 #include "common/light/environment.h"
 #include "common/shot/loaded_set.h"
-#include "render/library/shot.h"
+#include "render/library/lit_stage.h"
 
 using namespace shadowcache;
 
@@ -51,15 +51,15 @@ int main() try {
     }
     std::printf("%zu items\n", cache->itemCount());
 
-    Shot shot(set->scene, cache.get(), findEstimator("cache"), {});
+    LitStage stage(set->scene, cache.get(), findEstimator("cache"), {});
     const Camera camera = lookAt({3, 2, 4}, {0, 0.3, 0}, {0, 1, 0}, 0.7);
     RenderOptions options;
     options.width = options.height = 16;
     for (const float radiance : {1.0f, 0.5f}) {
         const Environment sky({1, 1, {Rgb(radiance)}}, 0, Rgb(0.2126f, 0.7152f, 0.0722f));
-        shot.setEnvironment(sky);
+        stage.setEnvironment(sky);
         RenderStats stats;
-        const Film film = shot.renderFrame(camera, 1, options, stats);
+        const Film film = stage.plan(camera, 1, options, stats).film(stats);
         std::printf("sky %.1f: mean %.4f\n", static_cast<double>(radiance), meanLuminance(film));
     }
 } catch (const std::exception& e) {

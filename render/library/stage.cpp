@@ -1,0 +1,40 @@
+#include "render/library/stage.h"
+
+#include <fmt/core.h>
+
+#include "common/base/process.h"
+#include "common/import/load_mesh.h"
+#include "common/mesh/mesh_fingerprint.h"
+
+namespace shadowcache {
+
+Stage::Stage(const StageOptions& options, NoteSink note)
+    : options_(options),
+      note_(std::move(note)),
+      shots_(openShots(options.set.files, meshOptionsOf(options.set), options.set.fps)) {}
+
+void Stage::load(const std::function<void()>& onStep) {
+    const SetOptions& set = options_.set;
+    const MeshOptions meshOptions = meshOptionsOf(set);
+    mesh_ = loadMesh(set.files, meshOptions);
+    note_(fmt::format("set: {}", describe(mesh_.report)), NoteKind::note);
+    onStep();
+    moving_.emplace(shots_, set.dynamic, meshOptions, mesh_.origin, set.fps);
+    for (GltfShot& shot : shots_) shot.dropData();
+    if (!moving_->empty())
+        note_(fmt::format("moving: {} triangles, not in the cache", moving_->triangles()),
+              NoteKind::note);
+    onStep();
+    if (!options_.cache.empty()) {
+        cache_ = std::make_unique<ShadowCache>(options_.cache, options_.memory);
+        stale_ = shadowcache::isStale(cache_->header(), fingerprint(mesh_), options_.cache,
+                                      options_.staleOk, note_);
+    }
+    onStep();
+    const double start = secondsNow();
+    scene_.emplace(mesh_);
+    sceneSeconds_ = secondsNow() - start;
+    onStep();
+}
+
+}  // namespace shadowcache
