@@ -3,7 +3,7 @@
 namespace shadowcache {
 
 void recordFiles(const MeshOptions& options, CacheHeader& header) {
-    header.upAxis = options.zUp ? "z" : "y";
+    header.upAxis = std::string{options.zUp ? 'z' : 'y'};
     header.unit = options.scale;
 }
 
