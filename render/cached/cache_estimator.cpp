@@ -96,8 +96,8 @@ private:
     }
 
     std::unique_ptr<const EstimatorPlan> plan(std::span<const ShadingPoint> points, int samples,
-                                              double otherError) const override {
-        return planByCache(context_, options_.adaptive, points, samples, otherError);
+                                              double cameraRayError) const override {
+        return planByCache(context_, options_.adaptive, points, samples, cameraRayError);
     }
 
     CacheInsight insight(const ShadingPoint& point, int samples, const EstimatorPlan* ofFrame,

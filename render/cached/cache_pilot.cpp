@@ -176,7 +176,7 @@ void forEachPlace(std::span<const PilotPlace> places, const Calibration& calibra
 
 std::unique_ptr<const CachePlan> planByCache(const EstimatorContext& context, bool adaptive,
                                              std::span<const ShadingPoint> points, int samples,
-                                             double otherError) {
+                                             double cameraRayError) {
     auto result = std::make_unique<CachePlan>();
     CachePlan& plan = *result;
     std::vector<PilotPlace> places(points.size());
@@ -210,14 +210,14 @@ std::unique_ptr<const CachePlan> planByCache(const EstimatorContext& context, bo
     // Heaviness from which on samples are reused, as if each pixel had kJudgedSamples.
     std::vector<VarianceByHeaviness> parts(found.size());
     const auto addHeaviness = [&](std::size_t i, std::size_t chunk, const Regions& fine) {
-        parts[chunk].add(varianceByHeaviness(fine, PlanRules(), plan.brightness(), noise[i].scale),
+        parts[chunk].add(varianceByHeaviness(fine, ShareRules(), plan.brightness(), noise[i].scale),
                          samples / (kJudgedSamples * plan.samplesOf(noise[i], samples)),
                          1 / static_cast<double>(points.size()));
     };
     forEachPlace(places, plan.calibration, addHeaviness);
     VarianceByHeaviness all;
     for (const VarianceByHeaviness& part : parts) all.add(part, 1, 1);
-    plan.heavy = all.heavyFrom(otherError);
+    plan.heavy = all.heavyFrom(cameraRayError);
     return result;
 }
 

@@ -12,9 +12,9 @@ namespace shadowcache {
 /// half of them where the counts are unsure and half where the light is.
 ///
 /// @param adaptive  samples are shared out by predicted noise
-/// @param samples, otherError  as FramePilot::plan()
+/// @param samples, cameraRayError  as FramePilot::plan()
 std::unique_ptr<const CachePlan> planByCache(const EstimatorContext& context, bool adaptive,
                                              std::span<const ShadingPoint> points, int samples,
-                                             double otherError);
+                                             double cameraRayError);
 
 }  // namespace shadowcache

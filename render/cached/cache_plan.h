@@ -7,8 +7,8 @@
 #include "render/cached/heaviness.h"
 #include "render/estimators/frame_pilot.h"
 #include "render/regions/calibration.h"
+#include "render/regions/region_shares.h"
 #include "render/regions/sample_budget.h"
-#include "render/regions/sampling_plan.h"
 
 namespace shadowcache {
 

@@ -23,14 +23,14 @@ void ClusterOffers::begin(std::size_t points) {
 }
 
 void ClusterOffers::add(std::span<const std::uint32_t> members, const Regions& regions,
-                        const SamplingPlan& plan, const RegionDistribution& distribution,
+                        const RegionShares& shares, const RegionDistribution& distribution,
                         const ClusterCounts& counts) {
     if (clusters_.size() == count_) clusters_.emplace_back(environment_);
     Cluster& cluster = clusters_[count_];
     cluster.distribution = distribution;
-    cluster.groups.resize(plan.groups.size());
-    for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-        const float* reuse = plan.groups[g].reuse;
+    cluster.groups.resize(shares.groups.size());
+    for (std::size_t g = 0; g < shares.groups.size(); ++g) {
+        const float* reuse = shares.groups[g].reuse;
         const float* visible = regions.groups[g].calibrated;
         for (int i = 0; i < kBlockCells; ++i) {
             cluster.groups[g].reuse[i] = reuse[i];

@@ -21,7 +21,7 @@ public:
     void begin(std::size_t points);
     /// Adds the next cluster.
     void add(std::span<const std::uint32_t> members, const Regions& regions,
-             const SamplingPlan& plan, const RegionDistribution& distribution,
+             const RegionShares& shares, const RegionDistribution& distribution,
              const ClusterCounts& counts);
 
     /// What is known of a point.
@@ -48,7 +48,7 @@ public:
     double chanceOf(const Misprediction& found) const;
 
 private:
-    /// Of sixteen regions: PlannedGroup::reuse, and the probability of a misprediction.
+    /// Of sixteen regions: GroupShares::reuse, and the probability of a misprediction.
     struct Group {
         float reuse[kBlockCells];
         float chance[kBlockCells];

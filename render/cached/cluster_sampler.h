@@ -35,7 +35,7 @@ struct SampleCount {
 struct ClusterCounts {
     std::span<const SampleCount> ofRegions;
     std::span<const SampleCount> ofLobes = {};  ///< drawn from the points' own lobes; may be none
-    double judged = kJudgedSamples;  ///< of a point, by which the plan judges what is heavy
+    double judged = kJudgedSamples;  ///< of a point, by which it is judged which samples are heavy
     /// Irradiance from which on one of a point's samples is heavy [luminance]; empty: none is.
     std::span<const double> heavyFrom = {};
 };
@@ -50,7 +50,7 @@ std::span<const SampleCount> roundCounts(std::span<const double> wanted, double 
 
 /// Draws the samples of a cluster from its distribution. All points draw from one sequence, one
 /// after the other, so that the samples of a point, of a pixel and of the cluster are stratified
-/// over the regions. Decided by the plan alone.
+/// over the regions. Decided by their shares alone.
 class ClusterSampler {
 public:
     explicit ClusterSampler(const Environment& environment) : environment_(environment) {}

@@ -43,18 +43,18 @@ ClusterCounts CosineLight::countSamples(const PointCluster& cluster, const Model
             .heavyFrom = heavyFrom_};
 }
 
-const SamplingPlan& CosineLight::planSamples(const Regions& regions, const ClusterCounts& counts) {
-    return tools_.planner.plan(regions, counts.judged, batch_.plan.brightness(), batch_.plan.heavy);
+const RegionShares& CosineLight::shareSamples(const Regions& regions, const ClusterCounts& counts) {
+    return tools_.sharer.share(regions, counts.judged, batch_.plan.brightness(), batch_.plan.heavy);
 }
 
-void CosineLight::integrate(const PlannedCluster<CosineLight>& cluster,
+void CosineLight::integrate(const SampledCluster<CosineLight>& cluster,
                             std::span<Estimate> estimates) const {
-    const CosineIntegral integral(batch_.context.environment, cluster.model.fitted, cluster.plan);
+    const CosineIntegral integral(batch_.context.environment, cluster.model.fitted, cluster.shares);
     for (const std::uint32_t point : cluster.members)
         estimates[point].irradiance = integral.at(batch_.points.points[point].place.normal);
 }
 
-void CosineLight::trace(const PlannedCluster<CosineLight>& cluster,
+void CosineLight::trace(const SampledCluster<CosineLight>& cluster,
                         std::span<const ClusterSample> samples, SampleTracer::Run& run) const {
     for (const ClusterSample& sample : samples) {
         const std::uint32_t number = cluster.members[sample.member];
@@ -63,9 +63,9 @@ void CosineLight::trace(const PlannedCluster<CosineLight>& cluster,
         const EnvironmentSample s = sample.finish(batch_.context.environment);
         batch_.workspace.watch(point.slot, s.direction);
         const float x = s.direction.dot(point.place.normal);
-        const float c = cluster.plan.groups[region.group].visibility[region.lane];
+        const float c = cluster.shares.groups[region.group].visibility[region.lane];
         traceSample<CosineIntegrand>(
-            cluster.plan,
+            cluster.shares,
             {number, region, s, static_cast<double>(s.density) * cluster.distribution.light(region),
              sample.inverseCount / s.density},
             x > 0, x, c * cluster.model.fitted.fits[region.group].value(region.lane, x), run);

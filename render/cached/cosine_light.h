@@ -27,10 +27,10 @@ public:
     Model modelOf(const PointCluster& cluster);
     /// Shares samples out by the noise that is predicted of each point.
     ClusterCounts countSamples(const PointCluster& cluster, const Model& model);
-    const SamplingPlan& planSamples(const Regions& regions, const ClusterCounts& counts);
+    const RegionShares& shareSamples(const Regions& regions, const ClusterCounts& counts);
     /// Sets the irradiance to the integral of what stands in for the integrand.
-    void integrate(const PlannedCluster<CosineLight>& cluster, std::span<Estimate> estimates) const;
-    void trace(const PlannedCluster<CosineLight>& cluster, std::span<const ClusterSample> samples,
+    void integrate(const SampledCluster<CosineLight>& cluster, std::span<Estimate> estimates) const;
+    void trace(const SampledCluster<CosineLight>& cluster, std::span<const ClusterSample> samples,
                SampleTracer::Run& run) const;
 
 private:

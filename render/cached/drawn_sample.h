@@ -21,12 +21,12 @@ struct DrawnSample {
 /// @param value    of the point's integrand
 /// @param standIn  c times what stands in for it
 template <Integrand I, class Value>
-void traceSample(const SamplingPlan& plan, const DrawnSample& s, bool above, const Value& value,
+void traceSample(const RegionShares& shares, const DrawnSample& s, bool above, const Value& value,
                  const Value& standIn, SampleTracer::Run& run) {
     const Rgb light = s.light.radiance * s.weight;
     const Rgb occluded = light * -standIn;
     if (!above) return run.add(s.point, occluded);
-    const float reuse = s.place.found() ? plan.groups[s.place.group].reuse[s.place.lane] : 0.0f;
+    const float reuse = s.place.found() ? shares.groups[s.place.group].reuse[s.place.lane] : 0.0f;
     const Rgb visible = light * (value - standIn);
     if (reuse == 0) return run.trace(s.point, s.light.direction, visible, occluded);
     // Where the sky is predicted, c is 1: a fit's error counts whatever the ray finds, and an

@@ -44,10 +44,10 @@ void VarianceByHeaviness::add(const VarianceByHeaviness& other, double factor, d
                 factor * share * other.ifReused_[bin]);
 }
 
-double VarianceByHeaviness::heavyFrom(double otherError) const {
+double VarianceByHeaviness::heavyFrom(double cameraRayError) const {
     // The more is reused, the less error is left, and the lighter samples are heavy: several
     // thresholds may agree with the error that they leave. From above, the first has fewest rays.
-    double error = otherError;
+    double error = cameraRayError;
     for (const double unused : variance_) error += unused;
     const auto heavy = [&] { return std::max(kHeavy, kHeavyDeviations * std::sqrt(error)); };
     for (std::size_t bin = kBins; bin-- > 0 && heavinessOf(bin) >= heavy();)
@@ -55,7 +55,7 @@ double VarianceByHeaviness::heavyFrom(double otherError) const {
     return heavy();
 }
 
-VarianceByHeaviness varianceByHeaviness(const Regions& regions, const PlanRules& rules,
+VarianceByHeaviness varianceByHeaviness(const Regions& regions, const ShareRules& rules,
                                         const Brightness& brightness, double scale) {
     VarianceByHeaviness found;
     if (!(regions.lightSum > 0)) return found;

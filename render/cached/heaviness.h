@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "render/regions/sampling_plan.h"
+#include "render/regions/region_shares.h"
 
 namespace shadowcache {
 
@@ -24,8 +24,8 @@ public:
     /// Heaviness from which on the samples of a frame are reused: a part of the standard deviation
     /// that they and all else leave to a pixel, and kHeavy or more.
     ///
-    /// @param otherError  relMSE that no sample makes
-    double heavyFrom(double otherError) const;
+    /// @param cameraRayError  relMSE that no sample makes
+    double heavyFrom(double cameraRayError) const;
 
 private:
     static constexpr std::size_t kBins = 128;
@@ -35,7 +35,7 @@ private:
 /// That of one sample at a place. Variances are relative, as in relMSE.
 ///
 /// @param scale  irradiance that errors are relative to [luminance]
-VarianceByHeaviness varianceByHeaviness(const Regions& regions, const PlanRules& rules,
+VarianceByHeaviness varianceByHeaviness(const Regions& regions, const ShareRules& rules,
                                         const Brightness& brightness, double scale);
 
 }  // namespace shadowcache

@@ -28,9 +28,9 @@ struct CachedBatch {
 template <Integrand I>
 struct LightTools {
     LightTools(const Environment& environment, const DirectionTiers& tiers,
-               const PlanRules& rules = {})
+               const ShareRules& rules = {})
         : builder(environment, tiers),
-          planner(rules),
+          sharer(rules),
           distribution(environment),
           sampler(environment),
           offers(environment),
@@ -40,7 +40,7 @@ struct LightTools {
     RegionBuilder<I> builder;
     std::vector<double> wanted;       ///< samples of a cluster's points
     std::vector<SampleCount> counts;  ///< the same, rounded
-    SamplingPlanner planner;
+    RegionSharer sharer;
     RegionDistribution distribution;
     ClusterSampler sampler;
     SampleTracer tracer;
@@ -51,12 +51,12 @@ struct LightTools {
 
 /// All that is decided of a cluster before any ray.
 template <class Light>
-struct PlannedCluster {
+struct SampledCluster {
     std::span<const std::uint32_t> members;  ///< numbers of its points in the batch
     const typename Light::Model& model;
     const ClusterCounts& counts;
-    const SamplingPlan& plan;
-    const RegionDistribution& distribution;  ///< of the plan
+    const RegionShares& shares;
+    const RegionDistribution& distribution;  ///< of the shares
 };
 
 /// Lights the points of a batch by the cache, for the irradiance and for lobes alike: the core
@@ -76,19 +76,19 @@ void lightBatch(const CachedBatch& batch, Light& light,
         const auto model = light.modelOf(cluster);
         const Regions& regions = model.fitted.regions;
         const ClusterCounts counts = light.countSamples(cluster, model);
-        const SamplingPlan& plan = light.planSamples(regions, counts);
-        const auto& distribution = tools.distribution.assign(regions, plan);
-        const PlannedCluster<Light> planned{cluster.members, model, counts, plan, distribution};
+        const RegionShares& shares = light.shareSamples(regions, counts);
+        const auto& distribution = tools.distribution.assign(regions, shares);
+        const SampledCluster<Light> sampled{cluster.members, model, counts, shares, distribution};
 
-        light.integrate(planned, estimates);
-        tools.offers.add(cluster.members, regions, plan, distribution, counts);
+        light.integrate(sampled, estimates);
+        tools.offers.add(cluster.members, regions, shares, distribution, counts);
         const std::span<const ClusterSample> samples = tools.sampler.draw(
             points, cluster.members, counts.ofRegions, distribution, batch.context.sequence);
         batch.workspace.setupNanoseconds += time.sinceLast();
 
         SampleTracer::Run run = tools.tracer.begin(batch.context, points, cluster.members,
                                                    tools.mispredictions, estimates);
-        light.trace(planned, samples, run);
+        light.trace(sampled, samples, run);
         run.finish();
         batch.workspace.traceNanoseconds += time.sinceLast();
     }

@@ -38,7 +38,7 @@ double partOfLobes(const GlossyLobe& lobe) {
 
 }  // namespace
 
-PlanRules lobeRules() {
+ShareRules lobeRules() {
     return {kGlossyDefensiveShare, 0, kGlossyMostlyVisible};
 }
 
@@ -94,19 +94,19 @@ ClusterCounts LobeLight::countSamples(const PointCluster& cluster, const Model& 
         .ofLobes = round(cluster, model.partOfLobes, RenderSalt::glossRounding, w_.lobeCounts)};
 }
 
-const SamplingPlan& LobeLight::planSamples(const Regions& regions, const ClusterCounts& counts) {
-    return w_.tools.planner.plan(regions, counts.judged,
+const RegionShares& LobeLight::shareSamples(const Regions& regions, const ClusterCounts& counts) {
+    return w_.tools.sharer.share(regions, counts.judged,
                                  {batch_.plan.darkest / kPi, kUnsureShareUniform}, kGlossyHeavy);
 }
 
-void LobeLight::integrate(const PlannedCluster<LobeLight>& cluster,
+void LobeLight::integrate(const SampledCluster<LobeLight>& cluster,
                           std::span<Estimate> estimates) const {
-    const Rgb integral = integralOf(tables_.cells, cluster.model.fitted, cluster.plan);
+    const Rgb integral = integralOf(tables_.cells, cluster.model.fitted, cluster.shares);
     for (std::size_t k = 0; k < cluster.members.size(); ++k)
         estimates[cluster.members[k]].irradiance = integral * cluster.model.matches[k].factor;
 }
 
-void LobeLight::trace(const PlannedCluster<LobeLight>& cluster,
+void LobeLight::trace(const SampledCluster<LobeLight>& cluster,
                       std::span<const ClusterSample> samples, SampleTracer::Run& run) {
     for (const ClusterSample& sample : samples) {
         const EnvironmentSample s = sample.finish(batch_.context.environment);
@@ -117,7 +117,7 @@ void LobeLight::trace(const PlannedCluster<LobeLight>& cluster,
 }
 
 /// All points draw from one sequence, one after the other.
-void LobeLight::traceLobes(const PlannedCluster<LobeLight>& cluster, SampleTracer::Run& run) {
+void LobeLight::traceLobes(const SampledCluster<LobeLight>& cluster, SampleTracer::Run& run) {
     const EstimatorContext& context = batch_.context;
     const std::span<const std::uint32_t> members = cluster.members;
     const std::span<const SampleCount> counts = cluster.counts.ofLobes;
@@ -143,7 +143,7 @@ void LobeLight::traceLobes(const PlannedCluster<LobeLight>& cluster, SampleTrace
     }
 }
 
-void LobeLight::traceOne(const PlannedCluster<LobeLight>& cluster, std::uint32_t member,
+void LobeLight::traceOne(const SampledCluster<LobeLight>& cluster, std::uint32_t member,
                          const RegionPlace& region, const EnvironmentSample& s, double lightDensity,
                          SampleTracer::Run& run) const {
     const std::uint32_t point = cluster.members[member];
@@ -153,7 +153,7 @@ void LobeLight::traceOne(const PlannedCluster<LobeLight>& cluster, std::uint32_t
         cluster.counts.ofRegions[member].divisor * cluster.distribution.pdf(region, lightDensity);
     if (!(density > 0)) return run.add(point, Rgb(0.0f));
     const float c =
-        region.found() ? cluster.plan.groups[region.group].visibility[region.lane] : 0.0f;
+        region.found() ? cluster.shares.groups[region.group].visibility[region.lane] : 0.0f;
     Rgb standIn(0.0f);
     if (c > 0) {
         const FittedRegions<LobeIntegrand>& fitted = cluster.model.fitted;
@@ -164,7 +164,7 @@ void LobeLight::traceOne(const PlannedCluster<LobeLight>& cluster, std::uint32_t
                   cluster.model.matches[member].factor * c;
     }
     traceSample<LobeIntegrand>(
-        cluster.plan, {point, region, s, lightDensity, static_cast<float>(1 / density)},
+        cluster.shares, {point, region, s, lightDensity, static_cast<float>(1 / density)},
         s.direction.dot(lobe.normal()) > 0, lobe.value(s.direction), standIn, run);
 }
 

@@ -13,7 +13,7 @@
 namespace shadowcache {
 
 /// How samples of glossy points are planned.
-PlanRules lobeRules();
+ShareRules lobeRules();
 
 /// What glossy points need of a map, whatever their place.
 struct LobeTables {
@@ -70,11 +70,11 @@ public:
 
     Model modelOf(const PointCluster& cluster);
     ClusterCounts countSamples(const PointCluster& cluster, const Model& model);
-    const SamplingPlan& planSamples(const Regions& regions, const ClusterCounts& counts);
+    const RegionShares& shareSamples(const Regions& regions, const ClusterCounts& counts);
     /// Sets what is reflected to the integral of what stands in for the integrand.
-    void integrate(const PlannedCluster<LobeLight>& cluster, std::span<Estimate> estimates) const;
+    void integrate(const SampledCluster<LobeLight>& cluster, std::span<Estimate> estimates) const;
     /// Traces samples of the regions, and as many of the lobes as are counted.
-    void trace(const PlannedCluster<LobeLight>& cluster, std::span<const ClusterSample> samples,
+    void trace(const SampledCluster<LobeLight>& cluster, std::span<const ClusterSample> samples,
                SampleTracer::Run& run);
 
     /// What the cache predicts of all points, without a ray.
@@ -88,8 +88,8 @@ private:
     Model match(const PointCluster& cluster, bool fitted);
     std::span<const SampleCount> round(const PointCluster& cluster, double part, RenderSalt salt,
                                        std::vector<SampleCount>& counts);
-    void traceLobes(const PlannedCluster<LobeLight>& cluster, SampleTracer::Run& run);
-    void traceOne(const PlannedCluster<LobeLight>& cluster, std::uint32_t member,
+    void traceLobes(const SampledCluster<LobeLight>& cluster, SampleTracer::Run& run);
+    void traceOne(const SampledCluster<LobeLight>& cluster, std::uint32_t member,
                   const RegionPlace& region, const EnvironmentSample& s, double lightDensity,
                   SampleTracer::Run& run) const;
 

@@ -29,9 +29,9 @@ public:
     virtual std::size_t places(std::uint64_t samples) const;
 
     /// @param samples  what each pixel will be given, or their mean where the estimator shares out
-    /// @param otherError  relMSE that the camera rays leave, of a pixel with 64 shadow rays
+    /// @param cameraRayError  relMSE that the camera rays leave, of a pixel with 64 shadow rays
     virtual std::unique_ptr<const EstimatorPlan> plan(std::span<const ShadingPoint> points,
-                                                      int samples, double otherError) const = 0;
+                                                      int samples, double cameraRayError) const = 0;
 };
 
 }  // namespace shadowcache

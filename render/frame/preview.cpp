@@ -5,8 +5,8 @@
 
 #include "common/base/parallel.h"
 #include "render/frame/film_parts.h"
+#include "render/frame/render_clock.h"
 #include "render/frame/residual_filter.h"
-#include "render/frame/time_keeper.h"
 
 namespace shadowcache {
 
@@ -73,7 +73,7 @@ FrameRequest withPreviewMargin(const FrameRequest& frame) {
 
 Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats) {
     if (!frame.options.preview) return film;
-    const TimeKeeper time(stats);
+    const RenderClock time(stats);
     const Environment& environment = frame.estimator.context().environment;
     ResidualImage residuals{film.width, film.height, {}};
     residuals.pixels.resize(film.pixels.size());

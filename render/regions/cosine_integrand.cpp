@@ -136,19 +136,19 @@ void CosineIntegrand::fit(const CellBlock& block, const Scratch&, Fit& out) cons
 
 CosineIntegral::CosineIntegral(const Environment& environment,
                                const FittedRegions<CosineIntegrand>& fitted,
-                               const SamplingPlan& plan) {
+                               const RegionShares& shares) {
     for (std::size_t g = 0; g < fitted.fits.size(); ++g) {
         const RegionGroup& group = fitted.regions.groups[g];
         addGroup(environment.cells(group.level, group.firstCell / kBlockCells), fitted.fits[g],
-                 plan.groups[g]);
+                 shares.groups[g]);
     }
 }
 
 void CosineIntegral::addGroup(const CellMoments& m, const CosineIntegrand::Fit& fit,
-                              const PlannedGroup& plan) {
+                              const GroupShares& shares) {
     alignas(64) float c[kBlockCells], weight[kBlockCells];
     for (int i = 0; i < kBlockCells; ++i) {
-        c[i] = plan.weight[i] > 0 ? plan.visibility[i] : 0.0f;
+        c[i] = shares.weight[i] > 0 ? shares.visibility[i] : 0.0f;
         weight[i] = c[i] * fit.linear[i];
     }
     if (maximumOf(c) == 0) return;

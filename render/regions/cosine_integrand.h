@@ -5,7 +5,7 @@
 #include "common/base/tuned.h"
 #include "render/estimators/shading_point.h"
 #include "render/regions/region_builder.h"
-#include "render/regions/sampling_plan.h"
+#include "render/regions/region_shares.h"
 
 namespace shadowcache {
 
@@ -83,12 +83,12 @@ double splitNoise(double fine, double coarse);
 class CosineIntegral {
 public:
     CosineIntegral(const Environment& environment, const FittedRegions<CosineIntegrand>& fitted,
-                   const SamplingPlan& plan);
+                   const RegionShares& shares);
 
     Rgb at(const Vec3f& normal) const;
 
 private:
-    void addGroup(const CellMoments& m, const CosineIntegrand::Fit& fit, const PlannedGroup& plan);
+    void addGroup(const CellMoments& m, const CosineIntegrand::Fit& fit, const GroupShares& shares);
 
     double constant_[3] = {};   ///< A, by colour
     double linear_[3][3] = {};  ///< B

@@ -157,9 +157,9 @@ void LobeIntegrand::fit(const CellBlock&, const Scratch& scratch, Fit& out) cons
 }
 
 Rgb integralOf(const QuadraticCells& cells, const FittedRegions<LobeIntegrand>& fitted,
-               const SamplingPlan& plan) {
+               const RegionShares& shares) {
     return integrate(cells, fitted, [&](std::size_t g, int i) {
-        return plan.groups[g].weight[i] > 0 ? plan.groups[g].visibility[i] : 0.0f;
+        return shares.groups[g].weight[i] > 0 ? shares.groups[g].visibility[i] : 0.0f;
     });
 }
 

@@ -7,7 +7,7 @@
 #include "render/estimators/shading_point.h"
 #include "render/regions/quadratic_cells.h"
 #include "render/regions/region_builder.h"
-#include "render/regions/sampling_plan.h"
+#include "render/regions/region_shares.h"
 
 namespace shadowcache {
 
@@ -80,7 +80,7 @@ private:
 /// What the control variate reflects of the light, for the central lobe: the sum over the regions
 /// of c times the integral of L q.
 Rgb integralOf(const QuadraticCells& cells, const FittedRegions<LobeIntegrand>& fitted,
-               const SamplingPlan& plan);
+               const RegionShares& shares);
 
 /// What the cache predicts that the lobe reflects, without a ray: the same with the visibility that
 /// is predicted of all regions.

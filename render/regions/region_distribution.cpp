@@ -20,17 +20,17 @@ RegionDistribution::RegionDistribution(const Environment& environment)
 }
 
 const RegionDistribution& RegionDistribution::assign(const Regions& regions,
-                                                     const SamplingPlan& plan) {
+                                                     const RegionShares& shares) {
     for (const Group& group : groups_) slots_[slotOf(group.level, group.firstCell)] = -1;
     groups_.resize(regions.groups.size());
-    weightSum_ = plan.weightSum;
+    weightSum_ = shares.weightSum;
     coarsest_ = Environment::kLevel;
     finest_ = -1;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         const RegionGroup& region = regions.groups[g];
         Group& group = groups_[g];
-        std::copy_n(plan.groups[g].weight, kBlockCells, group.weight);
-        group.weightSum = plan.groups[g].weightSum;
+        std::copy_n(shares.groups[g].weight, kBlockCells, group.weight);
+        group.weightSum = shares.groups[g].weightSum;
         group.firstCell = region.firstCell;
         group.level = region.level;
         slots_[slotOf(group.level, group.firstCell)] = static_cast<std::int16_t>(g);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/light/environment.h"
-#include "render/regions/sampling_plan.h"
+#include "render/regions/region_shares.h"
 
 namespace shadowcache {
 
@@ -20,14 +20,14 @@ struct RegionPlace {
     bool found() const { return group != kNone; }
 };
 
-/// How a plan draws directions to the light: a region in proportion to its weight, in the region a
+/// How samples are drawn by their shares: a region in proportion to its weight, in the region a
 /// direction in proportion to the luminance. [docs/estimator.md]
 class RegionDistribution {
 public:
     explicit RegionDistribution(const Environment& environment);
 
-    /// Becomes the distribution of a plan. Memory is used again.
-    const RegionDistribution& assign(const Regions& regions, const SamplingPlan& plan);
+    /// Becomes the distribution of these shares. Memory is used again.
+    const RegionDistribution& assign(const Regions& regions, const RegionShares& shares);
 
     /// Whether nothing can be drawn: pdf() is 0 everywhere.
     bool empty() const { return !(weightSum_ > 0); }

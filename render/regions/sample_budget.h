@@ -21,7 +21,7 @@ public:
     /// Samples of a place; below 1, the chance of one.
     double samplesOf(const PredictedNoise& noise) const;
 
-    /// relMSE that the plan leads to on the places it was made for.
+    /// relMSE that the budget leads to on the places it was made for.
     double predictedError() const { return predictedError_; }
 
 private:

@@ -41,7 +41,7 @@ struct LightSampler::Reader::Impl {
     std::array<ItemView, ShadowCache::kMaxItems> items{};
     PooledVisibility pooled;
     RegionBuilder<CosineIntegrand> builder;
-    SamplingPlan plan;
+    RegionShares shares;
     RegionDistribution distribution;
     // Of the place.
     Vec3f normal{0, 1, 0};
@@ -58,7 +58,7 @@ struct LightSampler::Reader::Impl {
     LightSample at(const EnvironmentSample& light, const RegionPlace& place, double pdf) const {
         LightSample sample{light.direction, light.radiance, Rgb(0.0f), pdf};
         if (place.found()) {
-            const float visibility = plan.groups[place.group].visibility[place.lane];
+            const float visibility = shares.groups[place.group].visibility[place.lane];
             const float x = light.direction.dot(normal);
             sample.control =
                 light.radiance * (visibility * fitted->fits[place.group].value(place.lane, x));
@@ -69,15 +69,15 @@ struct LightSampler::Reader::Impl {
 
 namespace {
 
-/// As SamplingPlanner where no sample is reused at other places, however heavy it is.
-void planSamples(const Regions& regions, SampleAim aim, SamplingPlan& plan) {
+/// As RegionSharer where no sample is reused at other places, however heavy it is.
+void shareSamples(const Regions& regions, SampleAim aim, RegionShares& shares) {
     const RegionWeights ofDifference(regions, {});
     constexpr float kUnseen = static_cast<float>(kDefensiveShare);
-    plan.groups.resize(regions.groups.size());
-    plan.weightSum = 0;
+    shares.groups.resize(regions.groups.size());
+    shares.weightSum = 0;
     for (std::size_t g = 0; g < regions.groups.size(); ++g) {
         const RegionGroup& from = regions.groups[g];
-        PlannedGroup& to = plan.groups[g];
+        GroupShares& to = shares.groups[g];
         to = {};
         for (int i = 0; i < kBlockCells; ++i) {
             to.weight[i] = aim == SampleAim::difference
@@ -86,7 +86,7 @@ void planSamples(const Regions& regions, SampleAim aim, SamplingPlan& plan) {
             to.visibility[i] = from.visibility[i];
             to.weightSum += static_cast<double>(to.weight[i]);
         }
-        plan.weightSum += to.weightSum;
+        shares.weightSum += to.weightSum;
     }
 }
 
@@ -106,9 +106,9 @@ bool LightSampler::Reader::moveTo(const Vec3d& position, const Vec3f& normal, Sa
     my.fitted = &my.builder.build(CosineIntegrand(environment, my.sampler.splitter, normal, 0, 0),
                                   my.pooled, my.sampler.calibration);
     const Regions& regions = my.fitted->regions;
-    planSamples(regions, aim, my.plan);
-    my.distribution.assign(regions, my.plan);
-    my.integral = CosineIntegral(environment, *my.fitted, my.plan).at(normal);
+    shareSamples(regions, aim, my.shares);
+    my.distribution.assign(regions, my.shares);
+    my.integral = CosineIntegral(environment, *my.fitted, my.shares).at(normal);
     return found > 0;
 }
 

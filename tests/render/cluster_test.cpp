@@ -43,8 +43,8 @@ protected:
         members_.resize(kPoints);
         std::iota(members_.begin(), members_.end(), 0u);
         fitted_ = build(kTilt, 0);
-        plan_ = SamplingPlanner().plan(fitted_.regions, 64, {0, 0.4}, 0.045);
-        distribution_.assign(fitted_.regions, plan_);
+        shares_ = RegionSharer().share(fitted_.regions, 64, {0, 0.4}, 0.045);
+        distribution_.assign(fitted_.regions, shares_);
     }
 
     /// Regions around the first point.
@@ -69,7 +69,7 @@ protected:
         const CosineIntegrand::Fit& fit = fitted_.fits[sample.place.group];
         const auto x = static_cast<double>(s.direction.dot(points_[sample.member].place.normal));
         const int i = sample.place.lane;
-        return static_cast<double>(plan_.groups[sample.place.group].visibility[i]) *
+        return static_cast<double>(shares_.groups[sample.place.group].visibility[i]) *
                (static_cast<double>(fit.constant[i]) +
                 x * (static_cast<double>(fit.linear[i]) + x * static_cast<double>(fit.square[i])));
     }
@@ -131,7 +131,7 @@ protected:
     CellSplitter splitter_{environment_, pooled_.tiers()};
     RegionBuilder<CosineIntegrand> builder_{environment_, pooled_.tiers()};
     FittedRegions<CosineIntegrand> fitted_;
-    SamplingPlan plan_;
+    RegionShares shares_;
     RegionDistribution distribution_{environment_};
     std::vector<SampleCount> counts_;
     ClusterSampler sampler_{environment_};
@@ -203,10 +203,10 @@ TEST_F(Cluster, RegionsGetTheirSharesOfEachPoint) {
                 if (sample.member == kPoints - 1) ofLast[region] += 1;
             }
         double most = 0;
-        for (std::uint32_t g = 0; g < plan_.groups.size(); ++g)
+        for (std::uint32_t g = 0; g < shares_.groups.size(); ++g)
             for (int i = 0; i < kBlockCells; ++i) {
                 const double chance =
-                    static_cast<double>(plan_.groups[g].weight[i]) / plan_.weightSum;
+                    static_cast<double>(shares_.groups[g].weight[i]) / shares_.weightSum;
                 const std::pair region(g, i);
                 if (chance == 0) {
                     EXPECT_EQ(ofAll.count(region), 0u);
@@ -291,7 +291,7 @@ TEST(SplitNoise, IsLessWhereSplitsGain) {
 // The polynomial's integral for a point's own normal is the mean of what samples subtract. With its
 // control: 3 % more is rejected.
 TEST_F(Cluster, IntegralIsWhatSamplesSubtract) {
-    const CosineIntegral predicted(environment_, fitted_, plan_);
+    const CosineIntegral predicted(environment_, fitted_, shares_);
     for (const std::uint32_t point : {0u, 5u, 17u}) {
         constexpr int kDraws = 6000;
         std::vector<double> values;
@@ -315,14 +315,14 @@ TEST_F(Cluster, IntegralIsWhatSamplesSubtract) {
 // rejected.
 TEST_F(Cluster, IntegralAcrossTheHorizonIsWhatSamplesSubtract) {
     std::size_t cut = 0;
-    for (std::size_t g = 0; g < plan_.groups.size(); ++g)
+    for (std::size_t g = 0; g < shares_.groups.size(); ++g)
         for (int i = 0; i < kBlockCells; ++i) {
             const bool across = fitted_.fits[g].constant[i] != 0;
-            if (!across) plan_.groups[g].visibility[i] = 0;
-            cut += across && plan_.groups[g].visibility[i] > 0;
+            if (!across) shares_.groups[g].visibility[i] = 0;
+            cut += across && shares_.groups[g].visibility[i] > 0;
         }
     EXPECT_GT(cut, 20u);
-    const CosineIntegral predicted(environment_, fitted_, plan_);
+    const CosineIntegral predicted(environment_, fitted_, shares_);
     double integral = 0;
     for (const ShadingPoint& point : points_)
         integral += static_cast<double>(predicted.at(point.place.normal).y);

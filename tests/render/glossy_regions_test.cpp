@@ -174,8 +174,8 @@ protected:
         glossy_ = builder.build(
             LobeIntegrand(world_.environment, cells_, tiers, leastNoise, lobe_, 0.01f),
             lookup.pooled(), Calibration());
-        plan_ = SamplingPlanner(lobeRules()).plan(glossy_.regions, 64, {0, 0.2}, 0.02);
-        distribution_.assign(glossy_.regions, plan_);
+        shares_ = RegionSharer(lobeRules()).share(glossy_.regions, 64, {0, 0.2}, 0.02);
+        distribution_.assign(glossy_.regions, shares_);
     }
 
     test::World world_{test::slabMesh(), test::noiseMap(64, 32, 7)};
@@ -183,7 +183,7 @@ protected:
     GlossyLobe lobe_ = lobeOf(0.2f, Vec3f(0.5f, 0.8f, 0.2f));
     QuadraticCells cells_{world_.environment, world_.cache.cache().header().tiers()};
     FittedRegions<LobeIntegrand> glossy_;
-    SamplingPlan plan_;
+    RegionShares shares_;
     RegionDistribution distribution_{world_.environment};
 };
 
@@ -231,13 +231,13 @@ TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
             const Rgb fitted = cells_.value(
                 glossy_.fits[sample.place.group], group.level,
                 group.firstCell + static_cast<std::uint32_t>(sample.place.lane), s.direction);
-            sum +=
-                static_cast<double>(s.radiance.y * sample.inverseCount / s.density * fitted.y *
-                                    plan_.groups[sample.place.group].visibility[sample.place.lane]);
+            sum += static_cast<double>(
+                s.radiance.y * sample.inverseCount / s.density * fitted.y *
+                shares_.groups[sample.place.group].visibility[sample.place.lane]);
         }
         values.push_back(sum);
     }
-    const auto integral = static_cast<double>(integralOf(cells_, glossy_, plan_).y);
+    const auto integral = static_cast<double>(integralOf(cells_, glossy_, shares_).y);
     EXPECT_GT(integral, 0);
     EXPECT_GT(test::meanPValue(values, integral), test::significance(1));
     EXPECT_LT(test::meanPValue(values, integral * 1.05), test::significance(1));

@@ -1,4 +1,5 @@
-// What a plan draws, and the density that estimates divide by: one distribution.
+// What is drawn by the shares of regions, and the density that estimates divide by: one
+// distribution.
 
 #include "render/regions/region_distribution.h"
 
@@ -39,7 +40,7 @@ protected:
                 .build(CosineIntegrand(world_.environment, splitter, point.place.normal, 0, 0),
                        lookup.pooled(), Calibration())
                 .regions;
-        ofIrradiance_.assign(regions, SamplingPlanner().plan(regions, 64, {0, 0.4}, 0.045));
+        ofIrradiance_.assign(regions, RegionSharer().share(regions, 64, {0, 0.4}, 0.045));
         const GlossyLobe lobe(glossy(Rgb(0.9f, 0.6f, 0.3f), {.metallic = 1, .roughness = 0.3f}),
                               point.place.normal, Vec3f(0.5f, 0.8f, 0.2f).normalized());
         const QuadraticCells cells(world_.environment, tiers);
@@ -49,7 +50,7 @@ protected:
                                                          splitter.leastNoise(), lobe, 0.01f),
                                            lookup.pooled(), Calibration())
                                     .regions;
-        ofLobe_.assign(ofLobe, SamplingPlanner(lobeRules()).plan(ofLobe, 64, {0, 0.2}, 0.02));
+        ofLobe_.assign(ofLobe, RegionSharer(lobeRules()).share(ofLobe, 64, {0, 0.2}, 0.02));
     }
 
     std::uint32_t binOf(const Vec3f& direction) const {

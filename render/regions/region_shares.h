@@ -8,8 +8,9 @@
 namespace shadowcache {
 
 /// What is drawn from the sixteen regions of a RegionGroup, and against which prediction.
-struct alignas(64) PlannedGroup {
-    /// Sampling weight: chance of a region in the choice of a sample's, times the plan's sum.
+struct alignas(64) GroupShares {
+    /// Sampling weight: chance of a region in the choice of a sample's, times the sum of all
+    /// weights.
     alignas(64) float weight[kBlockCells];
     /// c as the control variate has it.
     alignas(64) float visibility[kBlockCells];
@@ -20,9 +21,10 @@ struct alignas(64) PlannedGroup {
     bool anyReuse = false;
 };
 
-/// How the points of a cluster are sampled: decided by predictions alone, before any ray.
-struct SamplingPlan {
-    std::vector<PlannedGroup> groups;  ///< as Regions::groups
+/// How the samples of a cluster are shared out over its regions: decided by predictions alone,
+/// before any ray.
+struct RegionShares {
+    std::vector<GroupShares> groups;  ///< as Regions::groups
     double weightSum = 0;
 };
 
@@ -48,8 +50,8 @@ inline SHADOWCACHE_TUNED(double, kDefensiveShare, 0.2);
 /// that follows the counts: bounds what that light can weigh where a near wall hides it.
 inline SHADOWCACHE_TUNED(double, kPredictedShare, 0.2);
 
-/// Constants of a plan.
-struct PlanRules {
+/// Constants of the shares.
+struct ShareRules {
     /// Samples drawn in proportion to the light alone, for each that follows the counts.
     double defensiveShare = kDefensiveShare;
     /// Samples drawn in proportion to the light that is almost surely seen, for each that follows
@@ -59,10 +61,10 @@ struct PlanRules {
     float mostlyVisible = kMostlyVisible;
 };
 
-/// Weights of regions in a plan: by their predicted deviation, and defensive shares of their light.
+/// Weights of regions: by their predicted deviation, and defensive shares of their light.
 class RegionWeights {
 public:
-    RegionWeights(const Regions& regions, const PlanRules& rules);
+    RegionWeights(const Regions& regions, const ShareRules& rules);
 
     double sum() const { return sum_; }
     float of(const RegionGroup& group, int i) const {
@@ -82,23 +84,23 @@ private:
 /// Standard deviation of one sample of a point, as the regions predict it.
 double deviationOf(const Regions& regions);
 
-/// Plans the sampling of regions by their predicted deviation and a defensive share of their light.
+/// Shares samples out by the predicted deviation of regions and a defensive share of their light.
 /// Mispredictions are to be reused where one of `samples` samples that contradicts the prediction
 /// would contribute more than a small part of the point's brightness; there the prediction is
 /// rounded to fully occluded or fully visible, and fewer samples do, since the neighbours' count as
 /// well.
-class SamplingPlanner {
+class RegionSharer {
 public:
-    explicit SamplingPlanner(const PlanRules& rules = {}) : rules_(rules) {}
+    explicit RegionSharer(const ShareRules& rules = {}) : rules_(rules) {}
 
     /// @param heavy  part of a point's brightness from which on a sample is reused
     /// @return valid until the next call
-    const SamplingPlan& plan(const Regions& regions, double samples, const Brightness& brightness,
-                             double heavy);
+    const RegionShares& share(const Regions& regions, double samples, const Brightness& brightness,
+                              double heavy);
 
 private:
-    PlanRules rules_;
-    SamplingPlan plan_;
+    ShareRules rules_;
+    RegionShares shares_;
 };
 
 }  // namespace shadowcache

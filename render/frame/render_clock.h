@@ -7,15 +7,15 @@
 namespace shadowcache {
 
 /// Adds the time of its life, however that ends.
-class TimeKeeper {
+class RenderClock {
 public:
-    explicit TimeKeeper(RenderStats& stats) : stats_(stats) {}
-    ~TimeKeeper() {
+    explicit RenderClock(RenderStats& stats) : stats_(stats) {}
+    ~RenderClock() {
         stats_.seconds +=
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     }
-    TimeKeeper(const TimeKeeper&) = delete;
-    TimeKeeper& operator=(const TimeKeeper&) = delete;
+    RenderClock(const RenderClock&) = delete;
+    RenderClock& operator=(const RenderClock&) = delete;
 
 private:
     RenderStats& stats_;

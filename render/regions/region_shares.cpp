@@ -1,4 +1,4 @@
-#include "render/regions/sampling_plan.h"
+#include "render/regions/region_shares.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,10 +17,10 @@ SHADOWCACHE_TUNED(float, kReuseWeight, 0.5f);
 }  // namespace
 
 double deviationOf(const Regions& regions) {
-    return RegionWeights(regions, PlanRules()).sum();
+    return RegionWeights(regions, ShareRules()).sum();
 }
 
-RegionWeights::RegionWeights(const Regions& regions, const PlanRules& rules)
+RegionWeights::RegionWeights(const Regions& regions, const ShareRules& rules)
     : sum_((1 + rules.defensiveShare) * regions.deviationSum), regions_(regions) {
     if (regions.lightSum > 0)
         perLight_ =
@@ -39,16 +39,16 @@ double RegionWeights::heaviness(double samples, const Brightness& brightness) co
     return sum_ / (bright * samples);
 }
 
-const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples,
-                                          const Brightness& brightness, double heavy) {
-    plan_.groups.resize(regions.groups.size());
-    plan_.weightSum = 0;
-    if (!(regions.lightSum > 0)) return plan_;
+const RegionShares& RegionSharer::share(const Regions& regions, double samples,
+                                        const Brightness& brightness, double heavy) {
+    shares_.groups.resize(regions.groups.size());
+    shares_.weightSum = 0;
+    if (!(regions.lightSum > 0)) return shares_;
     const RegionWeights weights(regions, rules_);
     const auto least = static_cast<float>(heavy / weights.heaviness(samples, brightness));
     for (std::size_t g = 0; g < regions.groups.size(); ++g) {
         const RegionGroup& from = regions.groups[g];
-        PlannedGroup& to = plan_.groups[g];
+        GroupShares& to = shares_.groups[g];
         alignas(64) float marked[kBlockCells];
         for (int i = 0; i < kBlockCells; ++i) {
             const float weight = weights.of(from, i);
@@ -63,9 +63,9 @@ const SamplingPlan& SamplingPlanner::plan(const Regions& regions, double samples
         to.anyReuse = maximumOf(marked) > 0;
         to.weightSum = 0;
         for (int i = 0; i < kBlockCells; ++i) to.weightSum += static_cast<double>(to.weight[i]);
-        plan_.weightSum += to.weightSum;
+        shares_.weightSum += to.weightSum;
     }
-    return plan_;
+    return shares_;
 }
 
 }  // namespace shadowcache
