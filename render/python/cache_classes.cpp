@@ -143,7 +143,7 @@ void solveLight(const ShadowCache& cache, SolvedLight& wanted) {
     const PlainLook plain{wanted.albedo};
     const std::vector<ItemLook> looks =
         wanted.set ? looksOf(wanted.set->scene, *wanted.items, plain)
-                   : std::vector<ItemLook>(wanted.items->size(), ItemLook{plain.albedo, {}});
+                   : std::vector<ItemLook>(wanted.items->size(), ItemLook{.albedo = plain.albedo});
     wanted.solve = std::make_shared<const BounceSolve>(cache, *wanted.items, *transport,
                                                        *wanted.light, looks, wanted.bounces);
 }
