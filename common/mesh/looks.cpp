@@ -1,5 +1,6 @@
 #include "common/mesh/looks.h"
 
+#include <algorithm>
 #include <array>
 
 #include "common/mesh/placed_mesh.h"
@@ -106,16 +107,33 @@ std::array<Vec2f, 3> texturePlaces(const TriangleMesh& mesh, std::uint32_t trian
     return {at(0, 0), at(1, 0), at(0, 1)};
 }
 
+namespace {
+
+/// As the files state it, before a cutoff.
+float statedOpacity(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle,
+                    float u, float v) noexcept {
+    float opacity = material.opacity;
+    if (mesh.texcoords.empty()) return opacity;
+    const Vec3f at = Place{mesh, triangle, u, v}.of(mesh.texcoords);
+    opacity *= at.z;
+    if (material.texture >= 0)
+        opacity *=
+            textureOpacity(mesh.textures[static_cast<std::size_t>(material.texture)], at.x, at.y);
+    return opacity;
+}
+
+}  // namespace
+
+float opacityAt(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
+                float v) noexcept {
+    const float opacity = statedOpacity(mesh, material, triangle, u, v);
+    if (material.blends) return std::clamp(opacity, 0.0f, 1.0f);
+    return opacity < material.cutoff ? 0.0f : 1.0f;
+}
+
 bool isHole(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
             float v, float chance) noexcept {
-    float opacity = material.opacity;
-    if (!mesh.texcoords.empty()) {
-        const Vec3f at = Place{mesh, triangle, u, v}.of(mesh.texcoords);
-        opacity *= at.z;
-        if (material.texture >= 0)
-            opacity *= textureOpacity(mesh.textures[static_cast<std::size_t>(material.texture)],
-                                      at.x, at.y);
-    }
+    const float opacity = statedOpacity(mesh, material, triangle, u, v);
     return material.blends ? opacity <= chance : opacity < material.cutoff;
 }
 

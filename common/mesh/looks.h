@@ -35,6 +35,10 @@ std::array<float, 4> textureAt(const TriangleMesh& mesh, std::uint32_t triangle,
 std::array<Vec2f, 3> texturePlaces(const TriangleMesh& mesh, std::uint32_t triangle,
                                    int layer) noexcept;
 
+/// Opacity of a material there, 0 to 1; of one that is cut out 0 or 1.
+float opacityAt(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
+                float v) noexcept;
+
 /// Whether a cut-out material has a hole there, or one that blends lets a ray pass.
 ///
 /// @param chance  in [0, 1), the ray's own: it passes with probability 1 - opacity
