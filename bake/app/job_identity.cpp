@@ -17,8 +17,8 @@ namespace {
 constexpr std::string_view kExtended = "extended cache";
 
 /// Options that change items but not the places of lookups.
-constexpr std::string_view kNotOfTheLookups[] = {"level", "rays",   "uniform",     "seed",
-                                                 "shard", "margin", "no-transport"};
+constexpr std::string_view kNotOfTheLookups[] = {"level", "rays",   "uniform",      "seed",
+                                                 "shard", "margin", "no-transport", "no-lamps"};
 
 /// Options that items do not depend on, or that identityOf() states by content.
 constexpr std::string_view kNotOfTheItems[] = {"SET",     "output",   "stats",      "threads",

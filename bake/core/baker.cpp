@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bake/core/default_spacing.h"
+#include "bake/core/emitter_tracer.h"
 #include "bake/core/finished_items.h"
 #include "bake/core/hit_tracer.h"
 #include "bake/core/item_baker.h"
@@ -16,6 +17,7 @@
 #include "common/base/process.h"
 #include "common/base/progress.h"
 #include "common/base/version.h"
+#include "common/emitters/emitters.h"
 #include "common/mesh/mesh_fingerprint.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
@@ -37,6 +39,12 @@ std::size_t chunksOf(std::size_t count) {
 /// Probe rays of what is baked and around it: by voxel, in the order of the voxel's patches.
 using Probes = std::vector<std::vector<Probe>>;
 
+/// What the bake counts the visibility of.
+Emitters emittersOf(const TriangleMesh& mesh, const BakeOptions& options) {
+    const TriangleMesh* const meshes[] = {&mesh};
+    return Emitters(std::span(meshes).first(options.lamps ? 1 : 0), Emitters::Weigh::shape);
+}
+
 std::uint64_t raysOf(const Probes& probes) {
     std::uint64_t rays = 0;
     for (const auto& voxel : probes)
@@ -56,7 +64,8 @@ public:
           selection_(selection),
           checkpoint_(checkpoint),
           voxels_(scene.mesh(), spacing, options, selection),
-          baker_(scene, options) {}
+          baker_(scene, options),
+          emitters_(emittersOf(scene.mesh(), options)) {}
 
     Baked run() {
         chooseWanted();
@@ -275,6 +284,8 @@ private:
         out.rays += counts.rays;
         if (options_.transport)
             out.rays += traceHits(scene_, voxels_.frame(), voxel, patch, out.items.hits);
+        if (!emitters_.empty())
+            out.rays += traceEmitters(scene_, emitters_, patch, out.items.emitters);
     }
 
     /// Whether what one item's probe rays found may show in the other.
@@ -312,6 +323,7 @@ private:
     SurfaceVoxels voxels_;
     std::vector<ChosenSides> choice_;  ///< by voxel, if not everything is baked
     ItemBaker baker_;
+    const Emitters emitters_;
 };
 
 }  // namespace
@@ -327,6 +339,9 @@ CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options) {
                      .held = {{options.shard, options.shard}}}};
     header.version = kVersion;
     header.hits = options.transport ? kHitRays : 0;
+    const Emitters emitters = emittersOf(mesh, options);
+    for (std::size_t e = 0; e < emitters.size(); ++e)
+        header.emitters.push_back(emitters.shapeOf(e));
     header.fingerprint = fingerprint(mesh);
     return header;
 }

@@ -19,6 +19,7 @@ CacheToExtend readCacheToExtend(const std::filesystem::path& path, const CacheHe
     require("direction level", found.level, wanted.level);
     require("adaptive refinement", found.adaptive, wanted.adaptive);
     require("hits of an item", found.hits, wanted.hits);
+    require("shapes of emitters", shapesText(found.emitters), shapesText(wanted.emitters));
     require("rays", found.rays(), wanted.rays());
     require("seed", found.seeds(), wanted.seeds());
     require("program version", found.version, wanted.version);

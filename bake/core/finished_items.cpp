@@ -8,7 +8,8 @@ namespace shadowcache {
 
 void FinishedItems::set(std::size_t region, Baked baked) {
     const CacheItems& items = baked.items;
-    sizes_[region] = {items.size(), items.n.size(), items.blocks.size(), items.hits.size()};
+    sizes_[region] = {items.size(), items.n.size(), items.blocks.size(), items.hits.size(),
+                      items.emitters.size()};
     if (!checkpoint_ || checkpoint_->mayKeep(bytesOf(items))) kept_[region] = std::move(baked);
 }
 
@@ -39,7 +40,7 @@ void FinishedItems::reserve(CacheItems& all) const {
     Size sum{};
     for (const Size& size : sizes_)
         sum = {sum.items + size.items, sum.counts + size.counts, sum.blocks + size.blocks,
-               sum.hits + size.hits};
+               sum.hits + size.hits, sum.emitters + size.emitters};
     all.voxel.reserve(sum.items);
     all.patch.reserve(sum.items);
     all.normal.reserve(sum.items);
@@ -49,6 +50,7 @@ void FinishedItems::reserve(CacheItems& all) const {
     all.firstBlock.reserve(sum.items + 1);
     all.blocks.reserve(sum.blocks);
     all.hits.reserve(sum.hits);
+    all.emitters.reserve(sum.emitters);
 }
 
 }  // namespace shadowcache

@@ -27,7 +27,7 @@ public:
 
 private:
     struct Size {
-        std::size_t items, counts, blocks, hits;
+        std::size_t items, counts, blocks, hits, emitters;
     };
 
     Baked take(std::size_t region);

@@ -117,6 +117,7 @@ JoinedHeader joinHeaders(const CacheHeader& header, const std::string& owner,
     require("direction level", more.level, header.level);
     require("adaptive refinement", more.adaptive, header.adaptive);
     require("hits of an item", more.hits, header.hits);
+    require("shapes of emitters", shapesText(more.emitters), shapesText(header.emitters));
     // Two shots of the same bakes meet in the same items.
     JoinedHeader joined{header, sameBakes(header, more) ? Overlap::keep : Overlap::add};
     for (const BakeRecord& other : more.bakes) {

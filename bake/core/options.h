@@ -14,6 +14,7 @@ struct BakeOptions {
     int rays = 16;           ///< rays per region where rays disagree, 1 .. 255
     bool adaptive = true;    ///< finer regions only where they explain the visibility
     bool transport = true;   ///< also keep which items the rays of each item met
+    bool lamps = true;       ///< also count how much of the set's emitters the items see
     std::uint64_t seed = 1;  ///< of all random numbers
     int shard = 0;           ///< of `shards`: bakes only the voxels that fall to it
     int shards = 1;          ///< parts that the set's voxels are divided into, at least 1

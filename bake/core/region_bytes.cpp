@@ -7,7 +7,8 @@ namespace shadowcache {
 std::uint64_t bytesOf(const CacheItems& items) {
     const auto of = [](const auto& values) { return values.size() * sizeof(values[0]); };
     return of(items.voxel) + of(items.patch) + of(items.normal) + of(items.position) + of(items.n) +
-           of(items.d) + of(items.firstBlock) + of(items.blocks) + of(items.hits);
+           of(items.d) + of(items.firstBlock) + of(items.blocks) + of(items.hits) +
+           of(items.emitters);
 }
 
 std::string toBytes(const Baked& baked) {
@@ -23,6 +24,7 @@ std::string toBytes(const Baked& baked) {
     out.put(items.firstBlock);
     out.put(items.blocks);
     out.put(items.hits);
+    out.put(items.emitters);
     return out.take();
 }
 
@@ -40,6 +42,7 @@ Baked bakedFromBytes(std::string_view bytes) {
     items.firstBlock = in.getVector<std::uint32_t>();
     items.blocks = in.getVector<CountBlock>();
     items.hits = in.getVector<std::uint16_t>();
+    items.emitters = in.getVector<std::uint16_t>();
     return baked;
 }
 

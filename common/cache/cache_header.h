@@ -11,7 +11,9 @@
 namespace shadowcache {
 
 /// Version of the file format; raised on any change of its bytes or of the direction mesh.
-inline constexpr int kCacheFormat = 4;
+inline constexpr int kCacheFormat = 5;
+/// Version of files without emitters, which have no more than it.
+inline constexpr int kCacheFormatWithoutEmitters = 4;
 /// Oldest version that is still read: the same without hits.
 inline constexpr int kOldestCacheFormat = 3;
 
@@ -102,6 +104,8 @@ struct CacheHeader {
     std::string version;            ///< of the program that baked
     std::optional<CachePart> part;  ///< none: all of the set
     int hits = 0;                   ///< rays of an item whose hits are kept; 0: none
+    /// Hash of the shape of each emitter whose visibility is counted (Emitters::shapeOf).
+    std::vector<std::uint64_t> emitters;
 
     /// How its counts refine in direction.
     DirectionTiers tiers() const { return {level}; }
@@ -110,6 +114,11 @@ struct CacheHeader {
     /// Seeds of the bakes, joined by commas.
     std::string seeds() const;
 };
+
+/// Shapes of emitters, as the file has them: fingerprints joined by commas.
+std::string shapesText(const std::vector<std::uint64_t>& shapes);
+/// Reads shapesText(). @return none if the text is not of that form
+std::optional<std::vector<std::uint64_t>> parseShapes(std::string_view text);
 
 /// The fingerprint as sixteen hexadecimal digits, as the file and all messages have it.
 std::string fingerprintText(std::uint64_t fingerprint);

@@ -7,6 +7,7 @@
 
 #include "common/base/error.h"
 #include "common/cache/cache_schema.h"
+#include "common/cache/emitter_code.h"
 
 namespace shadowcache {
 
@@ -16,6 +17,7 @@ namespace {
 constexpr double kMostMetadata = 1e12;
 
 constexpr int kFirstFormatWithHits = 4;
+constexpr int kFirstFormatWithEmitters = 5;
 
 template <class T>
 T metaValue(const openvdb::MetaMap& meta, const char* key, const std::filesystem::path& path) {
@@ -29,7 +31,9 @@ T metaValue(const openvdb::MetaMap& meta, const char* key, const std::filesystem
 
 openvdb::MetaMap toMetadata(const CacheHeader& header, std::size_t items) {
     openvdb::MetaMap meta;
-    meta.insertMeta(kFormatKey, openvdb::Int32Metadata(kCacheFormat));
+    meta.insertMeta(kFormatKey,
+                    openvdb::Int32Metadata(header.emitters.empty() ? kCacheFormatWithoutEmitters
+                                                                   : kCacheFormat));
     meta.insertMeta("level", openvdb::Int32Metadata(header.level));
     meta.insertMeta("adaptive", openvdb::BoolMetadata(header.adaptive));
     meta.insertMeta("spacing", openvdb::DoubleMetadata(header.spacing));
@@ -47,6 +51,8 @@ openvdb::MetaMap toMetadata(const CacheHeader& header, std::size_t items) {
         meta.insertMeta("shots", openvdb::StringMetadata(header.part->shots));
     }
     meta.insertMeta("hits", openvdb::Int32Metadata(header.hits));
+    if (!header.emitters.empty())
+        meta.insertMeta("emitters", openvdb::StringMetadata(shapesText(header.emitters)));
     meta.insertMeta("items", openvdb::Int64Metadata(static_cast<std::int64_t>(items)));
     return meta;
 }
@@ -91,6 +97,13 @@ CacheHeader fromMetadata(const openvdb::MetaMap& meta, const std::filesystem::pa
     if (header.hits < 0 || header.hits > kMostHits)
         throwFileError(
             path, fmt::format("hits of {} rays an item, expected 0 to {}", header.hits, kMostHits));
+    if (format >= kFirstFormatWithEmitters) {
+        const auto shapes = parseShapes(metaValue<std::string>(meta, "emitters", path));
+        if (!shapes || shapes->size() > kMostEmittersOfCache)
+            throwFileError(path, fmt::format("emitters, expected 1 to {} of 16 hexadecimal digits",
+                                             kMostEmittersOfCache));
+        header.emitters = *shapes;
+    }
     const auto requirePositive = [&](const char* key, double value) {
         if (!(value > 0 && value <= kMostMetadata))
             throwFileError(path,

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "common/cache/emitter_code.h"
+
 namespace shadowcache {
 
 void addCounts(std::uint8_t& n, std::uint8_t& d, unsigned moreN, unsigned moreD) {
@@ -49,6 +51,7 @@ void append(CacheItems& items, const CacheItems& more) {
         items.firstBlock.push_back(offset + more.firstBlock[i]);
     join(items.blocks, more.blocks);
     join(items.hits, more.hits);
+    join(items.emitters, more.emitters);
 }
 
 namespace {
@@ -71,6 +74,7 @@ void appendItem(CacheItems& to, const CacheItems& from, std::size_t i, std::size
     row(to.n, from.n, baseCells);
     row(to.d, from.d, baseCells);
     row(to.hits, from.hits, from.hits.size() / from.size());
+    row(to.emitters, from.emitters, from.emitters.size() / from.size());
 }
 
 /// Appends the blocks of item i of `a` and item j of `b` in the order of their keys, equal keys
@@ -91,6 +95,20 @@ void appendBlocks(CacheItems& to, const CacheItems& a, std::size_t i, const Cach
                 addCounts(sum.n[k], sum.d[k], more.n[k], more.d[k]);
             to.blocks.push_back(sum);
         }
+    }
+}
+
+/// Adds the rays to emitters of item j of `more` to those of the last item.
+void addEmitters(CacheItems& to, const CacheItems& more, std::size_t j) {
+    const std::size_t emitters = more.emitters.size() / more.size();
+    for (std::size_t e = 0; e < emitters; ++e) {
+        std::uint16_t& code = to.emitters[to.emitters.size() - emitters + e];
+        const std::uint16_t other = more.emitters[j * emitters + e];
+        auto n = static_cast<std::uint8_t>(EmitterCode::visible(code));
+        auto d = static_cast<std::uint8_t>(EmitterCode::rays(code));
+        addCounts(n, d, static_cast<unsigned>(EmitterCode::visible(other)),
+                  static_cast<unsigned>(EmitterCode::rays(other)));
+        code = EmitterCode::of(n, d);
     }
 }
 
@@ -128,6 +146,7 @@ CacheItems mergeItems(const CacheItems& a, const CacheItems& b, const DirectionT
             for (std::size_t k = 0; k < baseCells; ++k)
                 addCounts(sum.n[base + k], sum.d[base + k], b.n[j * baseCells + k],
                           b.d[j * baseCells + k]);
+            addEmitters(sum, b, j);
             appendBlocks(sum, a, i++, b, j++);
         }
         sum.firstBlock.push_back(static_cast<std::uint32_t>(sum.blocks.size()));

@@ -38,7 +38,8 @@ struct CacheItems {
     std::vector<std::uint8_t> d;  ///< baseCells an item: rays counted
     std::vector<std::uint32_t> firstBlock{0};  ///< items + 1 offsets into blocks
     std::vector<CountBlock> blocks;
-    std::vector<std::uint16_t> hits;  ///< CacheHeader::hits an item: HitCode
+    std::vector<std::uint16_t> hits;      ///< CacheHeader::hits an item: HitCode
+    std::vector<std::uint16_t> emitters;  ///< one of CacheHeader::emitters an item: EmitterCode
 
     std::size_t size() const { return voxel.size(); }
 };

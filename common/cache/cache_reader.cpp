@@ -232,6 +232,8 @@ void appendLeaf(const Vec3i& origin, const LeafView& leaf, std::size_t baseCells
             row(items.n, leaf.n.row(i), baseCells);
             row(items.d, leaf.d.row(i), baseCells);
             row(items.hits, leaf.hits + std::size_t{i} * leaf.hitsPerItem, leaf.hitsPerItem);
+            row(items.emitters, leaf.emitters + std::size_t{i} * leaf.emittersPerItem,
+                leaf.emittersPerItem);
             const auto first = static_cast<std::size_t>(leaf.firstBlock[i]);
             const auto count = static_cast<std::size_t>(leaf.blockCount[i]);
             for (std::size_t b = first; b < first + count; ++b) {

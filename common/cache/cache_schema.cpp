@@ -26,6 +26,9 @@ std::vector<AttributeSpec> itemAttributes(const CacheHeader& header) {
     std::vector<AttributeSpec> specs(lookups.begin(), lookups.end());
     if (header.hits > 0)
         specs.push_back(spec<ShortArray>("hits", static_cast<openvdb::Index>(header.hits)));
+    if (!header.emitters.empty())
+        specs.push_back(
+            spec<ShortArray>("emitters", static_cast<openvdb::Index>(header.emitters.size())));
     return specs;
 }
 

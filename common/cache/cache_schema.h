@@ -40,11 +40,16 @@ enum ItemAttribute : std::size_t {
     kItemD,
     kFirstBlock,
     kBlockCount,
-    kHits,  ///< only of caches that keep hits
+    kHits,      ///< only of caches that keep hits
+    kEmitters,  ///< only of caches that count emitters; in the place of kHits without hits
     kItemAttributes
 };
 /// Those that lookups use: all but kHits.
 std::array<AttributeSpec, kHits> lookupAttributes(const DirectionTiers& tiers);
+/// Place of kEmitters among itemAttributes().
+inline std::size_t emitterPlace(const CacheHeader& header) {
+    return header.hits > 0 ? kEmitters : kHits;
+}
 /// All of a cache.
 std::vector<AttributeSpec> itemAttributes(const CacheHeader& header);
 

@@ -73,7 +73,8 @@ void setOffsets(PointLeaf& leaf, std::size_t count, VoxelOf voxelOf) {
 }
 
 void fillItemLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& items,
-                  std::size_t baseCells, std::size_t hits) {
+                  const CacheHeader& header) {
+    const std::size_t baseCells = header.tiers().baseCells();
     setOffsets(leaf, range.end - range.begin,
                [&](std::size_t i) { return toCoord(items.voxel[range.begin + i]); });
     auto& position = expanded<VectorArray>(leaf, kPosition);
@@ -102,11 +103,16 @@ void fillItemLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& ite
     }
     n.compact();
     d.compact();
-    if (hits == 0) return;
-    auto& hit = expanded<ShortArray>(leaf, kHits);
-    for (std::size_t h = range.begin * hits; h < range.end * hits; ++h)
-        hit.setUnsafe(static_cast<openvdb::Index>(h - range.begin * hits),
-                      static_cast<std::int16_t>(items.hits[h]));
+    const auto fill = [&](std::size_t place, std::size_t stride,
+                          const std::vector<std::uint16_t>& values) {
+        if (stride == 0) return;
+        auto& array = expanded<ShortArray>(leaf, place);
+        for (std::size_t h = range.begin * stride; h < range.end * stride; ++h)
+            array.setUnsafe(static_cast<openvdb::Index>(h - range.begin * stride),
+                            static_cast<std::int16_t>(values[h]));
+    };
+    fill(kHits, static_cast<std::size_t>(header.hits), items.hits);
+    fill(emitterPlace(header), header.emitters.size(), items.emitters);
 }
 
 void fillBlockLeaf(PointLeaf& leaf, const LeafRange& range, const CacheItems& items) {
@@ -145,8 +151,6 @@ PointGrid::Ptr makePointGrid(const char* name, double spacing) {
 
 CacheGrids makeGrids(const CacheHeader& header, const CacheItems& items) {
     initializeOpenVdb();
-    const std::uint32_t baseCells = header.tiers().baseCells();
-    const auto hits = static_cast<std::size_t>(header.hits);
     const std::vector<AttributeSpec> itemAttributeSpecs = itemAttributes(header);
     const auto itemSpecs = std::span(itemAttributeSpecs).subspan(kPosition + 1);
     const auto blockSpecs = blockAttributes();
@@ -166,7 +170,7 @@ CacheGrids makeGrids(const CacheHeader& header, const CacheItems& items) {
     }
     parallelFor(leaves.size(), 16, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            fillItemLeaf(*itemLeaves[i], leaves[i], items, baseCells, hits);
+            fillItemLeaf(*itemLeaves[i], leaves[i], items, header);
             if (blockLeaves[i]) fillBlockLeaf(*blockLeaves[i], leaves[i], items);
         }
     });

@@ -66,6 +66,11 @@ LeafView viewOf(PointLeaf& items, PointLeaf* blocks, const CacheHeader& header,
         view.hits = values<std::uint16_t, ShortArray>(items, specs[kHits], path);
         view.hitsPerItem = specs[kHits].stride;
     }
+    if (!header.emitters.empty()) {
+        const AttributeSpec& spec = specs[emitterPlace(header)];
+        view.emitters = values<std::uint16_t, ShortArray>(items, spec, path);
+        view.emittersPerItem = spec.stride;
+    }
     if (blocks) {
         const auto blockSpecs = blockAttributes();
         view.blocks = pointCount(*blocks, path);

@@ -54,6 +54,28 @@ std::string fingerprintText(std::uint64_t fingerprint) {
     return fmt::format("{:016x}", fingerprint);
 }
 
+std::string shapesText(const std::vector<std::uint64_t>& shapes) {
+    std::string text;
+    for (const std::uint64_t shape : shapes)
+        text += (text.empty() ? "" : ",") + fingerprintText(shape);
+    return text;
+}
+
+std::optional<std::vector<std::uint64_t>> parseShapes(std::string_view text) {
+    constexpr std::size_t kDigits = 16;
+    std::vector<std::uint64_t> shapes;
+    for (;;) {
+        if (text.size() < kDigits) return std::nullopt;
+        const char* end = text.data() + kDigits;
+        const auto parsed = std::from_chars(text.data(), end, shapes.emplace_back(), 16);
+        if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
+        text.remove_prefix(kDigits);
+        if (text.empty()) return shapes;
+        if (text.front() != ',') return std::nullopt;
+        text.remove_prefix(1);
+    }
+}
+
 std::string shardsText(const std::vector<ShardRange>& shards) {
     std::string text;
     for (const auto& [first, last] : shards) {

@@ -17,7 +17,7 @@ std::uint64_t hitBytes(const std::filesystem::path& path) {
     std::vector<FilePage> pages;
     std::set<std::uint32_t> ofHits;
     for (const LeafPlace& leaf :
-         PointLayoutReader(file).read(kItemGrid, std::span(specs).subspan(kHits), pages))
+         PointLayoutReader(file).read(kItemGrid, std::span(specs).subspan(kHits, 1), pages))
         ofHits.insert(leaf.arrays[0].page);
     std::uint64_t bytes = 0;
     for (const std::uint32_t page : ofHits) bytes += pages[page].stored;

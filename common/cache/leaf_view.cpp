@@ -4,6 +4,7 @@
 #include <array>
 
 #include "common/base/error.h"
+#include "common/cache/emitter_code.h"
 #include "common/cache/hit_code.h"
 #include "common/cache/patch_code.h"
 
@@ -49,6 +50,9 @@ void requireSound(const LeafView& leaf, const DirectionTiers& tiers,
 }
 
 void requireSoundHits(const LeafView& leaf, const std::filesystem::path& path) {
+    const std::uint16_t* last = leaf.emitters + std::size_t{leaf.items} * leaf.emittersPerItem;
+    if (leaf.emitters && !std::all_of(leaf.emitters, last, EmitterCode::isValid))
+        throwFileError(path, "damaged: more rays reach an emitter than were counted");
     if (!leaf.hits) return;
     const std::uint16_t* end = leaf.hits + std::size_t{leaf.items} * leaf.hitsPerItem;
     if (!std::all_of(leaf.hits, end, HitCode::isValid))

@@ -45,6 +45,8 @@ struct LeafView {
     const std::int16_t* blockCount = nullptr;  ///< by item: number of blocks from there
     const std::uint16_t* hits = nullptr;       ///< by item, hitsPerItem each: HitCode; may be null
     std::uint32_t hitsPerItem = 0;
+    const std::uint16_t* emitters = nullptr;  ///< by item, emittersPerItem each: EmitterCode
+    std::uint32_t emittersPerItem = 0;
 
     std::uint32_t blocks = 0;                 ///< number of blocks; with 0 the rest is null
     const std::int16_t* blockKeys = nullptr;  ///< by block: DirectionTiers::blockKey

@@ -35,7 +35,11 @@ CountRows countsAt(const PagePin& page, const ArrayPlace& place, std::uint32_t s
 
 PagedLeaves::PagedLeaves(const std::filesystem::path& path, const CacheHeader& header,
                          std::uint64_t budget)
-    : path_(path), tiers_(header.tiers()), hits_(header.hits) {
+    : path_(path),
+      tiers_(header.tiers()),
+      hits_(header.hits),
+      emitters_(static_cast<std::uint32_t>(header.emitters.size())),
+      emitterPlace_(emitterPlace(header)) {
     std::vector<FilePage> pages;
     CheckedFile file = openChecked(path);
     PointLayoutReader reader(file);
@@ -63,7 +67,8 @@ std::size_t PagedLeaves::leafWith(std::uint64_t item) const {
 PagedLeaves::Reader::Reader(const PagedLeaves& leaves, bool hits)
     : leaves_(leaves),
       hitsPerItem_(hits ? static_cast<std::uint32_t>(leaves.hits_) : 0),
-      attributes_(hitsPerItem_ > 0 ? kItemAttributes : kHits),
+      emittersPerItem_(hits ? leaves.emitters_ : 0),
+      attributes_(kHits + (hitsPerItem_ > 0 ? 1 : 0) + (emittersPerItem_ > 0 ? 1 : 0)),
       accessor_(leaves.index_) {}
 
 const LeafView* PagedLeaves::Reader::find(const openvdb::Coord& voxel) {
@@ -122,6 +127,11 @@ void PagedLeaves::Reader::fill(Slot& slot, std::int32_t leaf) {
     if (hitsPerItem_ > 0) {
         view.hits = valuesAt<std::uint16_t>(pin[kHits], item[kHits]);
         view.hitsPerItem = hitsPerItem_;
+    }
+    if (emittersPerItem_ > 0) {
+        const std::size_t at = leaves_.emitterPlace_;
+        view.emitters = valuesAt<std::uint16_t>(pin[at], item[at]);
+        view.emittersPerItem = emittersPerItem_;
     }
     if (blocks) {
         pin += attributes_;

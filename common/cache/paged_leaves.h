@@ -33,7 +33,7 @@ public:
     /// A thread's access; keeps the leaves it last visited. One Reader a thread.
     class Reader {
     public:
-        /// @param hits  reads them, too; without, the views have none
+        /// @param hits  reads them and the emitters, too; without, the views have none
         explicit Reader(const PagedLeaves& leaves, bool hits = false);
 
         /// Begins another lookup: leaves of the last one may be released.
@@ -55,7 +55,7 @@ public:
         };
 
         const PagedLeaves& leaves_;
-        std::uint32_t hitsPerItem_;
+        std::uint32_t hitsPerItem_, emittersPerItem_;
         std::size_t attributes_;  ///< of the items that are read
         openvdb::tree::ValueAccessor<const openvdb::Int32Tree> accessor_;
         std::uint64_t now_ = 0;
@@ -75,6 +75,8 @@ private:
     std::filesystem::path path_;
     DirectionTiers tiers_;
     int hits_;
+    std::uint32_t emitters_;
+    std::size_t emitterPlace_;  ///< among the items' attributes
     std::vector<Leaf> leaves_;
     PointLayout blockLeaves_;
     openvdb::Int32Tree index_{-1};  ///< by leaf, in leaf_; -1: none

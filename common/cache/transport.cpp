@@ -49,4 +49,15 @@ std::optional<Transport> readTransport(const ShadowCache& cache, const ItemTable
     return transport;
 }
 
+std::vector<std::uint16_t> readEmitterCodes(const ShadowCache& cache) {
+    std::vector<std::uint16_t> codes;
+    if (cache.header().emitters.empty()) return codes;
+    OpenCache::of(cache).visitLeaves(true, [&](const openvdb::Coord&, const LeafView& leaf) {
+        throwIfInterrupted();
+        codes.insert(codes.end(), leaf.emitters,
+                     leaf.emitters + std::size_t{leaf.items} * leaf.emittersPerItem);
+    });
+    return codes;
+}
+
 }  // namespace shadowcache

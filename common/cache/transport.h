@@ -32,4 +32,10 @@ struct Transport {
 /// @throws Error naming the cache's file if that cannot be read any more
 std::optional<Transport> readTransport(const ShadowCache& cache, const ItemTable& items);
 
+/// EmitterCode of each emitter that a cache counts (CacheHeader::emitters) by item, item by item;
+/// empty if it counts none.
+///
+/// @throws Error naming the cache's file if that cannot be read any more
+std::vector<std::uint16_t> readEmitterCodes(const ShadowCache& cache);
+
 }  // namespace shadowcache

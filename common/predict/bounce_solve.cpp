@@ -23,8 +23,11 @@ constexpr double kLeastAdded = 1e-4;
 /// Direct irradiance of all items, by their own counts at their own normals: of the exposed part of
 /// their surface, since the hidden part has none. What is less exposed than `leastExposure` counts
 /// as hidden.
+///
+/// @param ofEmitters  may be empty
 std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
-                          const Environment& environment, float leastExposure) {
+                          const Environment& environment, std::span<const Rgb> ofEmitters,
+                          float leastExposure) {
     const CachePreview preview(environment, cache.header().tiers());
     std::vector<Rgb> direct(items.size(), Rgb(0, 0, 0));
     Progress progress("predict light", std::max<std::size_t>(1, items.size()));
@@ -35,21 +38,41 @@ std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
             const auto number = static_cast<std::uint32_t>(i);
             if (!items.isFound(number)) continue;
             const float exposure = items.exposure(number);
-            direct[i] = preview.irradiance(reader.item(i), items.normal(number)) *
-                        (exposure < leastExposure ? 1 : 1 / exposure);
+            direct[i] = preview.irradiance(reader.item(i), items.normal(number));
+            if (!ofEmitters.empty()) direct[i] += ofEmitters[i];
+            direct[i] *= exposure < leastExposure ? 1 : 1 / exposure;
         }
         progress.add(chunk.end - chunk.begin);
     });
     return direct;
 }
 
+/// What the rays of items met of emitters: noisy, and of few of them.
+void addMetEmission(const Transport& transport, std::span<const ItemLook> looks,
+                    std::vector<Rgb>& direct) {
+    const auto rays = static_cast<std::size_t>(transport.raysPerItem);
+    for (std::size_t i = 0; i < direct.size(); ++i) {
+        Rgb sum(0, 0, 0);
+        int known = 0;
+        for (std::size_t k = i * rays; k < (i + 1) * rays; ++k) {
+            known += transport.hit[k] != kNoItem ? 1 : 0;
+            if (transport.hit[k] < looks.size()) sum += looks[transport.hit[k]].emission;
+        }
+        direct[i] += sum * (static_cast<float>(kPi) / static_cast<float>(std::max(1, known)));
+    }
+}
+
 }  // namespace
 
 BounceSolve::BounceSolve(const ShadowCache& cache, const ItemTable& items,
                          const Transport& transport, const Environment& environment,
-                         std::span<const ItemLook> looks, int bounces)
+                         std::span<const ItemLook> looks, int bounces,
+                         std::span<const Rgb> ofEmitters)
     : items_(items), leastExposure_(1 / static_cast<float>(transport.raysPerItem + 1)) {
-    irradiance_.push_back(directOf(cache, items, environment, leastExposure_));
+    irradiance_.push_back(directOf(cache, items, environment, ofEmitters, leastExposure_));
+    const bool emits = std::ranges::any_of(
+        looks, [](const ItemLook& look) { return look.emission != Rgb(0, 0, 0); });
+    if (emits && ofEmitters.empty()) addMetEmission(transport, looks, irradiance_.front());
     const int most = bounces < 0 ? kMostSolved : std::min(bounces, kMostSolved);
     const auto rays = static_cast<std::size_t>(transport.raysPerItem);
     for (int b = 1; b <= most; ++b) {
@@ -65,8 +88,7 @@ BounceSolve::BounceSolve(const ShadowCache& cache, const ItemTable& items,
                     const std::uint32_t met = transport.hit[k];
                     known += met != kNoItem ? 1 : 0;
                     if (met >= looks.size()) continue;
-                    sum += looks[met].emission * static_cast<float>(kPi) +
-                           looks[met].albedo * before[met];
+                    sum += looks[met].albedo * before[met];
                 }
                 next[i] = direct[i] + sum * (1 / static_cast<float>(std::max(1, known)));
                 for (int c = 0; c < 3; ++c)

@@ -17,17 +17,20 @@ struct ItemLook {
 };
 
 /// The irradiance of all items of a cache under a sky, with the light that bounces: E^0 by the
-/// visibility that the items counted, and E^b(i) = E^0(i) + pi / K sum_k (Le_k + albedo_k / pi
-/// E^(b-1)(k)) over the items k that the item's K rays met. No ray is traced. Biased as the counts
-/// are; the residuals of a picture's paths correct it. Immutable, thread-safe.
-/// [Hasan et al. 2006; docs/estimator.md]
+/// visibility that the items counted, and E^b(i) = E^0(i) + 1 / K sum_k albedo_k E^(b-1)(k) over
+/// the items k that the item's K rays met. No ray is traced. Biased as the counts are; the
+/// residuals of a picture's paths correct it. Immutable, thread-safe. [Hasan et al. 2006;
+/// docs/estimator.md]
 class BounceSolve {
 public:
     /// @param cache, items  items outlive the solve; of one cache, as `transport` is
     /// @param looks         by item
     /// @param bounces       to solve for; below 0: until they add next to nothing
+    /// @param ofEmitters    by item: what the set's own emitters add to E^0, as its counts predict
+    ///                      it; empty: what the item's rays met of them
     BounceSolve(const ShadowCache& cache, const ItemTable& items, const Transport& transport,
-                const Environment& environment, std::span<const ItemLook> looks, int bounces);
+                const Environment& environment, std::span<const ItemLook> looks, int bounces,
+                std::span<const Rgb> ofEmitters = {});
 
     const ItemTable& items() const { return items_; }
 

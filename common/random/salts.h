@@ -20,6 +20,7 @@ enum class BakeSalt : std::uint64_t {
     lensV = 0x66696c70,
     shutterTime = 0x66696c71,  ///< and when
     hitOrigins = 0x68697473,   ///< points that an item's hit rays start from
+    emitterRays = 0x6c616d70,  ///< an item's rays to an emitter; third word: its number
     sample = 0x73616d70,       ///< voxels that an estimate bakes; third word: their run's number
 };
 
@@ -66,6 +67,9 @@ enum class RenderSalt : std::uint64_t {
     domePilotTexel = 91,    ///< places of these rays in their texels
     domeTurn = 92,          ///< which of `dome`'s samples is the first drawn by the cosine
     domeTexel = 93,         ///< place of a sample in a texel of its tile
+    emitterSamples = 109,   ///< a pixel's seed for its samples of emitters
+    emitterGloss = 110,     ///< the same for those of its glossy surfaces
+    emitterLobe = 111,      ///< and for the rays of their lobes that look for emitters
 };
 
 /// Member `i` of a salt's family.

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bake/core/patch.h"
+#include "common/emitters/emitters.h"
+#include "common/trace/scene.h"
+
+namespace shadowcache {
+
+/// Counts the rays of a patch that reach the emitters it faces, whatever these emit: to points that
+/// light it alike. More rays go to those that some of the first ones reach.
+///
+/// @param emitters  weighed by their shape
+/// @param out       receives an EmitterCode of each
+/// @return number of rays traced
+std::uint64_t traceEmitters(const Scene& scene, const Emitters& emitters, const Patch& patch,
+                            std::vector<std::uint16_t>& out);
+
+}  // namespace shadowcache
