@@ -34,6 +34,7 @@ public:
         : scene_(context.scene),
           plain_(plain),
           weights_(context.environment.luminanceWeights()),
+          emitters_(context.emitters),
           level_(level),
           choices_(choices) {}
 
@@ -100,7 +101,8 @@ private:
         v.target = hit.scene->rayOrigin(hit.position, hit.triangle, v.geometricNormal);
         v.albedo =
             surface.unlit ? Rgb(0, 0, 0) : diffuseAlbedo(surface, -v.normal.dot(ray.direction));
-        v.emission = surface.emission;
+        // That of emitters is part of the direct light.
+        if (!emitters_ || hit.scene != &scene_) v.emission = surface.emission;
         v.seed = v.pixelSeed = hashWords(
             from.seed, ray.ofLobe ? RenderSalt::bounceLobeChild : RenderSalt::bounceChild);
         v.errorScale = from.errorScale;
@@ -117,6 +119,7 @@ private:
     const Scene& scene_;
     const PlainLook& plain_;
     const Rgb weights_;
+    const EmitterLight* emitters_;
     const PathVertices& level_;
     const std::span<const VertexChoice> choices_;
     std::vector<PathRay> rays_;

@@ -20,7 +20,7 @@ struct PathVertex {
     Vec3f geometricNormal;  ///< of the triangle, on that side
 
     Rgb albedo;                      ///< of the diffuse part, as seen along the ray that met it
-    Rgb emission{0, 0, 0};           ///< [radiance]
+    Rgb emission{0, 0, 0};           ///< that no direct light has [radiance]
     std::int32_t lobe = kNotGlossy;  ///< number in PathVertices::lobes
     std::uint32_t item = kNoItem;    ///< cache item that predicts its irradiance
 

@@ -17,6 +17,8 @@
 
 namespace shadowcache {
 
+class EmitterLight;
+
 /// What every estimator works with; all outlive it.
 struct EstimatorContext {
     const Scene& scene;
@@ -25,6 +27,9 @@ struct EstimatorContext {
     Sequence sequence = Sequence::sobol;
     /// What the cache predicts of the light that bounces under this environment; may be null.
     const BounceSolve* solve = nullptr;
+    /// What shines in the set, which direct light includes; null: nothing does, or rays of paths
+    /// meet it.
+    const EmitterLight* emitters = nullptr;
 };
 
 /// An estimator of irradiance. Immutable; thread-safe through one workspace a thread. Most derive

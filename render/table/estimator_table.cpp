@@ -4,6 +4,7 @@
 
 #include "common/base/error.h"
 #include "common/base/suggestion.h"
+#include "render/estimators/lit_estimator.h"
 
 namespace shadowcache {
 
@@ -28,12 +29,18 @@ constexpr EstimatorEntry kEstimators[] = {
     {"dome", "`mis` with tiles of the map chosen by what a pilot learned of their visibility", 1,
      false, plain<makeDome>},
     {"paper", "piecewise-constant importance over a triangulated map, times cached visibility", 1,
-     false, with<makePaper, &EstimatorOptions::paper>},
+     false, with<makePaper, &EstimatorOptions::paper>, false},
     {"cache", "cached visibility as a control variate (needs --cache; the default with one)", 0,
      true, with<makeCacheEstimator, &EstimatorOptions::cache>},
 };
 
 }  // namespace
+
+std::unique_ptr<Estimator> EstimatorEntry::make(const EstimatorContext& context,
+                                                const EstimatorOptions& options) const {
+    std::unique_ptr<Estimator> sky = maker(context, options);
+    return context.emitters ? withEmitters(std::move(sky), *context.emitters) : std::move(sky);
+}
 
 std::span<const EstimatorEntry> estimatorTable() {
     return kEstimators;

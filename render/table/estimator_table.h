@@ -24,11 +24,10 @@ struct EstimatorEntry {
     int minSamples;
     bool needsCache;
     std::unique_ptr<Estimator> (*maker)(const EstimatorContext&, const EstimatorOptions&);
+    bool lit = true;  ///< may render sets that shine; else it is of the sky alone, as published
 
     std::unique_ptr<Estimator> make(const EstimatorContext& context,
-                                    const EstimatorOptions& options = {}) const {
-        return maker(context, options);
-    }
+                                    const EstimatorOptions& options = {}) const;
 };
 
 /// How pictures of `samples` shadow rays a camera ray are biased: "none", or the cause.

@@ -39,10 +39,11 @@ struct Solved {
     BounceSolve solve;
 
     Solved(const Scene& scene, const Environment& environment, const ShadowCache& cache,
-           const PlainLook& plain, int bounces)
+           const PlainLook& plain, int bounces, const SetLight* light = nullptr)
         : items(cache),
           solve(cache, items, readTransport(cache, items).value(), environment,
-                looksOf(scene, items, plain), bounces) {}
+                looksOf(scene, items, plain), bounces,
+                light ? light->predictItems(items) : std::vector<Rgb>()) {}
 };
 
 /// A room with a window, a box in it, and materials; from an eye inside.
@@ -191,7 +192,8 @@ TEST_P(RoomBy, HasTheLightOfBruteForce) {
     constexpr int kBounces = 3;
     std::optional<Solved> solved;
     if (set.solved)
-        solved.emplace(world.scene, world.environment, world.cache.cache(), plain, kBounces);
+        solved.emplace(world.scene, world.environment, world.cache.cache(), plain, kBounces,
+                       world.light.get());
     EstimatorContext context = world.context();
     if (solved) context.solve = &solved->solve;
     const RenderOptions options = optionsOf(kBounces);

@@ -68,7 +68,9 @@ Rgb pathRadiance(const Scene& scene, const Environment& environment, const Plain
         Hit hit;
         scene.meet(packet, 1, &hit);
         if (!hit.found) return sum + weight * environment.radiance(next.direction);
-        if (left == 0 || isUnseenBack(hit, next.direction)) return sum;
+        if (isUnseenBack(hit, next.direction)) return sum;
+        // What the last surface is lit by emits, and reflects nothing any more.
+        if (left == 0) return sum + weight * surfaceOf(hit, plain).emission;
         if (left < 0) {
             const float chance = std::min(0.95f, std::max({weight.x, weight.y, weight.z}));
             if (numbers.next() >= chance) return sum;

@@ -214,7 +214,8 @@ World::World(TriangleMesh set, const Image& map, const BakeOptions& options)
       scene(mesh),
       environment(environmentOf(map)),
       baked(bake(scene, options)),
-      cache(baked) {}
+      cache(baked),
+      light(SetLight::of(scene, &cache.cache())) {}
 
 double World::irradianceUnderSlab(const ShadingPoint& point) const {
     constexpr std::size_t kFloorTriangles = 2, kSlabTriangles = 12;

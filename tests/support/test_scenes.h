@@ -10,6 +10,7 @@
 #include "bake/core/baker.h"
 #include "common/image/image.h"
 #include "render/estimators/estimator.h"
+#include "render/library/set_light.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/temporary_folder.h"
 
@@ -84,11 +85,13 @@ struct World {
     Environment environment;
     BakeResult baked;
     TestCache cache;
+    std::unique_ptr<SetLight> light;  ///< null: nothing shines
 
     World(TriangleMesh set, const Image& map, const BakeOptions& options = {.spacing = 0.5});
 
     EstimatorContext context(Sequence sequence = Sequence::sobol) const {
-        return {scene, environment, &cache.cache(), sequence};
+        return {scene,    environment, &cache.cache(),
+                sequence, nullptr,     light ? &light->light() : nullptr};
     }
     /// The floor's middle.
     ShadingPoint below() const { return pointAlong(scene, {0, 0.25f, 0}, {0, -1, 0}); }

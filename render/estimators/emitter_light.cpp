@@ -1,0 +1,343 @@
+#include "render/estimators/emitter_light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/base/tuned.h"
+#include "common/mesh/placed_mesh.h"
+#include "common/random/salts.h"
+#include "common/random/sequence.h"
+#include "render/estimators/set_place.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Share of an emitter that counts as visible where no ray of the items saw it.
+SHADOWCACHE_TUNED(float, kHiddenShare, 0.02f);
+
+/// Samples of a point: fewer of those that more camera rays of a pixel than asked for met.
+int samplesOf(const PointBatch& batch, const ShadingPoint& point) {
+    const float wanted = static_cast<float>(batch.samples) * point.sampleFraction;
+    return std::max(1, static_cast<int>(std::lround(wanted)));
+}
+
+/// Words of the samples of a point among those of its pixel.
+void fillWords(const ShadingPoint& point, RenderSalt salt, int samples,
+               std::vector<std::uint32_t> (&words)[3]) {
+    const std::uint64_t seed = hashWords(point.seed, salt);
+    const std::uint32_t first = point.cameraRay * static_cast<std::uint32_t>(samples);
+    for (int d = 0; d < 3; ++d) {
+        words[d].resize(static_cast<std::size_t>(samples));
+        owenSobol(first, d, seed, words[d]);
+    }
+}
+
+double unit(std::uint32_t word) {
+    return (static_cast<double>(word) + 0.5) * 0x1p-32;
+}
+
+/// Adds up values of samples that estimate the same thing, and the variance of their sum: the
+/// squared difference of two neighbours estimates that of theirs.
+struct Sum {
+    const Rgb& luminanceWeights;
+    Rgb value{0, 0, 0};
+    float variance = 0;
+    Rgb before{0, 0, 0};
+    bool odd = false;
+
+    void add(const Rgb& sample) {
+        value += sample;
+        if (odd) {
+            const float difference = (sample - before).dot(luminanceWeights);
+            variance += difference * difference;
+        }
+        before = sample;
+        odd = !odd;
+    }
+};
+
+}  // namespace
+
+/// A direction to an emitter.
+struct EmitterLight::Drawn {
+    const EmissiveTriangle* triangle = nullptr;  ///< null: none
+    EmitterPoint point;
+    Rgb radiance{0, 0, 0};
+    float density = 0;  ///< of the direction, by all that chose it [1/sr]
+};
+
+EmitterLight::EmitterLight(const Scene& scene, const Emitters& emitters, const ShadowCache* cache,
+                           const EmitterVisibility* visibility)
+    : scene_(scene), emitters_(emitters), cache_(cache), visibility_(visibility) {}
+
+EmitterLight::Tools::Tools(const EmitterLight& light)
+    : items(ShadowCache::kMaxItems),
+      shares(light.emitters_.size(), EmitterVisibility::kUnknown),
+      chances(light.emitters_.size()) {
+    if (light.visibility_) reader.emplace(*light.cache_);
+    queued.reserve(RayStream::kSize);
+}
+
+void EmitterLight::lookUp(const SetPlace& place, Tools& tools) const {
+    if (!visibility_) return;
+    const int found = tools.reader->lookUp(place.position, place.geometricNormal, tools.items);
+    visibility_->shares(std::span(tools.items).first(static_cast<std::size_t>(found)),
+                        tools.shares);
+}
+
+/// Chances of the emitters at a place. @return whether there are any
+bool EmitterLight::weigh(const Receiver& at, Tools& tools) const {
+    float sum = 0;
+    for (std::size_t e = 0; e < emitters_.size(); ++e) {
+        const float share = tools.shares[e];
+        const float visible = share < 0 ? 1 : share + kHiddenShare;
+        sum += tools.chances[e] = emitters_.irradiance(e, at).weight * visible;
+    }
+    if (!(sum > 0)) return false;
+    for (float& chance : tools.chances) chance /= sum;
+    return true;
+}
+
+/// The direction that a place's words `k` decide.
+EmitterLight::Drawn EmitterLight::draw(const Receiver& at, std::size_t k,
+                                       const Tools& tools) const {
+    Drawn drawn;
+    double choice = unit(tools.words[0][k]);
+    std::size_t e = 0, last = 0;
+    for (; e < tools.chances.size(); ++e) {
+        const auto chance = static_cast<double>(tools.chances[e]);
+        if (chance > 0) last = e;
+        if (choice < chance) break;
+        choice -= chance;
+    }
+    // Rounding may leave something behind the last one.
+    if (e == tools.chances.size()) e = last;
+    choice = std::clamp(choice / static_cast<double>(tools.chances[e]), 0.0, 1 - 0x1p-53);
+    const Emitters::Choice chosen = emitters_.choose(e, at, choice);
+    if (!(chosen.chance > 0)) return drawn;
+    const EmissiveTriangle& t = emitters_.triangles()[chosen.triangle];
+    drawn.point = samplePoint(t, at, unit(tools.words[1][k]), unit(tools.words[2][k]));
+    if (!(drawn.point.density > 0)) return drawn;
+    drawn.triangle = &t;
+    drawn.radiance = emitters_.radianceAt(t, drawn.point.u, drawn.point.v);
+    drawn.density = tools.chances[e] * chosen.chance * drawn.point.density;
+    return drawn;
+}
+
+/// Density with which draw() would have found the emitter that a ray met.
+float EmitterLight::densityAt(const Receiver& at, const Tools& tools, const Hit& hit) const {
+    const std::ptrdiff_t found = emitters_.find(0, hit.triangle);
+    if (found < 0) return 0;
+    const auto triangle = static_cast<std::size_t>(found);
+    const float chance = tools.chances[emitters_.emitterOf(triangle)];
+    if (!(chance > 0)) return 0;
+    return chance * emitters_.chanceOf(triangle, at) *
+           shadowcache::densityAt(emitters_.triangles()[triangle], at, hit.position);
+}
+
+void EmitterLight::enqueue(const ShadingPoint& point, const Drawn& drawn, const Rgb& value,
+                           std::uint32_t number, Tools& tools) const {
+    const bool seen = value != Rgb(0, 0, 0) && drawn.point.direction.dot(point.geometricNormal) > 0;
+    tools.samples.push_back({number, seen, false, value});
+    if (!seen) return;
+    const EmissiveTriangle& t = *drawn.triangle;
+    const Vec3f& normal = t.normal;
+    const bool front = normal.dot(drawn.point.direction) < 0;
+    const Vec3f target = scene_.rayOrigin(drawn.point.position, t.placed, front ? normal : -normal);
+    const std::size_t i = tools.queued.size();
+    const Vec3f way = target - point.rayOrigin;
+    for (int k = 0; k < 3; ++k) {
+        tools.stream.origin[k][i] = point.rayOrigin[k];
+        tools.stream.direction[k][i] = way[k];
+    }
+    tools.stream.reach[i] = 1;
+    tools.queued.push_back(static_cast<std::uint32_t>(tools.samples.size() - 1));
+    if (tools.queued.size() == RayStream::kSize) trace(tools);
+}
+
+void EmitterLight::trace(Tools& tools) const {
+    if (tools.queued.empty()) return;
+    scene_.trace(tools.stream, tools.queued.size());
+    // Streams do not see what moves.
+    const bool moves = !scene_.movingBalls().empty();
+    for (std::size_t i = 0; i < tools.queued.size(); ++i) {
+        const auto vector = [i](const float(&of)[3][RayStream::kSize]) {
+            return Vec3f(of[0][i], of[1][i], of[2][i]);
+        };
+        bool visible = tools.stream.reach[i] >= 0;
+        if (visible && moves)
+            visible = scene_.isFree(vector(tools.stream.origin), vector(tools.stream.direction));
+        tools.samples[tools.queued[i]].visible = visible;
+    }
+    tools.queued.clear();
+}
+
+/// Adds the samples of each point to its estimate.
+template <class Samples, class Add>
+void EmitterLight::addUp(const Samples& samples, const Rgb& luminanceWeights, const Add& add) {
+    for (std::size_t k = 0; k < samples.size();) {
+        const std::uint32_t point = samples[k].point;
+        Sum sum{luminanceWeights};
+        std::uint32_t rays = 0;
+        for (; k < samples.size() && samples[k].point == point; ++k) {
+            sum.add(samples[k].visible ? samples[k].value : Rgb(0, 0, 0));
+            rays += samples[k].traced ? 1 : 0;
+        }
+        add(point, sum.value, sum.variance, rays);
+    }
+}
+
+void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWeights, Tools& tools,
+                                 std::span<Estimate> estimates) const {
+    tools.samples.clear();
+    for (std::size_t i = 0; i < batch.points.size(); ++i) {
+        const ShadingPoint& point = batch.points[i];
+        const Receiver at{point.rayOrigin, point.normal};
+        lookUp(point, tools);
+        if (!weigh(at, tools)) continue;
+        const int samples = samplesOf(batch, point);
+        fillWords(point, RenderSalt::emitterSamples, samples, tools.words);
+        for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k) {
+            const Drawn drawn = draw(at, k, tools);
+            const float cosine = std::max(0.0f, at.normal.dot(drawn.point.direction));
+            const Rgb value =
+                drawn.triangle
+                    ? drawn.radiance * (cosine / (drawn.density * static_cast<float>(samples)))
+                    : Rgb(0, 0, 0);
+            enqueue(point, drawn, value, static_cast<std::uint32_t>(i), tools);
+        }
+    }
+    trace(tools);
+    addUp(tools.samples, luminanceWeights,
+          [&](std::uint32_t i, const Rgb& sum, float variance, std::uint32_t rays) {
+              estimates[i].irradiance += sum;
+              estimates[i].variance += variance;
+              estimates[i].rays += rays;
+          });
+}
+
+void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
+                            const Rgb& luminanceWeights, Tools& tools,
+                            std::span<GlossEstimate> estimates) const {
+    tools.samples.clear();
+    tools.lobeRays.clear();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto number = static_cast<std::uint32_t>(i);
+        const ShadingPoint& point = points[i].point;
+        const GlossyLobe& lobe = points[i].lobe;
+        const Receiver at{point.rayOrigin, lobe.normal()};
+        lookUp(point, tools);
+        const bool draws = weigh(at, tools);
+        // As many rays of either kind.
+        const int samples = (samplesOf(batch, point) + 1) / 2;
+        const float share = 1 / static_cast<float>(samples);
+        fillWords(point, RenderSalt::emitterGloss, draws ? samples : 0, tools.words);
+        for (std::size_t k = 0; k < tools.words[0].size(); ++k) {
+            const Drawn drawn = draw(at, k, tools);
+            Rgb value(0, 0, 0);
+            if (drawn.triangle)
+                value = drawn.radiance * lobe.value(drawn.point.direction) *
+                        (share / (drawn.density + lobe.density(drawn.point.direction)));
+            enqueue(point, drawn, value, number, tools);
+        }
+        fillWords(point, RenderSalt::emitterLobe, samples, tools.words);
+        const std::size_t first = tools.lobeRays.size();
+        for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k)
+            tools.lobeRays.push_back(lobeRay(points[i], number, share, k, tools));
+        // While the chances are this point's. No ray decides about another.
+        traceLobe(at, draws, std::span(tools.lobeRays).subspan(first), tools);
+    }
+    trace(tools);
+    const auto add = [&](std::uint32_t i, const Rgb& sum, float variance, std::uint32_t rays) {
+        estimates[i].radiance += sum;
+        estimates[i].variance += variance;
+        estimates[i].rays += rays;
+    };
+    addUp(tools.samples, luminanceWeights, add);
+    addUp(tools.lobeRays, luminanceWeights, add);
+}
+
+EmitterLight::Tools::LobeRay EmitterLight::lobeRay(const GlossyPoint& glossy, std::uint32_t number,
+                                                   float share, std::size_t k, const Tools& tools) {
+    Tools::LobeRay ray;
+    ray.point = number;
+    ray.direction =
+        glossy.lobe.sample(toUnitFloat(tools.words[0][k]), toUnitFloat(tools.words[1][k]));
+    ray.density = glossy.lobe.density(ray.direction);
+    if (!(ray.density > 0) || !(ray.direction.dot(glossy.point.geometricNormal) > 0)) return ray;
+    ray.value = glossy.lobe.value(ray.direction) * share;
+    ray.traced = ray.value != Rgb(0, 0, 0);
+    return ray;
+}
+
+/// Traces rays of one point's lobe, and weighs what they find against the rays to emitters.
+void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::LobeRay> rays,
+                             const Tools& tools) const {
+    RayPacket packet{};
+    std::array<Tools::LobeRay*, RayPacket::kSize> of{};
+    std::array<Hit, RayPacket::kSize> hits;
+    int count = 0;
+    const auto flush = [&] {
+        if (count > 0) scene_.meet(packet, count, hits.data());
+        for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+            Tools::LobeRay& ray = *of[i];
+            const Hit& hit = hits[i];
+            // What moves is met by the rays of paths.
+            if (!hit.found || hit.scene != &scene_) continue;
+            const bool back = hit.normal.dot(ray.direction) > 0;
+            if (back && !isDoubleSided(scene_.mesh(), hit.triangle)) continue;
+            const float other = draws ? densityAt(at, tools, hit) : 0;
+            ray.value *= surfaceOf(hit, {}).emission * (1 / (ray.density + other));
+            ray.visible = true;
+        }
+        count = 0;
+    };
+    for (Tools::LobeRay& ray : rays) {
+        if (!ray.traced) continue;
+        of[static_cast<std::size_t>(count)] = &ray;
+        packet.set(count++, at.position, ray.direction);
+        if (count == RayPacket::kSize) flush();
+    }
+    flush();
+}
+
+Rgb EmitterLight::predictGloss(const GlossyPoint& glossy, Tools& tools) const {
+    constexpr int kDirections = 8;
+    const Receiver at{glossy.point.rayOrigin, glossy.lobe.normal()};
+    lookUp(glossy.point, tools);
+    if (!weigh(at, tools)) return {0, 0, 0};
+    fillWords(glossy.point, RenderSalt::emitterGloss, kDirections, tools.words);
+    Rgb sum(0, 0, 0);
+    for (std::size_t k = 0; k < kDirections; ++k) {
+        const Drawn drawn = draw(at, k, tools);
+        if (!drawn.triangle) continue;
+        const auto triangle =
+            static_cast<std::size_t>(drawn.triangle - emitters_.triangles().data());
+        const float share = tools.shares[emitters_.emitterOf(triangle)];
+        sum += drawn.radiance * glossy.lobe.value(drawn.point.direction) *
+               ((share < 0 ? 1 : share) / (drawn.density * kDirections));
+    }
+    return sum;
+}
+
+Rgb EmitterLight::predict(const SetPlace& place, Tools& tools) const {
+    lookUp(place, tools);
+    const Receiver at{place.rayOrigin, place.normal};
+    Rgb sum(0, 0, 0);
+    for (std::size_t e = 0; e < emitters_.size(); ++e)
+        sum +=
+            emitters_.irradiance(e, at).irradiance * (tools.shares[e] < 0 ? 1.0f : tools.shares[e]);
+    return sum;
+}
+
+Rgb EmitterLight::predictItem(std::uint64_t item, const Receiver& place, Tools& tools) const {
+    visibility_->shares(item, tools.shares);
+    Rgb sum(0, 0, 0);
+    for (std::size_t e = 0; e < emitters_.size(); ++e)
+        sum += emitters_.irradiance(e, place).irradiance * std::max(0.0f, tools.shares[e]);
+    return sum;
+}
+
+}  // namespace shadowcache

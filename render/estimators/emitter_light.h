@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/emitters/emitters.h"
+#include "common/predict/emitter_visibility.h"
+#include "common/trace/scene.h"
+#include "render/estimators/estimate.h"
+#include "render/estimators/shading_point.h"
+
+namespace shadowcache {
+
+/// Light of what shines in a set, without bounces: each sample goes to one emitter l, chosen in
+/// proportion to E_l (v_l + floor), with E_l its irradiance if nothing is in the way, and v_l the
+/// share of it that a cache's items see; without a cache to E_l. Samples are decided before any of
+/// their rays. Immutable, thread-safe through one Tools a thread. [docs/estimator.md]
+class EmitterLight {
+public:
+    /// @param emitters    of the scene's mesh
+    /// @param cache       that `visibility` is of; null: without one. All outlive this object.
+    /// @param visibility  null: it is not known
+    EmitterLight(const Scene& scene, const Emitters& emitters, const ShadowCache* cache,
+                 const EmitterVisibility* visibility);
+
+    /// Scratch memory of one thread.
+    class Tools {
+    public:
+        explicit Tools(const EmitterLight& light);
+
+    private:
+        friend class EmitterLight;
+
+        /// A ray to an emitter, and what it adds where it is free.
+        struct Sample {
+            std::uint32_t point;
+            bool traced = false, visible = false;
+            Rgb value{0, 0, 0};
+        };
+        /// A ray by a lobe; it is visible if it meets an emitter.
+        struct LobeRay : Sample {
+            Vec3f direction{0};
+            float density = 0;
+        };
+
+        std::optional<ShadowCache::Reader> reader;
+        std::vector<ItemView> items;
+        std::vector<float> shares, chances;
+        std::vector<std::uint32_t> words[3];
+        std::vector<Sample> samples;
+        std::vector<LobeRay> lobeRays;
+        RayStream stream{};
+        std::vector<std::uint32_t> queued;  ///< numbers of the samples in the stream
+    };
+
+    /// Adds the irradiance of a batch's points to their estimates: as many rays of each as the
+    /// batch wants samples.
+    ///
+    /// @param luminanceWeights  of the estimates' variance
+    void addIrradiance(const PointBatch& batch, const Rgb& luminanceWeights, Tools& tools,
+                       std::span<Estimate> estimates) const;
+
+    /// Adds what the lobes of glossy points reflect: by rays to emitters and by rays of the lobes,
+    /// weighted by the balance heuristic.
+    void addGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
+                  const Rgb& luminanceWeights, Tools& tools,
+                  std::span<GlossEstimate> estimates) const;
+
+    /// Irradiance of a place without rays; unoccluded as far as visibility is not known.
+    Rgb predict(const SetPlace& place, Tools& tools) const;
+
+    /// The same of each item of the cache, by its own counts. @pre there is a visibility
+    /// @param place  of an item, in the set's space
+    Rgb predictItem(std::uint64_t item, const Receiver& place, Tools& tools) const;
+
+    /// What lobes reflect, without rays: of each emitter as if it were a point.
+    Rgb predictGloss(const GlossyPoint& glossy, Tools& tools) const;
+
+    const Emitters& emitters() const { return emitters_; }
+    bool knowsVisibility() const { return visibility_ != nullptr; }
+
+private:
+    struct Drawn;
+
+    void lookUp(const SetPlace& place, Tools& tools) const;
+    bool weigh(const Receiver& at, Tools& tools) const;
+    Drawn draw(const Receiver& at, std::size_t k, const Tools& tools) const;
+    float densityAt(const Receiver& at, const Tools& tools, const Hit& hit) const;
+    void enqueue(const ShadingPoint& point, const Drawn& drawn, const Rgb& value,
+                 std::uint32_t number, Tools& tools) const;
+    void trace(Tools& tools) const;
+    static Tools::LobeRay lobeRay(const GlossyPoint& glossy, std::uint32_t number, float share,
+                                  std::size_t k, const Tools& tools);
+    void traceLobe(const Receiver& at, bool draws, std::span<Tools::LobeRay> rays,
+                   const Tools& tools) const;
+    template <class Samples, class Add>
+    static void addUp(const Samples& samples, const Rgb& luminanceWeights, const Add& add);
+
+    const Scene& scene_;
+    const Emitters& emitters_;
+    const ShadowCache* cache_;
+    const EmitterVisibility* visibility_;
+};
+
+}  // namespace shadowcache

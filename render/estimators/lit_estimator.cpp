@@ -1,0 +1,130 @@
+#include "render/estimators/lit_estimator.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/stopwatch.h"
+
+namespace shadowcache {
+
+namespace {
+
+struct LitWorkspace final : Workspace {
+    LitWorkspace(std::unique_ptr<Workspace> ofSky, const EmitterLight& emitters)
+        : sky(std::move(ofSky)), tools(emitters) {}
+
+    /// Has the sky's estimator work with its own workspace, and passes on what it notes there.
+    template <class Call>
+    auto lend(const Call& call) {
+        struct Return {
+            LitWorkspace& to;
+            ~Return() {
+                Workspace& from = *to.sky;
+                to.watched = std::move(from.watched);
+                from.watched.clear();
+                to.setupNanoseconds += std::exchange(from.setupNanoseconds, 0);
+                to.traceNanoseconds += std::exchange(from.traceNanoseconds, 0);
+                to.pointsWithoutItems += std::exchange(from.pointsWithoutItems, 0);
+            }
+        };
+        sky->watchedPixel = watchedPixel;
+        sky->watched = std::move(watched);
+        const Return back{*this};
+        return call(*sky);
+    }
+
+    std::unique_ptr<Workspace> sky;
+    EmitterLight::Tools tools;
+};
+
+LitWorkspace& own(Workspace& workspace) {
+    return static_cast<LitWorkspace&>(workspace);
+}
+
+EstimatorContext litContext(EstimatorContext context, const EmitterLight& emitters) {
+    context.emitters = &emitters;
+    return context;
+}
+
+class LitEstimator final : public Estimator, private LightPrediction, private InsightSource {
+public:
+    LitEstimator(std::unique_ptr<Estimator> sky, const EmitterLight& emitters)
+        : Estimator(litContext(sky->context(), emitters)),
+          sky_(std::move(sky)),
+          emitters_(emitters),
+          dark_(!(context_.environment.luminanceIntegral() > 0)) {}
+
+    std::unique_ptr<Workspace> makeWorkspace() const override {
+        return std::make_unique<LitWorkspace>(sky_->makeWorkspace(), emitters_);
+    }
+
+    using Estimator::estimate;
+    void estimate(const PointBatch& batch, Workspace& workspace,
+                  std::span<Estimate> estimates) const override {
+        LitWorkspace& w = own(workspace);
+        if (dark_)
+            std::ranges::fill(estimates, Estimate{});
+        else
+            w.lend([&](Workspace& sky) { sky_->estimate(batch, sky, estimates); });
+        Stopwatch time;
+        for (std::size_t i = 0; i < batch.points.size(); ++i) {
+            if (batch.samples > 0 && !batch.predict) break;
+            const Rgb predicted = emitters_.predict(batch.points[i], w.tools);
+            (batch.samples == 0 ? estimates[i].irradiance : estimates[i].predicted) += predicted;
+        }
+        if (batch.samples > 0)
+            emitters_.addIrradiance(batch, context_.environment.luminanceWeights(), w.tools,
+                                    estimates);
+        w.traceNanoseconds += time.sinceLast();
+    }
+
+    void estimateGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
+                       Workspace& workspace, std::span<GlossEstimate> estimates) const override {
+        LitWorkspace& w = own(workspace);
+        if (dark_)
+            std::ranges::fill(estimates, GlossEstimate{});
+        else
+            w.lend([&](Workspace& sky) { sky_->estimateGloss(batch, points, sky, estimates); });
+        Stopwatch time;
+        if (batch.samples > 0)
+            emitters_.addGloss(batch, points, context_.environment.luminanceWeights(), w.tools,
+                               estimates);
+        for (std::size_t i = 0; batch.samples == 0 && i < points.size(); ++i)
+            estimates[i].radiance += emitters_.predictGloss(points[i], w.tools);
+        w.traceNanoseconds += time.sinceLast();
+    }
+
+    /// The sky's knows what noise its light has: none, if there is none.
+    const FramePilot* pilot() const override { return dark_ ? nullptr : sky_->pilot(); }
+    const LightPrediction* prediction() const override {
+        return sky_->prediction() ? this : nullptr;
+    }
+    const InsightSource* insights() const override { return sky_->insights() ? this : nullptr; }
+    bool inOrder() const override { return sky_->inOrder(); }
+
+private:
+    Rgb predict(const ShadingPoint& point, Workspace& workspace) const override {
+        LitWorkspace& w = own(workspace);
+        return emitters_.predict(point, w.tools) +
+               w.lend([&](Workspace& sky) { return sky_->prediction()->predict(point, sky); });
+    }
+
+    CacheInsight insight(const ShadingPoint& point, int samples, const EstimatorPlan* plan,
+                         Workspace& workspace) const override {
+        return own(workspace).lend(
+            [&](Workspace& sky) { return sky_->insights()->insight(point, samples, plan, sky); });
+    }
+
+    const std::unique_ptr<Estimator> sky_;
+    const EmitterLight& emitters_;
+    const bool dark_;  ///< the sky sends no light
+};
+
+}  // namespace
+
+std::unique_ptr<Estimator> withEmitters(std::unique_ptr<Estimator> sky,
+                                        const EmitterLight& emitters) {
+    return std::make_unique<LitEstimator>(std::move(sky), emitters);
+}
+
+}  // namespace shadowcache

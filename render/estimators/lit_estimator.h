@@ -1,0 +1,17 @@
+#pragma once
+
+#include <memory>
+
+#include "render/estimators/emitter_light.h"
+#include "render/estimators/estimator.h"
+
+namespace shadowcache {
+
+/// An estimator of the light of a sky that has the light of emitters, too.
+///
+/// @param sky       of the environment alone
+/// @param emitters  outlives the estimator
+std::unique_ptr<Estimator> withEmitters(std::unique_ptr<Estimator> sky,
+                                        const EmitterLight& emitters);
+
+}  // namespace shadowcache

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/cache/item_table.h"
+#include "render/estimators/emitter_light.h"
+#include "render/table/estimator_table.h"
+
+namespace shadowcache {
+
+/// What shines in a set: its emitters, and what a cache knows of where they are seen from.
+class SetLight {
+public:
+    /// @param scene, cache  outlive it; `cache` may be null
+    /// @return null if nothing shines
+    static std::unique_ptr<SetLight> of(const Scene& scene, const ShadowCache* cache);
+
+    const EmitterLight& light() const { return *light_; }
+    const Emitters& emitters() const { return emitters_; }
+    /// Whether the cache counts each emitter as it stands in the set.
+    bool knowsAll() const { return knowsAll_; }
+
+    /// Irradiance of each item by its own counts; empty if some emitter is not counted.
+    std::vector<Rgb> predictItems(const ItemTable& items) const;
+
+private:
+    explicit SetLight(const Scene& scene, Emitters emitters);
+    void readCounts(const ShadowCache& cache);
+
+    const Scene& scene_;
+    const Emitters emitters_;
+    bool knowsAll_ = false;
+    std::optional<EmitterVisibility> visibility_;
+    std::optional<EmitterLight> light_;
+};
+
+/// @throws Error: the estimator does not include the light of emitters
+[[noreturn]] void refuseEmitters(const EstimatorEntry& estimator, const SetLight& light);
+
+}  // namespace shadowcache
