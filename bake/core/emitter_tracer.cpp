@@ -1,10 +1,11 @@
 #include "bake/core/emitter_tracer.h"
 
-#include <algorithm>
+#include <array>
 
 #include "common/base/tuned.h"
 #include "common/cache/emitter_code.h"
 #include "common/random/salts.h"
+#include "common/random/sequence.h"
 
 namespace shadowcache {
 
@@ -28,7 +29,18 @@ public:
 
     /// Rays `first` to `end - 1` to an emitter.
     void add(std::size_t emitter, int first, int end) {
-        for (int k = first; k < end; ++k) addOne(emitter, k);
+        const std::uint64_t seed = hashWords(patch_.seed, BakeSalt::emitterRays, emitter);
+        std::array<std::vector<std::uint32_t>, 3> words;
+        for (int d = 0; d < 3; ++d) {
+            auto& some = words[static_cast<std::size_t>(d)];
+            some.resize(static_cast<std::size_t>(end - first));
+            owenSobol(static_cast<std::uint32_t>(first), d, seed, some);
+        }
+        const auto number = [&](std::size_t d, int k) {
+            return static_cast<double>(toUnitFloat(words[d][static_cast<std::size_t>(k - first)]));
+        };
+        for (int k = first; k < end; ++k)
+            addOne(emitter, originOf(seed, k), {number(0, k), number(1, k), number(2, k)});
     }
 
     void flush() {
@@ -47,21 +59,18 @@ public:
     std::uint64_t traced() const { return traced_; }
 
 private:
-    void addOne(std::size_t emitter, int k) {
-        // The origins of neighbouring rays are far from each other: the step has no factor in
-        // common with 64. Each ray has a stratum of what chooses the triangle.
+    /// Neighbouring rays start far from each other: the step has no factor in common with 64.
+    static std::size_t originOf(std::uint64_t seed, int k) {
         constexpr std::size_t kStep = 27;
-        const std::uint64_t h = hashWords(patch_.seed, BakeSalt::emitterRays, emitter);
-        const std::size_t origin = (h + static_cast<std::size_t>(k) * kStep) % Patch::kOrigins;
+        return (seed + static_cast<std::size_t>(k) * kStep) % Patch::kOrigins;
+    }
+
+    void addOne(std::size_t emitter, std::size_t origin, std::array<double, 3> numbers) {
         const Receiver at{patch_.origin[origin], patch_.originNormal[origin]};
-        double choice =
-            (k % kPilotRays + toUnit(hashWords(h, 3 * static_cast<unsigned>(k)))) / kPilotRays;
-        const Emitters::Choice chosen = emitters_.choose(emitter, at, choice);
+        const Emitters::Choice chosen = emitters_.choose(emitter, at, numbers[0]);
         if (!(chosen.chance > 0)) return;
         const EmissiveTriangle& t = emitters_.triangles()[chosen.triangle];
-        const EmitterPoint point =
-            samplePoint(t, at, toUnit(hashWords(h, 3 * static_cast<unsigned>(k) + 1)),
-                        toUnit(hashWords(h, 3 * static_cast<unsigned>(k) + 2)));
+        const EmitterPoint point = samplePoint(t, at, numbers[1], numbers[2]);
         if (!(point.density > 0) || !(point.direction.dot(at.normal) > 0)) return;
         const bool front = t.normal.dot(point.direction) < 0;
         const Vec3f way =

@@ -69,6 +69,7 @@ enum class RenderSalt : std::uint64_t {
     domeTexel = 93,         ///< place of a sample in a texel of its tile
     emitterSamples = 109,   ///< a pixel's seed for its samples of emitters
     emitterGloss = 110,     ///< the same for those of its glossy surfaces
+    emitterGuess = 112,     ///< the same without rays, as lobes are predicted
     emitterLobe = 111,      ///< and for the rays of their lobes that look for emitters
 };
 

@@ -18,16 +18,16 @@ namespace {
 SHADOWCACHE_TUNED(float, kHiddenShare, 0.02f);
 
 /// Samples of a point: fewer of those that more camera rays of a pixel than asked for met.
-int samplesOf(const PointBatch& batch, const ShadingPoint& point) {
-    const float wanted = static_cast<float>(batch.samples) * point.sampleFraction;
+int samplesOf(const PointBatch& batch, const BatchSlot& slot) {
+    const float wanted = static_cast<float>(batch.samples) * slot.sampleFraction;
     return std::max(1, static_cast<int>(std::lround(wanted)));
 }
 
 /// Words of the samples of a point among those of its pixel.
-void fillWords(const ShadingPoint& point, RenderSalt salt, int samples,
+void fillWords(const BatchSlot& slot, RenderSalt salt, int samples,
                std::vector<std::uint32_t> (&words)[3]) {
-    const std::uint64_t seed = hashWords(point.seed, salt);
-    const std::uint32_t first = point.cameraRay * static_cast<std::uint32_t>(samples);
+    const std::uint64_t seed = hashWords(slot.seed, salt);
+    const std::uint32_t first = slot.cameraRay * static_cast<std::uint32_t>(samples);
     for (int d = 0; d < 3; ++d) {
         words[d].resize(static_cast<std::size_t>(samples));
         owenSobol(first, d, seed, words[d]);
@@ -137,9 +137,9 @@ float EmitterLight::densityAt(const Receiver& at, const Tools& tools, const Hit&
            shadowcache::densityAt(emitters_.triangles()[triangle], at, hit.position);
 }
 
-void EmitterLight::enqueue(const ShadingPoint& point, const Drawn& drawn, const Rgb& value,
+void EmitterLight::enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value,
                            std::uint32_t number, Tools& tools) const {
-    const bool seen = value != Rgb(0, 0, 0) && drawn.point.direction.dot(point.geometricNormal) > 0;
+    const bool seen = value != Rgb(0, 0, 0) && drawn.point.direction.dot(place.geometricNormal) > 0;
     tools.samples.push_back({number, seen, false, value});
     if (!seen) return;
     const EmissiveTriangle& t = *drawn.triangle;
@@ -147,9 +147,9 @@ void EmitterLight::enqueue(const ShadingPoint& point, const Drawn& drawn, const 
     const bool front = normal.dot(drawn.point.direction) < 0;
     const Vec3f target = scene_.rayOrigin(drawn.point.position, t.placed, front ? normal : -normal);
     const std::size_t i = tools.queued.size();
-    const Vec3f way = target - point.rayOrigin;
+    const Vec3f way = target - place.rayOrigin;
     for (int k = 0; k < 3; ++k) {
-        tools.stream.origin[k][i] = point.rayOrigin[k];
+        tools.stream.origin[k][i] = place.rayOrigin[k];
         tools.stream.direction[k][i] = way[k];
     }
     tools.stream.reach[i] = 1;
@@ -194,11 +194,11 @@ void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWe
     tools.samples.clear();
     for (std::size_t i = 0; i < batch.points.size(); ++i) {
         const ShadingPoint& point = batch.points[i];
-        const Receiver at{point.rayOrigin, point.normal};
-        lookUp(point, tools);
+        const Receiver at{point.place.rayOrigin, point.place.normal};
+        lookUp(point.place, tools);
         if (!weigh(at, tools)) continue;
-        const int samples = samplesOf(batch, point);
-        fillWords(point, RenderSalt::emitterSamples, samples, tools.words);
+        const int samples = samplesOf(batch, point.slot);
+        fillWords(point.slot, RenderSalt::emitterSamples, samples, tools.words);
         for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k) {
             const Drawn drawn = draw(at, k, tools);
             const float cosine = std::max(0.0f, at.normal.dot(drawn.point.direction));
@@ -206,7 +206,7 @@ void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWe
                 drawn.triangle
                     ? drawn.radiance * (cosine / (drawn.density * static_cast<float>(samples)))
                     : Rgb(0, 0, 0);
-            enqueue(point, drawn, value, static_cast<std::uint32_t>(i), tools);
+            enqueue(point.place, drawn, value, static_cast<std::uint32_t>(i), tools);
         }
     }
     trace(tools);
@@ -227,22 +227,22 @@ void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint
         const auto number = static_cast<std::uint32_t>(i);
         const ShadingPoint& point = points[i].point;
         const GlossyLobe& lobe = points[i].lobe;
-        const Receiver at{point.rayOrigin, lobe.normal()};
-        lookUp(point, tools);
+        const Receiver at{point.place.rayOrigin, lobe.normal()};
+        lookUp(point.place, tools);
         const bool draws = weigh(at, tools);
         // As many rays of either kind.
-        const int samples = (samplesOf(batch, point) + 1) / 2;
+        const int samples = (samplesOf(batch, point.slot) + 1) / 2;
         const float share = 1 / static_cast<float>(samples);
-        fillWords(point, RenderSalt::emitterGloss, draws ? samples : 0, tools.words);
+        fillWords(point.slot, RenderSalt::emitterGloss, draws ? samples : 0, tools.words);
         for (std::size_t k = 0; k < tools.words[0].size(); ++k) {
             const Drawn drawn = draw(at, k, tools);
             Rgb value(0, 0, 0);
             if (drawn.triangle)
                 value = drawn.radiance * lobe.value(drawn.point.direction) *
                         (share / (drawn.density + lobe.density(drawn.point.direction)));
-            enqueue(point, drawn, value, number, tools);
+            enqueue(point.place, drawn, value, number, tools);
         }
-        fillWords(point, RenderSalt::emitterLobe, samples, tools.words);
+        fillWords(point.slot, RenderSalt::emitterLobe, samples, tools.words);
         const std::size_t first = tools.lobeRays.size();
         for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k)
             tools.lobeRays.push_back(lobeRay(points[i], number, share, k, tools));
@@ -266,7 +266,8 @@ EmitterLight::Tools::LobeRay EmitterLight::lobeRay(const GlossyPoint& glossy, st
     ray.direction =
         glossy.lobe.sample(toUnitFloat(tools.words[0][k]), toUnitFloat(tools.words[1][k]));
     ray.density = glossy.lobe.density(ray.direction);
-    if (!(ray.density > 0) || !(ray.direction.dot(glossy.point.geometricNormal) > 0)) return ray;
+    if (!(ray.density > 0) || !(ray.direction.dot(glossy.point.place.geometricNormal) > 0))
+        return ray;
     ray.value = glossy.lobe.value(ray.direction) * share;
     ray.traced = ray.value != Rgb(0, 0, 0);
     return ray;
@@ -305,10 +306,10 @@ void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::Lo
 
 Rgb EmitterLight::predictGloss(const GlossyPoint& glossy, Tools& tools) const {
     constexpr int kDirections = 8;
-    const Receiver at{glossy.point.rayOrigin, glossy.lobe.normal()};
-    lookUp(glossy.point, tools);
+    const Receiver at{glossy.point.place.rayOrigin, glossy.lobe.normal()};
+    lookUp(glossy.point.place, tools);
     if (!weigh(at, tools)) return {0, 0, 0};
-    fillWords(glossy.point, RenderSalt::emitterGloss, kDirections, tools.words);
+    fillWords(glossy.point.slot, RenderSalt::emitterGuess, kDirections, tools.words);
     Rgb sum(0, 0, 0);
     for (std::size_t k = 0; k < kDirections; ++k) {
         const Drawn drawn = draw(at, k, tools);

@@ -88,8 +88,8 @@ private:
     bool weigh(const Receiver& at, Tools& tools) const;
     Drawn draw(const Receiver& at, std::size_t k, const Tools& tools) const;
     float densityAt(const Receiver& at, const Tools& tools, const Hit& hit) const;
-    void enqueue(const ShadingPoint& point, const Drawn& drawn, const Rgb& value,
-                 std::uint32_t number, Tools& tools) const;
+    void enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value, std::uint32_t number,
+                 Tools& tools) const;
     void trace(Tools& tools) const;
     static Tools::LobeRay lobeRay(const GlossyPoint& glossy, std::uint32_t number, float share,
                                   std::size_t k, const Tools& tools);

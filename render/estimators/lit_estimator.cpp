@@ -69,7 +69,7 @@ public:
         Stopwatch time;
         for (std::size_t i = 0; i < batch.points.size(); ++i) {
             if (batch.samples > 0 && !batch.predict) break;
-            const Rgb predicted = emitters_.predict(batch.points[i], w.tools);
+            const Rgb predicted = emitters_.predict(batch.points[i].place, w.tools);
             (batch.samples == 0 ? estimates[i].irradiance : estimates[i].predicted) += predicted;
         }
         if (batch.samples > 0)
@@ -100,13 +100,12 @@ public:
         return sky_->prediction() ? this : nullptr;
     }
     const InsightSource* insights() const override { return sky_->insights() ? this : nullptr; }
-    bool inOrder() const override { return sky_->inOrder(); }
 
 private:
-    Rgb predict(const ShadingPoint& point, Workspace& workspace) const override {
+    Rgb predict(const SetPlace& place, Workspace& workspace) const override {
         LitWorkspace& w = own(workspace);
-        return emitters_.predict(point, w.tools) +
-               w.lend([&](Workspace& sky) { return sky_->prediction()->predict(point, sky); });
+        return emitters_.predict(place, w.tools) +
+               w.lend([&](Workspace& sky) { return sky_->prediction()->predict(place, sky); });
     }
 
     CacheInsight insight(const ShadingPoint& point, int samples, const EstimatorPlan* plan,

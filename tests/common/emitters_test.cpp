@@ -1,3 +1,6 @@
+// Emitters: irradiance by triangles in closed form, clipped to the horizon; points and triangles
+// are drawn with the density that is claimed; groups, sides and shapes.
+
 #include "common/emitters/emitters.h"
 
 #include <gtest/gtest.h>
