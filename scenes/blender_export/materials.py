@@ -104,6 +104,8 @@ class MaterialWriter:
             self.reader.see(output)
         if socket is None:
             self._write_plain((0, 0, 0))  # as in Cycles
+            if output and link_of(output.inputs["Volume"]):
+                self._write_opacity(0)
             return None
         if socket.node.type in SHADERS:
             return self.reader.see(socket.node)
@@ -115,6 +117,10 @@ class MaterialWriter:
         """A Lambertian surface."""
         self.entry["pbrMetallicRoughness"] = {"baseColorFactor": [*unit(colour[:3]), 1], "metallicFactor": 0}
         self._write_specular(Value((0,)))
+
+    def _write_opacity(self, opacity):
+        self.entry["pbrMetallicRoughness"]["baseColorFactor"][3] = opacity
+        self.entry["alphaMode"] = "BLEND"
 
     def _write_principled(self, shader):
         value, inputs = self.reader.value, shader.inputs
@@ -178,12 +184,13 @@ class MaterialWriter:
             alpha = Value(alpha.factor)
         solid = alpha.image is None and alpha.colours is None and alpha.factor[0] >= 1
         self.look.tint, self.look.fade = colour.colours, alpha.colours
-        pbr = self.entry["pbrMetallicRoughness"] = {
-            "baseColorFactor": [*unit(colour.factor), 1 if solid else unit(alpha.factor)[0]]}
+        if colour.factor != tuple(unit(colour.factor)):
+            self.leave_out("Base Color below 0 or above 1")
+        pbr = self.entry["pbrMetallicRoughness"] = {"baseColorFactor": [*unit(colour.factor), 1]}
         if not solid:
+            self._write_opacity(unit(alpha.factor)[0])
             if versions.setting_of(self.material, "use_transparent_shadow") is False:
                 self.leave_out("Alpha: Transparent Shadows is off; here shadows have its holes")
-            self.entry["alphaMode"] = "BLEND"
         if colour.image or alpha.image:
             rgb = rgb_of(colour) if colour.image else (ONE,) * 3
             opacity = (alpha.image, alpha.channel) if alpha.image else (None if solid else ONE)
@@ -254,6 +261,9 @@ class MaterialWriter:
             self.leave_out("Emission that varies over the surface otherwise than by one image")
         self._known(colour, "Emission")
         light = [c * strength.factor[0] for c in colour.factor]
+        if min(light) < 0:
+            self.leave_out("Emission below 0")
+            light = [max(c, 0) for c in light]
         most = max(light)
         if most <= 0:
             return

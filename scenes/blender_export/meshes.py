@@ -75,7 +75,9 @@ class MeshWriter:
         look = self.materials.find(material)
         layers = {"TEXCOORD_%d" % i: texture_places(mesh, where, arrays.vertex_of) for i, where in enumerate(look.maps)}
         if (look.tint, look.fade) != (None, None):
-            layers["COLOR_0"] = vertex_colours(mesh, look, arrays.vertex_of)
+            colours = layers["COLOR_0"] = vertex_colours(mesh, look, arrays.vertex_of)
+            if colours.min() < 0 or colours.max() > 1:
+                self.report.add("mesh %s: colours below 0 or above 1" % mesh.name)
         if smooth and normals is not None:
             layers["NORMAL"] = normals
         loops, indices = share(corners, arrays.vertex_of, list(layers.values()), len(arrays.places))

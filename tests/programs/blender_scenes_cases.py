@@ -433,6 +433,11 @@ def colour_to_world_strength():
 
 # What is named.
 
+@names("Base Color below 0 or above 1")
+def bright():
+    plane(diffuse((2, 0.5, 0.5))[0])
+
+
 @names("colour space XYZ")
 def space():
     textured(space="XYZ")
