@@ -320,8 +320,10 @@ TEST(GltfMaterial, MissingTexturesAreRefused) {
     refuse({{"name", "brass"},
             {"pbrMetallicRoughness", {{"metallicRoughnessTexture", {{"index", 3}}}}}},
            "material 0 (brass): pbrMetallicRoughness: metallicRoughnessTexture: texture 3");
-    refuse({{"extensions", {{"KHR_materials_specular", {{"specularTexture", {{"texCoord", 1}}}}}}}},
-           "texture -1");
+    // One without a number is left out.
+    const TriangleMesh bare = load(squareWith(
+        {{"extensions", {{"KHR_materials_specular", {{"specularTexture", {{"texCoord", 1}}}}}}}}));
+    EXPECT_EQ(bare.report.leftOut.at("specularTexture"), 1u);
     GltfBuilder file =
         squareWith({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", {{"index", 0}}}});
     file.append("images", {{"uri", "lamp.png"}});

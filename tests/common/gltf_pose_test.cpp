@@ -218,7 +218,7 @@ TEST(GltfInstancing, WhatDoesNotFitIsRefused) {
         },
         "EXT_mesh_gpu_instancing ROTATION: 2 elements of 3 components, expected 2 of 4");
     refused([](GltfBuilder&, Json& a) { a["TRANSLATION"] = 50; },
-            "EXT_mesh_gpu_instancing TRANSLATION 50, expected 0 to");
+            "EXT_mesh_gpu_instancing: attributes: TRANSLATION accessor 50, expected 0 to");
     refused([](GltfBuilder&, Json& a) { a = Json::object(); }, "no attributes");
     refused(
         [](GltfBuilder& f, Json& a) {
