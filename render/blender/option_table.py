@@ -13,7 +13,7 @@ with open(os.path.join(os.path.dirname(__file__), "option_table.json"), encoding
 MOST_INT = 2**31 - 1
 
 
-def property_of(name, bpy, **own):
+def property_of(name, bpy, /, **own):
     """The property of a row, by its name in Blender; `own`: what is said otherwise here."""
     row = ROWS[name]
     said = {"name": name.replace("_", " ").title(), "description": row["help"], **own}

@@ -6,7 +6,7 @@ import bpy
 from .option_table import ROWS, property_of
 
 
-def option(name, **own):
+def option(name, /, **own):
     """The property of an option of the renderer; what is said here differs from its row in the table."""
     return property_of(name, bpy, **own)
 
