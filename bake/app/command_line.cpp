@@ -114,6 +114,7 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     set.fps = job.shot.fps;
     job.files = set.files;
     job.mesh = meshOptionsOf(set);
+    job.mesh.gloss = true;  // has what emits
     job.settings = settingsOf(app);
     return std::nullopt;
 }

@@ -17,9 +17,9 @@ struct BakeJob {
     std::vector<std::filesystem::path> files;
     std::filesystem::path output;
     std::filesystem::path stats;
-    std::filesystem::path extend;     ///< cache to add to; empty: none
-    std::filesystem::path lookups;    ///< file that has the shot's lookups; empty: find them
-    MeshOptions mesh{.gloss = true};  // knows what emits
+    std::filesystem::path extend;   ///< cache to add to; empty: none
+    std::filesystem::path lookups;  ///< file that has the shot's lookups; empty: find them
+    MeshOptions mesh;
     BakeOptions bake;
     /// In place of bake.spacing: times the one that is chosen, above 0.
     std::optional<double> chosenSpacings;

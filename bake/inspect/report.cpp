@@ -32,7 +32,7 @@ void addSettings(HtmlPage& page, const CacheFacts& facts) {
     const auto& [header, items, summary, fileBytes, hitBytes] = facts;
     page.heading("Settings");
     page.table({{"baked by",
-                 fmt::format("shadowcache-bake {}, file format {}", header.version, kCacheFormat)},
+                 fmt::format("shadowcache-bake {}, file format {}", header.version, header.format)},
                 {"fingerprint of the set", fingerprintText(header.fingerprint)},
                 {"files of the set",
                  "up axis " + header.upAxis + ", " + text(header.unit) + " metres a unit"},

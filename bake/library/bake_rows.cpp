@@ -68,6 +68,9 @@ std::vector<OptionRow> bakeRows(BakeOptions& bake, std::optional<double>& chosen
                        "Refine every region to the finest level, not only where visibility is "
                        "mixed"),
             transport.named("", "transport"),
+            withoutRow("no-lamps", bake.lamps,
+                       "Leave out what the items see of the set's own lamps, whatever these emit")
+                .onlyAt({Door::commandLine}),
             seedRow("seed", bake.seed,
                     "Random seed; caches of different seeds merge into a better one"),
             shardRow(bake)};

@@ -16,7 +16,6 @@ using std::string_view_literals::operator""sv;
 
 /// CLI11 would require these with --list and --serve, too.
 void requireWhatRendersNeed(const RenderJob& job) {
-    if (job.light.environment.empty()) throw CLI::RequiredError("--env");
     if (job.run.output.empty()) throw CLI::RequiredError("--output");
     if (job.camera.name.empty() && !job.camera.eye)
         throw CLI::RequiredError("--camera, or --eye with --look-at,");

@@ -113,7 +113,9 @@ private:
         const double loaded = secondsNow() - stage_->sceneSeconds();
         lit_.emplace(stage_->scene(), stage_->cache(), settings_.estimator,
                      lightingOf(job_.picture, settings_), job_.stage.cache.string());
-        lit_->requireTransport(settings_.options);
+        lit_->requirePrediction(settings_.options);
+        if (job_.light.environment.empty() && !lit_->shines())
+            throw Error("--env: expected a map or a radiance, since nothing in the set shines");
         if (!lit_->note().empty()) printNote(lit_->note(), NoteKind::note);
         timing_ = {loaded - start, secondsNow() - loaded};
     }

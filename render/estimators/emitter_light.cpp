@@ -119,10 +119,10 @@ EmitterLight::Drawn EmitterLight::draw(const Receiver& at, std::size_t k,
     if (!(chosen.chance > 0)) return drawn;
     const EmissiveTriangle& t = emitters_.triangles()[chosen.triangle];
     drawn.point = samplePoint(t, at, unit(tools.words[1][k]), unit(tools.words[2][k]));
-    if (!(drawn.point.density > 0)) return drawn;
+    drawn.density = tools.chances[e] * chosen.chance * drawn.point.density;
+    if (!(drawn.density > 0)) return drawn;
     drawn.triangle = &t;
     drawn.radiance = emitters_.radianceAt(t, drawn.point.u, drawn.point.v);
-    drawn.density = tools.chances[e] * chosen.chance * drawn.point.density;
     return drawn;
 }
 

@@ -24,31 +24,51 @@ LitStage::LitStage(const Scene& scene, const ShadowCache* cache, const Estimator
       cache_(cache),
       entry_(estimator),
       options_(options),
-      cacheName_(std::move(cacheName)) {
+      cacheName_(std::move(cacheName)),
+      light_(SetLight::of(scene, cache)) {
+    if (light_ && !estimator.lit) refuseEmitters(estimator, *light_);
     if (options.bounces == 0 || !cache) return;
     items_.emplace(*cache);
     transport_ = readTransport(*cache, *items_);
-    if (transport_)
-        looks_ = looksOf(scene, *items_, options.plain);
-    else
+    if (!transport_) {
         items_.reset();
+        return;
+    }
+    looks_ = looksOf(scene, *items_, options.plain);
+    if (light_) ofEmitters_ = light_->predictItems(*items_);
+}
+
+bool LitStage::missesTransport() const {
+    return options_.bounces != 0 && cache_ && !transport_;
+}
+
+bool LitStage::missesLamps() const {
+    return light_ && cache_ && !light_->knowsAll();
 }
 
 std::string LitStage::note() const {
-    if (options_.bounces == 0 || !cache_ || transport_) return "";
-    return "bounces: not predicted, the cache holds no transport; unbiased, but noisier";
+    if (missesTransport())
+        return "bounces: not predicted, the cache holds no transport; unbiased, but noisier";
+    if (missesLamps())
+        return "lamps: the cache counts none, or some were moved since; unbiased, but noisier";
+    return "";
 }
 
-void LitStage::requireTransport(const RenderOptions& options) const {
-    if (!note().empty() && (options.samples == 0 || options.preview))
+void LitStage::requirePrediction(const RenderOptions& options) const {
+    if (options.samples != 0 && !options.preview) return;
+    if (missesTransport())
         throwFileError(cacheName_,
                        "holds no transport, of which a preview of bounces is made: bake "
                        "without --no-transport, or render with --bounces 0");
+    if (missesLamps())
+        throwFileError(cacheName_,
+                       "does not count the lamps as they stand in the set, of which a preview is "
+                       "made: bake without --no-lamps");
 }
 
 std::size_t LitStage::bounceBytes() const {
     if (!transport_) return 0;
-    return items_->memoryBytes() + transport_->memoryBytes() +
+    return items_->memoryBytes() + transport_->memoryBytes() + ofEmitters_.size() * sizeof(Rgb) +
            looks_.capacity() * sizeof looks_[0] + (solve_ ? solve_->memoryBytes() : 0);
 }
 
@@ -57,14 +77,15 @@ void LitStage::setEnvironment(const Environment& environment) {
     solve_.reset();
     if (transport_)
         solve_ = std::make_unique<BounceSolve>(*cache_, *items_, *transport_, environment, looks_,
-                                               options_.bounces);
-    estimator_ = entry_.make({scene_, environment, cache_, options_.sequence, solve_.get()},
+                                               options_.bounces, ofEmitters_);
+    estimator_ = entry_.make({scene_, environment, cache_, options_.sequence, solve_.get(),
+                              light_ ? &light_->light() : nullptr},
                              options_.estimator);
 }
 
 Picture LitStage::plan(const CameraMove& camera, int frame, const RenderOptions& options,
                        RenderStats& stats, double targetError) const {
-    requireTransport(options);
+    requirePrediction(options);
     FrameRequest request{*estimator_, camera, frame, options};
     if (targetError > 0) {
         auto [planned, correction] = planForError(std::move(request), targetError, stats);

@@ -13,6 +13,7 @@
 #include "render/frame/film.h"
 #include "render/frame/frame_request.h"
 #include "render/frame/progressive.h"
+#include "render/library/set_light.h"
 #include "render/table/estimator_table.h"
 
 namespace shadowcache {
@@ -55,17 +56,21 @@ public:
     /// @param cache      likewise; null where the estimator needs none
     /// @param estimator  of the table
     /// @param cacheName  of the cache in messages
-    /// @throws Error naming the cache's file if that cannot be read any more
+    /// @throws Error naming the cache's file if that cannot be read any more, or the estimator if
+    /// the set shines and that is of the sky alone
     LitStage(const Scene& scene, const ShadowCache* cache, const EstimatorEntry& estimator,
              const LightingOptions& options, std::string cacheName = "cache");
 
     /// What is to be known of its pictures: that bounces are not predicted for want of transport,
-    /// which is unbiased but noisier. Empty: nothing.
+    /// or lamps for want of their counts, which is unbiased but noisier. Empty: nothing.
     std::string note() const;
 
-    /// Refuses pictures that show how light bounces as predicted, of a cache that cannot predict
-    /// it. @throws Error naming the cache
-    void requireTransport(const RenderOptions& options) const;
+    /// Whether something in the set emits, so that it can be seen without a sky.
+    bool shines() const { return light_ != nullptr; }
+
+    /// Refuses pictures that show light as predicted, of a cache that cannot predict it.
+    /// @throws Error naming the cache
+    void requirePrediction(const RenderOptions& options) const;
 
     const EstimatorEntry& entry() const { return entry_; }
     const LightingOptions& options() const { return options_; }
@@ -88,11 +93,14 @@ public:
     /// @param options      with the bounces and the plain look of the lit stage
     /// @param targetError  relMSE that planForError() chooses the camera rays for; 0: those of
     /// `options`
-    /// @throws Error as requireTransport() and render()
+    /// @throws Error as requirePrediction() and render()
     Picture plan(const CameraMove& camera, int frame, const RenderOptions& options,
                  RenderStats& stats, double targetError = 0) const;
 
 private:
+    bool missesTransport() const;
+    bool missesLamps() const;
+
     const Scene& scene_;
     const ShadowCache* cache_;
     const EstimatorEntry& entry_;
@@ -100,7 +108,9 @@ private:
     const std::string cacheName_;
     std::optional<ItemTable> items_;
     std::optional<Transport> transport_;
-    std::vector<ItemLook> looks_;  ///< by item
+    std::unique_ptr<const SetLight> light_;  ///< null: nothing shines
+    std::vector<ItemLook> looks_;            ///< by item
+    std::vector<Rgb> ofEmitters_;            ///< by item: as BounceSolve wants it
     std::unique_ptr<BounceSolve> solve_;
     std::unique_ptr<Estimator> estimator_;
 };

@@ -203,9 +203,10 @@ void addCache(Rows& rows, StageOptions& stage) {
 
 void addLight(Rows& rows, LightOptions& light) {
     add(rows, kSet,
-        {textRow("env", light.environment,
-                 "Lat-long map (EXR or HDR), or a constant radiance R,G,B; for one map per frame: "
-                 "maps joined by commas, or a sequence with ####")
+        {textRow(
+             "env", light.environment,
+             "Lat-long map (EXR or HDR), or a constant radiance R,G,B; for one map per frame: "
+             "maps joined by commas, or a sequence with ####; none for a set that shines by itself")
              .onlyAt({commandLine})
              .notCompared(),
          ofNumbers(checkedText("env-rotate", OptionForm::numbers, light.rotation, parseRotation,

@@ -331,7 +331,7 @@ std::vector<Channel> renderChannels(const LoadedSet& set, const ShadowCache* cac
                                     const PictureOptions& asked, std::vector<std::string>& notes) {
     const PictureSettings settings = resolve(asked, cache != nullptr, set.options.gloss);
     LitStage lit(set.scene, cache, settings.estimator, lightingOf(asked, settings));
-    lit.requireTransport(settings.options);
+    lit.requirePrediction(settings.options);
     if (!lit.note().empty()) notes.push_back(lit.note());
     lit.setEnvironment(environment);
     RenderStats stats;

@@ -145,7 +145,7 @@ void Session::makeLit(const PictureSettings& settings) {
                      stageOptions_.cache.string());
         if (!lit_->note().empty()) log_(lit_->note());
     }
-    lit_->requireTransport(settings.options);
+    lit_->requirePrediction(settings.options);
     if (!isLit_) lit_->setEnvironment(light_.environment());
     isLit_ = true;
 }

@@ -17,6 +17,7 @@ namespace shadowcache {
 namespace {
 
 std::vector<std::string> environmentsOf(const std::string& text, std::span<const int> frames) {
+    if (text.empty()) return {"0,0,0"};
     std::error_code ignored;
     if (parseRadiance(text) || std::filesystem::exists(text, ignored)) return {text};
     if (hasFrameNumber(text)) {

@@ -12,7 +12,8 @@ namespace shadowcache {
 
 /// The light of a job, as its command line has it.
 struct LightOptions {
-    /// A file, one radiance R,G,B, files joined by commas, one for each frame, or a sequence whose
+    /// Empty: a black sky. Else a file, one radiance R,G,B, files joined by commas, one for each
+    /// frame, or a sequence whose
     /// #### or %04d is the frame's number.
     std::string environment;
     std::string rotation = "0";  ///< as parseRotation() reads it

@@ -60,6 +60,7 @@ std::uint64_t digestOf(const CacheItems& items) {
         }
     }
     for (const std::uint16_t hit : items.hits) digest.add(std::uint32_t{hit});
+    for (const std::uint16_t code : items.emitters) digest.add(std::uint32_t{code});
     return digest.value();
 }
 

@@ -1,0 +1,236 @@
+// Light of emitters: small, large and near lamps by their closed form; none of a lamp in a closed
+// shade; a closed box shows the sum of its albedo's powers; lobes meet nothing twice; counts are
+// those of lamps that did not move.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/base/hash.h"
+#include "common/mesh/placed_mesh.h"
+#include "render/frame/integrator.h"
+#include "render/library/lit_stage.h"
+#include "tests/support/statistics.h"
+#include "tests/support/test_scenes.h"
+
+namespace shadowcache {
+namespace {
+
+/// The triangles from `first` on shine.
+void makeShine(TriangleMesh& mesh, std::size_t first, const Rgb& radiance, bool twoSided = true) {
+    const auto begin = static_cast<std::uint32_t>(first);
+    const auto end = static_cast<std::uint32_t>(mesh.triangles.size());
+    Material dark, lamp;
+    dark.albedo = lamp.albedo = Rgb(0.5f);
+    lamp.finish.emission = radiance;
+    lamp.doubleSided = twoSided;
+    mesh.materials = {dark, lamp};
+    mesh.parts.clear();
+    if (begin > 0) mesh.parts.push_back({0, begin, 0});
+    mesh.parts.push_back({begin, end - begin, 1});
+}
+
+/// A floor under a square lamp that looks down.
+TriangleMesh lampOver(float height, float half) {
+    TriangleMesh mesh;
+    test::addFloor(mesh, 0, -2, 2, -2, 2);
+    test::addQuad(mesh, {-half, height, -half}, {half, height, -half}, {half, height, half},
+                  {-half, height, half});
+    makeShine(mesh, 2, Rgb(1, 2, 3));
+    return mesh;
+}
+
+Image night() {
+    return test::constantMap(Rgb(0, 0, 0));
+}
+
+/// Irradiance by a radiance of 1 of the triangles from `first` on, at a point.
+double unoccluded(const TriangleMesh& mesh, std::size_t first, const ShadingPoint& point) {
+    double sum = 0;
+    for (std::size_t i = first; i < mesh.triangles.size(); ++i) {
+        const auto corners = placedCorners(mesh, static_cast<std::uint32_t>(i));
+        sum += test::polygonIrradiance(Vec3d(point.place.rayOrigin), Vec3d(point.place.normal),
+                                       corners);
+    }
+    return sum;
+}
+
+struct Lamp {
+    std::string name;
+    float height, half;
+};
+
+class LampOver : public testing::TestWithParam<Lamp> {};
+
+TEST_P(LampOver, LightsTheFloorByItsClosedForm) {
+    const test::World world(lampOver(GetParam().height, GetParam().half), night());
+    const ShadingPoint point = test::pointAlong(world.scene, {0.3f, 0.0005f, 0.2f}, {0, -1, 0});
+    const double truth = unoccluded(world.mesh, 2, point);
+    const Rgb expected(static_cast<float>(truth), static_cast<float>(2 * truth),
+                       static_cast<float>(3 * truth));
+    double least = 1;
+    for (const char* name : {"mis", "cache"}) {
+        const auto estimator = findEstimator(name).make(world.context(), {});
+        const test::Estimates found = test::runEstimator(*estimator, point, 8, 400);
+        least = std::min(least, test::agreementPValue(found, expected));
+        EXPECT_LT(least < 1 && test::agreementPValue(found, expected * 1.05f),
+                  test::significance(4))
+            << "5 % more is accepted";
+    }
+    EXPECT_GT(2 * least, test::significance(4));
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, LampOver,
+                         testing::Values(Lamp{"small", 1, 0.0005f}, Lamp{"usual", 1, 0.2f},
+                                         Lamp{"large", 1, 5}, Lamp{"near", 0.001f, 1}),
+                         [](const auto& lamp) { return lamp.param.name; });
+
+TEST(EmitterLight, IsNoneOfALampInAClosedShade) {
+    TriangleMesh mesh;
+    test::addFloor(mesh, 0, -2, 2, -2, 2);
+    test::addBox(mesh, {-0.4f, 0.8f, -0.4f}, {0.4f, 1.2f, 0.4f});
+    const std::size_t first = mesh.triangles.size();
+    test::addSphere(mesh, {0, 1, 0}, 0.1f, 4);
+    makeShine(mesh, first, Rgb(100));
+    const test::World world(mesh, night(), {.spacing = 0.25});
+    const ShadingPoint point = world.below();
+    for (const char* name : {"mis", "cache"}) {
+        const auto estimator = findEstimator(name).make(world.context(), {});
+        EXPECT_EQ(estimator->estimate(point, 16, *estimator->makeWorkspace()).irradiance,
+                  Rgb(0.0f));
+    }
+    // The cache knows.
+    EmitterLight::Tools tools(world.light->light());
+    EXPECT_TRUE(world.light->knowsAll());
+    EXPECT_EQ(world.light->light().predict(point.place, tools), Rgb(0.0f));
+}
+
+TEST(EmitterLight, IsPredictedByTheCache) {
+    TriangleMesh mesh = lampOver(1, 0.3f);
+    const test::World world(mesh, night(), {.spacing = 0.25});
+    const ShadingPoint point = test::pointAlong(world.scene, {0.3f, 0.5f, 0.2f}, {0, -1, 0});
+    EmitterLight::Tools tools(world.light->light());
+    EXPECT_NEAR(static_cast<double>(world.light->light().predict(point.place, tools).x) /
+                    unoccluded(mesh, 2, point),
+                1, 0.02);
+}
+
+TEST(EmitterLight, KnowsLampsThatStandWhereTheyStood) {
+    const test::World world(lampOver(1, 0.3f), night(), {.spacing = 0.25});
+    TriangleMesh other = lampOver(1, 0.3f);
+    other.materials[1].finish.emission = Rgb(7, 0, 0);
+    const Scene recoloured(other);
+    EXPECT_TRUE(SetLight::of(recoloured, &world.cache.cache())->knowsAll());
+    const TriangleMesh lower = lampOver(0.9f, 0.3f);
+    const Scene moved(lower);
+    EXPECT_FALSE(SetLight::of(moved, &world.cache.cache())->knowsAll());
+    TriangleMesh dark = lampOver(1, 0.3f);
+    dark.materials[1].finish.emission = Rgb(0);
+    const Scene off(dark);
+    EXPECT_EQ(SetLight::of(off, &world.cache.cache()), nullptr);
+}
+
+TEST(EmitterLight, IsRefusedByEstimatorsWithoutIt) {
+    const test::World world(lampOver(1, 0.3f), night());
+    EXPECT_THROW(LitStage(world.scene, nullptr, findEstimator("paper"), {}), Error);
+    EXPECT_NO_THROW(LitStage(world.scene, nullptr, findEstimator("mis"), {}));
+}
+
+/// The inside of a box whose walls emit 1.
+class ClosedBox : public testing::Test {
+protected:
+    static constexpr double kAlbedo = 0.5;
+
+    ClosedBox() {
+        TriangleMesh mesh;
+        test::addBox(mesh, {-1, -1, -1}, {1, 1, 1});
+        makeShine(mesh, 0, Rgb(1));
+        world_.emplace(mesh, night(), BakeOptions{.spacing = 0.25});
+    }
+
+    /// Mean radiance over a small picture for some seeds.
+    std::vector<double> means(const char* estimator, bool cache, int bounces) {
+        LightingOptions options;
+        options.bounces = bounces;
+        LitStage lit(world_->scene, cache ? &world_->cache.cache() : nullptr,
+                     findEstimator(estimator), options);
+        lit.setEnvironment(world_->environment);
+        RenderOptions render;
+        render.width = render.height = 12;
+        render.cameraRays = 4;
+        render.samples = 4;
+        render.bounces = bounces;
+        std::vector<double> means;
+        for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+            render.seed = seed;
+            RenderStats stats;
+            const Camera camera = lookAt({0.5, 0.2, 0.7}, {-0.3, 0.1, -0.4}, {0, 1, 0}, 1.2);
+            const Film film = lit.plan(camera, 1, render, stats).film(stats);
+            double sum = 0;
+            for (const Pixel& pixel : film.pixels) sum += static_cast<double>(pixel.color.y);
+            means.push_back(sum / static_cast<double>(film.pixels.size()));
+        }
+        return means;
+    }
+
+    std::optional<test::World> world_;
+};
+
+// Radiance of the walls after B bounces: sum of albedo^k, k = 0 to B + 1.
+TEST_F(ClosedBox, ShowsAGeometricSum) {
+    double least = 1, leastOfControl = 1;
+    for (const bool cache : {false, true})
+        for (int bounces = 0; bounces <= 5; ++bounces) {
+            double truth = 0;
+            for (int k = 0; k <= bounces + 1; ++k) truth += std::pow(kAlbedo, k);
+            const std::vector<double> found = means(cache ? "cache" : "mis", cache, bounces);
+            least = std::min(least, test::meanPValue(found, truth));
+            leastOfControl = std::min(leastOfControl, test::meanPValue(found, truth * 1.02));
+        }
+    EXPECT_GT(12 * least, test::significance(12));
+    EXPECT_LT(leastOfControl, test::significance(12));
+}
+
+// By rays to emitters and rays of the lobe: nothing is met twice, and nothing is left out.
+TEST_F(ClosedBox, ShowsTheAlbedoOfALobe) {
+    const ShadingPoint point = test::pointAlong(world_->scene, {0.2f, 0, 0.1f}, {0, -1, 0});
+    const auto estimator = findEstimator("cache").make(world_->context(), {});
+    const auto workspace = estimator->makeWorkspace();
+    double least = 1, leastOfControl = 1;
+    for (const float roughness : {0.05f, 0.3f, 0.8f}) {
+        const Surface surface = glossy(Rgb(1), Gloss{.metallic = 1, .roughness = roughness});
+        const GlossyLobe lobe(surface, point.place.normal, Vec3f(0.6f, 0.8f, 0));
+        double truth = 0;
+        constexpr int kSide = 300;
+        for (int i = 0; i < kSide * kSide; ++i) {
+            const Vec3f w = lobe.sample((static_cast<float>(i % kSide) + 0.5f) / kSide,
+                                        (static_cast<float>(i / kSide) + 0.5f) / kSide);
+            if (w.dot(point.place.geometricNormal) > 0 && lobe.density(w) > 0)
+                truth += static_cast<double>(lobe.value(w).y / lobe.density(w)) / (kSide * kSide);
+        }
+        std::vector<double> found;
+        for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+            ShadingPoint seeded = point;
+            seeded.slot.seed = hashWords(seed);
+            const GlossyPoint glossyPoint{seeded, lobe};
+            GlossEstimate estimate;
+            const PointBatch batch{.points = std::span(&seeded, 1), .samples = 8};
+            estimator->estimateGloss(batch, std::span(&glossyPoint, 1), *workspace,
+                                     std::span(&estimate, 1));
+            found.push_back(static_cast<double>(estimate.radiance.y));
+        }
+        least = std::min(least, test::meanPValue(found, truth));
+        leastOfControl = std::min(leastOfControl, test::meanPValue(found, truth * 1.02));
+    }
+    EXPECT_GT(3 * least, test::significance(3));
+    EXPECT_LT(leastOfControl, test::significance(3));
+}
+
+}  // namespace
+}  // namespace shadowcache
