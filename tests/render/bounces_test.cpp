@@ -92,7 +92,7 @@ protected:
                 const double r = std::sqrt(1 - y * y);
                 points.push_back(test::pointAlong(
                     *scene_, {0, 0, 0}, Vec3f(Vec3d(r * std::cos(phi), y, r * std::sin(phi)))));
-                points.back().seed = key;
+                points.back().slot.seed = key;
             }
             std::vector<BounceReceiver> receivers;
             receivers.reserve(points.size());

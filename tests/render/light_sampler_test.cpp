@@ -218,7 +218,7 @@ TEST_F(LightAtAPlace, ManyPlacesAreTheSameAsEach) {
 
     const std::vector<Vec3d> directions{{0, 3, 0}, {0, 1, 0}, {0, 0, 0}};
     std::vector<LightSample> along(3);
-    lookAlong(sampler_, {positions, normals}, SampleAim::difference, directions, along);
+    readAlong(sampler_, {positions, normals}, SampleAim::difference, directions, along);
     reader_.moveTo(positions[0], {0, 1, 0});
     EXPECT_EQ(along[0].pdf, reader_.pdf({0, 1, 0}));
     EXPECT_TRUE(std::isnan(along[1].pdf));

@@ -129,9 +129,10 @@ TEST(OptionTable, EveryChoiceIsTaken) {
     for (const OptionRow& row : optionTable()) {
         for (const std::string& choice : row.choices) {
             EXPECT_NO_THROW(typed(row.name, choice));
-            if (row.isAt(Door::serve))
+            if (row.isAt(Door::serve)) {
                 EXPECT_NO_THROW(requested(
                     row, row.takesSeveral() ? "[\"" + choice + "\"]" : "\"" + choice + "\""));
+            }
         }
         if (!row.choices.empty() && row.isAt(Door::serve))
             expectError([&] { requested(row, row.takesSeveral() ? "[\"x\"]" : "\"x\""); },
@@ -143,15 +144,18 @@ TEST(OptionTable, NamesAreUniqueAtEachDoor) {
     for (const Door door : {Door::commandLine, Door::blender}) {
         std::set<std::string> names;
         for (const OptionRow& row : optionTable())
-            if (row.isAt(door)) EXPECT_TRUE(names.insert(row.nameAt(door)).second) << row.name;
+            if (row.isAt(door)) {
+                EXPECT_TRUE(names.insert(row.nameAt(door)).second) << row.name;
+            }
     }
 }
 
 TEST(OptionTable, StandardsAreReadBackAsThemselves) {
     RenderJob job, none;
     for (const OptionRow& row : optionRows(job))
-        if (!row.standard.empty() && row.name != "spp")
+        if (!row.standard.empty() && row.name != "spp") {
             EXPECT_NO_THROW(row.read(std::vector{row.standard})) << row.name;
+        }
     EXPECT_EQ(job.picture.options.filterWidth, none.picture.options.filterWidth);
     EXPECT_EQ(job.picture.options.width, none.picture.options.width);
     EXPECT_EQ(job.picture.options.seed, none.picture.options.seed);
