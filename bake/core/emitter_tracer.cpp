@@ -12,9 +12,9 @@ namespace shadowcache {
 namespace {
 
 /// Rays to an emitter that decide whether it gets more.
-SHADOWCACHE_TUNED(int, kPilotRays, 16);
+SHADOWCACHE_TUNED(int, kEmitterRays, 16);
 
-/// Rays to one that is seen in part, with the pilot's.
+/// Rays to an emitter that is seen in part, these included.
 SHADOWCACHE_TUNED(int, kPartRays, 64);
 
 /// Rays from origins of a patch to points of emitters.
@@ -99,11 +99,11 @@ private:
 std::uint64_t traceEmitters(const Scene& scene, const Emitters& emitters, const Patch& patch,
                             std::vector<std::uint16_t>& out) {
     EmitterTracer tracer(scene, emitters, patch);
-    for (std::size_t e = 0; e < emitters.size(); ++e) tracer.add(e, 0, kPilotRays);
+    for (std::size_t e = 0; e < emitters.size(); ++e) tracer.add(e, 0, kEmitterRays);
     tracer.flush();
     for (std::size_t e = 0; e < emitters.size(); ++e) {
         const auto& count = tracer.count(e);
-        if (count.visible > 0 && count.visible < count.rays) tracer.add(e, kPilotRays, kPartRays);
+        if (count.visible > 0 && count.visible < count.rays) tracer.add(e, kEmitterRays, kPartRays);
     }
     tracer.flush();
     for (std::size_t e = 0; e < emitters.size(); ++e)

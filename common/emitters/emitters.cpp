@@ -29,7 +29,7 @@ constexpr float kNear = 3;
 constexpr int kMeanPoints = 32;
 
 /// Of a triangle that varies, weight of what its brightest point may emit: no point is missed.
-constexpr float kLeastShare = 0.05f;
+constexpr float kLeastBrightness = 0.05f;
 
 /// Least that neighbours may emit towards a place, as a share: what is between their normals.
 constexpr float kLeastTowards = 0.05f;
@@ -91,7 +91,7 @@ EmissiveTriangle emissive(const TriangleMesh& mesh, std::uint32_t placed,
         if (u + v > 1) u = 1 - u, v = 1 - v;
         t.radiance += emittedAt(mesh, triangle, u, v) * (1.0f / kMeanPoints);
     }
-    t.weight = brightness(t.radiance) + kLeastShare * brightness(mostEmitted(material));
+    t.weight = brightness(t.radiance) + kLeastBrightness * brightness(mostEmitted(material));
     return t;
 }
 
