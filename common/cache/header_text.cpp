@@ -1,4 +1,4 @@
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
@@ -55,10 +55,7 @@ std::string fingerprintText(std::uint64_t fingerprint) {
 }
 
 std::string shapesText(const std::vector<std::uint64_t>& shapes) {
-    std::string text;
-    for (const std::uint64_t shape : shapes)
-        text += (text.empty() ? "" : ",") + fingerprintText(shape);
-    return text;
+    return fmt::format("{:016x}", fmt::join(shapes, ","));
 }
 
 std::optional<std::vector<std::uint64_t>> parseShapes(std::string_view text) {

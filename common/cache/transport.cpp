@@ -52,7 +52,7 @@ std::optional<Transport> readTransport(const ShadowCache& cache, const ItemTable
 std::vector<std::uint16_t> readEmitterCodes(const ShadowCache& cache) {
     std::vector<std::uint16_t> codes;
     if (cache.header().emitters.empty()) return codes;
-    OpenCache::of(cache).visitLeaves(true, [&](const openvdb::Coord&, const LeafView& leaf) {
+    OpenCache::visitLeaves(cache, true, [&](const Vec3i&, const LeafView& leaf) {
         throwIfInterrupted();
         codes.insert(codes.end(), leaf.emitters,
                      leaf.emitters + std::size_t{leaf.items} * leaf.emittersPerItem);
