@@ -12,7 +12,8 @@ import numpy
 ENCODED, LINEAR, DATA = ("sRGB",), ("Linear",), ("Non-Color", "Raw")
 OF_FLOATS = ("OPEN_EXR", "OPEN_EXR_MULTILAYER", "HDR")
 MOST_TEXELS = 1 << 22   # of an image that is made finer
-MOST_APART = 0.005      # share of the mean that filters may differ by
+MOST_APART = 0.005      # share of the mean by which filters differ where an image stays as it is,
+LEAST_APART = 0.002     # and where it is made finer
 CUBIC_FINER = 8         # times, which splits a cubic filter finely enough for a linear one
 SAMPLED = 512           # rows and columns that are looked at
 
@@ -170,7 +171,7 @@ def finer(stored, encoded, interpolation):
         return 1, ""
     most = max(int((MOST_TEXELS / (stored.shape[0] * stored.shape[1])) ** 0.5), 1)
     gap = filter_gap(stored) if encoded else 0
-    wanted = int(numpy.ceil((gap / MOST_APART) ** 0.5)) if gap > MOST_APART else 1
+    wanted = int(numpy.ceil((gap / LEAST_APART) ** 0.5)) if gap > MOST_APART else 1
     if interpolation != "Linear":
         if most == 1:
             return 1, "%s interpolation; here it is linear" % interpolation.lower()
