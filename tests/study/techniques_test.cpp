@@ -143,8 +143,8 @@ TEST(Pixel, OnlyThePrintedFormMissesTheHorizon) {
     options.pixel.height = 7;
     Rgb truth(0, 0, 0);
     for (int x = 0; x < static_cast<int>(kLit); ++x)
-        truth +=
-            kSky * static_cast<float>(test::texelMoment(64, 32, x, kRow).dot(Vec3d(point.place.normal)));
+        truth += kSky * static_cast<float>(
+                            test::texelMoment(64, 32, x, kRow).dot(Vec3d(point.place.normal)));
     const auto exact = makeEstimator("pixel", world.context(), options);
     const auto estimates = test::runEstimator(*exact, point, 64, 400);
     EXPECT_GT(test::agreementPValue(estimates, truth), test::significance(1));
