@@ -17,6 +17,7 @@
 #include "common/mesh/placed_mesh.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/gltf_shot.h"
+#include "render/library/option_table.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
@@ -162,18 +163,11 @@ void warnOfMoving(const std::vector<fs::path>& files, const MeshOptions& options
 }
 
 SceneObject loadScene(const py::object& set, const py::object& triangles, const py::object& colors,
-                      const py::object& normals, const std::string& up, double scale,
-                      std::optional<int> frame, double fps, double smooth, bool allowExternal,
-                      const py::object& progress, int threads) {
-    if (up != "y" && up != "z") throw Error("--up " + up + ": expected y or z");
-    requireRange("smooth", smooth, 0.0, 180.0);
-    MeshOptions options{.zUp = up == "z",
-                        .scale = scale,
-                        .shadingNormals = true,
-                        .gloss = true,
-                        .smoothDegrees = smooth,
-                        .references = allowExternal ? References::anywhere : References::inside,
-                        .stillAt = timeOf(frame, fps)};
+                      const py::object& normals, const py::object& progress, int threads,
+                      const py::kwargs& keywords) {
+    RenderJob job;
+    readKeywords("load_set", keywords, optionRows(Part::set, job));
+    const MeshOptions options = meshOptionsOf(job.stage.set);
     if (!namesFiles(set)) {
         const SetArrays arrays = arraysOf(set, triangles, colors, normals);
         return {
@@ -189,7 +183,7 @@ SceneObject loadScene(const py::object& set, const py::object& triangles, const 
         longCall(
             progress, [&] { return std::shared_ptr(loadSet(files, options)); }, threads),
         files};
-    warnOfMoving(files, options, fps);
+    warnOfMoving(files, options, job.stage.set.fps);
     return scene;
 }
 
@@ -235,24 +229,21 @@ void defineScene(py::module_& module) {
             "The Camera of a frame: one of the set's glTF cameras by its name, or a camera file\n"
             "(.json).")
         .def("__repr__", reprOf);
+    RenderJob standard;
+    static const std::string kLoadHelp =
+        "Loads a set, and returns its Scene.\n\n"
+        "set: a file, or several that make one set (OBJ, PLY, STL, OFF, OM, glTF); or the\n"
+        "    vertices of triangles, (n, 3).\n"
+        "triangles: with vertices, three of their numbers each, (m, 3) integers.\n"
+        "colors: linear albedo of each vertex, (n, 3) in [0, 1]; without, what render()\n"
+        "    takes for all.\n"
+        "normals: shading normal of each vertex, (n, 3).\n"
+        "Without frame=, what moves is left out, with a warning.\n\n"
+        "Options, with their standard values:\n" +
+        helpOf(optionRows(Part::set, standard));
     module.def("load_set", loadScene, py::arg("set"), py::arg("triangles") = py::none(),
                py::kw_only(), py::arg("colors") = py::none(), py::arg("normals") = py::none(),
-               py::arg("up") = "y", py::arg("scale") = 1.0, py::arg("frame") = py::none(),
-               py::arg("fps") = 24.0, py::arg("smooth") = 0.0, py::arg("allow_external") = false,
-               py::arg("progress") = py::none(), py::arg("threads") = 0,
-               "Loads a set, and returns its Scene.\n\n"
-               "set: a file, or several that make one set (OBJ, PLY, STL, OFF, OM, glTF); or the\n"
-               "    vertices of triangles, (n, 3).\n"
-               "triangles: with vertices, three of their numbers each, (m, 3) integers.\n"
-               "colors: linear albedo of each vertex, (n, 3) in [0, 1]; without, what render()\n"
-               "    takes for all.\n"
-               "normals: shading normal of each vertex, (n, 3).\n"
-               "up: 'y' or 'z', the axis that is up in the files. scale: metres per unit.\n"
-               "frame, fps: the frame of glTF animations in whose pose all stands still; without,\n"
-               "    what moves is left out, with a warning.\n"
-               "smooth: crease angle [degrees] below which triangles without shading normals get\n"
-               "    some.\n"
-               "allow_external: whether files may name others outside of their folders.");
+               py::arg("progress") = py::none(), py::arg("threads") = 0, kLoadHelp.c_str());
 }
 
 }  // namespace shadowcache::python

@@ -191,7 +191,7 @@ std::string inPythonsWords(const std::string& message) {
 std::string helpOf(std::span<const OptionRow> rows) {
     std::string text;
     for (const OptionRow& row : rows) {
-        if (!row.isAt(Door::python)) continue;
+        if (!row.isAt(Door::python) || row.isPositional) continue;
         const std::string standard = row.standard.empty() ? "" : " [" + row.standard + "]";
         text += wrapped(row.nameAt(Door::python) + ": " + inPythonsWords(row.help) + standard);
     }

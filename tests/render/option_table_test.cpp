@@ -100,7 +100,7 @@ TEST(OptionTable, TheCommandLineTakesWhatIsInRange) {
             "--" + row.name + " ");
         ++walked;
     }
-    EXPECT_GE(walked, 20);
+    EXPECT_GE(walked, 14);
 }
 
 TEST(OptionTable, RequestsTakeWhatIsInRange) {
@@ -127,6 +127,7 @@ TEST(OptionTable, RequestsRefuseAnotherForm) {
 
 TEST(OptionTable, EveryChoiceIsTaken) {
     for (const OptionRow& row : optionTable()) {
+        if (row.name == "progress") continue;  // takes effect in this process
         for (const std::string& choice : row.choices) {
             EXPECT_NO_THROW(typed(row.name, choice));
             if (row.isAt(Door::serve)) {
