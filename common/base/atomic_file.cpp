@@ -33,8 +33,10 @@ void syncFolder(const std::filesystem::path& folder) {
 }
 
 void requireWritable(const std::filesystem::path& path) {
-    std::error_code ignored;
-    const auto status = std::filesystem::status(path, ignored);
+    std::error_code failure;
+    const auto status = std::filesystem::status(path, failure);
+    if (failure == std::errc::filename_too_long)
+        throwFileError(path, "cannot be created: " + failure.message());
     if (std::filesystem::is_directory(status))
         throwFileError(path, "is a directory, expected a file to write");
     if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))

@@ -76,7 +76,8 @@ TEST(Leftovers, NamesMayBeLong) {
         EXPECT_EQ(removeLeftovers(path, kept).size(), 1u);
     }
     const TemporaryFolder folder;
-    expectError([&] { AtomicFile file(folder.path() / std::string(256, 'a')); }, "aaa", "too long");
+    expectError([&] { AtomicFile file(folder.path() / std::string(256, 'a')); }, "aaa",
+                "File name too long");
 }
 
 }  // namespace
