@@ -82,7 +82,11 @@ constexpr std::array kStored{
     Stored{"format-4", "seed=1 rays=8; seed=2 rays=8", "", 90, 696, 4, 119602, 143401, 4, 16,
            4383065775649796980u},
     Stored{"format-4-shot", "seed=1 rays=8", "camera.json, frames 1, 16x16, #20065d4d", 41, 190, 4,
-           42340, 49385, 4, 16, 4741140696930205228u}};
+           42340, 49385, 4, 16, 4741140696930205228u},
+    Stored{"format-5", "seed=1 rays=8; seed=2 rays=8", "", 90, 696, 4, 119602, 143401, 5, 16,
+           544927795145820392u},
+    Stored{"format-5-shot", "seed=1 rays=8", "camera.json, frames 1, 16x16, #b12ec8f5", 41, 190, 4,
+           42340, 49385, 5, 16, 8384968537471634991u}};
 
 std::size_t sum(const std::vector<std::uint8_t>& counts) {
     return std::accumulate(counts.begin(), counts.end(), std::size_t{0});

@@ -79,9 +79,8 @@ TEST_P(LampOver, LightsTheFloorByItsClosedForm) {
         const auto estimator = findEstimator(name).make(world.context(), {});
         const test::Estimates found = test::runEstimator(*estimator, point, 8, 400);
         least = std::min(least, test::agreementPValue(found, expected));
-        EXPECT_LT(least < 1 && test::agreementPValue(found, expected * 1.05f),
-                  test::significance(4))
-            << "5 % more is accepted";
+        EXPECT_LT(test::agreementPValue(found, expected * 1.1f), test::significance(4))
+            << "10 % more is accepted";
     }
     EXPECT_GT(2 * least, test::significance(4));
 }
