@@ -25,14 +25,16 @@ namespace {
 /// Rays that a thread takes at a time.
 constexpr std::size_t kChunk = 4096;
 
-/// Calls `trace(first, rays)` for the rays that are some, a few near ones at a time.
+/// Calls `begin(first, count)` for rays that are next, and then `trace(first, rays, numbers)` for
+/// those that are some, a few near ones at a time.
 ///
 /// @tparam kSize  rays at a time, at most
-template <std::size_t kSize, class Trace>
-void forEachBundle(const Broadcast& all, const Trace& trace) {
+template <std::size_t kSize, class Begin, class Trace>
+void forEachBundle(const Broadcast& all, const Begin& begin, const Trace& trace) {
     forEachPart(all, kMostOfPart, [&](std::size_t first, const auto& vectors) {
         const Places rays{vectors[0], vectors[1]};
         parallelFor(rays.size(), kChunk, [&](const Chunk& chunk) {
+            begin(first + chunk.begin, chunk.end - chunk.begin);
             std::array<std::size_t, kSize> numbers;
             std::size_t count = 0;
             const auto flush = [&] {
@@ -78,38 +80,41 @@ py::dict intersect(const SceneObject& scene, const py::object& origins,
         [&] {
             constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
             constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-            std::ranges::fill(distances, kNone);
-            std::ranges::fill(normals, Vec3f(kNone));
-            std::ranges::fill(positions, Vec3d(kNaN));
-            std::ranges::fill(starts, Vec3d(kNaN));
-            std::ranges::fill(triangles, -1);
+            const auto begin = [&](std::size_t first, std::size_t count) {
+                std::ranges::fill(distances.subspan(first, count), kNone);
+                std::ranges::fill(normals.subspan(first, count), Vec3f(kNone));
+                std::ranges::fill(positions.subspan(first, count), Vec3d(kNaN));
+                std::ranges::fill(starts.subspan(first, count), Vec3d(kNaN));
+                std::ranges::fill(triangles.subspan(first, count), -1);
+            };
             const Vec3d& origin = set->mesh.origin;
             constexpr auto kSize = static_cast<std::size_t>(RayPacket::kSize);
-            forEachBundle<kSize>(all, [&](std::size_t first, const Places& rays,
-                                          std::span<const std::size_t> numbers) {
-                RayPacket packet{};
-                std::array<Hit, kSize> hits;
-                std::array<Vec3f, kSize> along;
-                for (std::size_t k = 0; k < numbers.size(); ++k) {
-                    along[k] = Vec3f(unitAlong(rays.normals[numbers[k]]));
-                    packet.set(static_cast<int>(k), Vec3f(rays.positions[numbers[k]] - origin),
-                               along[k]);
-                }
-                set->scene.intersect(packet, static_cast<int>(numbers.size()), hits.data());
-                for (std::size_t k = 0; k < numbers.size(); ++k) {
-                    const std::size_t at = first + numbers[k];
-                    const Hit& hit = hits[k];
-                    distances[at] =
-                        hit.found ? hit.distance : std::numeric_limits<float>::infinity();
-                    if (!hit.found) continue;
-                    const Vec3f normal = View{along[k], hit}.geometricNormal();
-                    normals[at] = normal;
-                    positions[at] = worldPosition(set->scene, hit);
-                    starts[at] =
-                        origin + Vec3d(set->scene.rayOrigin(hit.position, hit.triangle, normal));
-                    triangles[at] = hit.triangle;
-                }
-            });
+            forEachBundle<kSize>(
+                all, begin,
+                [&](std::size_t first, const Places& rays, std::span<const std::size_t> numbers) {
+                    RayPacket packet{};
+                    std::array<Hit, kSize> hits;
+                    std::array<Vec3f, kSize> along;
+                    for (std::size_t k = 0; k < numbers.size(); ++k) {
+                        along[k] = Vec3f(unitAlong(rays.normals[numbers[k]]));
+                        packet.set(static_cast<int>(k), Vec3f(rays.positions[numbers[k]] - origin),
+                                   along[k]);
+                    }
+                    set->scene.intersect(packet, static_cast<int>(numbers.size()), hits.data());
+                    for (std::size_t k = 0; k < numbers.size(); ++k) {
+                        const std::size_t at = first + numbers[k];
+                        const Hit& hit = hits[k];
+                        distances[at] =
+                            hit.found ? hit.distance : std::numeric_limits<float>::infinity();
+                        if (!hit.found) continue;
+                        const Vec3f normal = View{along[k], hit}.geometricNormal();
+                        normals[at] = normal;
+                        positions[at] = worldPosition(set->scene, hit);
+                        starts[at] = origin + Vec3d(set->scene.rayOrigin(hit.position, hit.triangle,
+                                                                         normal));
+                        triangles[at] = hit.triangle;
+                    }
+                });
         },
         threads);
     using namespace py::literals;
@@ -129,25 +134,28 @@ py::object occluded(const SceneObject& scene, const py::object& origins,
     runLong(
         progress,
         [&] {
-            std::ranges::fill(stopped, false);
+            const auto begin = [&](std::size_t first, std::size_t count) {
+                std::ranges::fill(stopped.subspan(first, count), false);
+            };
             const float most =
                 static_cast<float>(std::min(reach, double{std::numeric_limits<float>::max()}));
-            forEachBundle<RayStream::kSize>(all, [&](std::size_t first, const Places& rays,
-                                                     std::span<const std::size_t> numbers) {
-                RayStream stream{};
-                for (std::size_t k = 0; k < numbers.size(); ++k) {
-                    const Vec3f origin(rays.positions[numbers[k]] - set->mesh.origin);
-                    const Vec3f along(unitAlong(rays.normals[numbers[k]]));
-                    for (int axis = 0; axis < 3; ++axis) {
-                        stream.origin[axis][k] = origin[axis];
-                        stream.direction[axis][k] = along[axis];
+            forEachBundle<RayStream::kSize>(
+                all, begin,
+                [&](std::size_t first, const Places& rays, std::span<const std::size_t> numbers) {
+                    RayStream stream{};
+                    for (std::size_t k = 0; k < numbers.size(); ++k) {
+                        const Vec3f origin(rays.positions[numbers[k]] - set->mesh.origin);
+                        const Vec3f along(unitAlong(rays.normals[numbers[k]]));
+                        for (int axis = 0; axis < 3; ++axis) {
+                            stream.origin[axis][k] = origin[axis];
+                            stream.direction[axis][k] = along[axis];
+                        }
+                        stream.reach[k] = most;
                     }
-                    stream.reach[k] = most;
-                }
-                set->scene.trace(stream, numbers.size());
-                for (std::size_t k = 0; k < numbers.size(); ++k)
-                    stopped[first + numbers[k]] = stream.reach[k] < 0;
-            });
+                    set->scene.trace(stream, numbers.size());
+                    for (std::size_t k = 0; k < numbers.size(); ++k)
+                        stopped[first + numbers[k]] = stream.reach[k] < 0;
+                });
         },
         threads);
     return out.ndim() == 0 ? py::object(out.attr("item")()) : py::object(out);
