@@ -128,7 +128,7 @@ TEST_F(CliRefusal, OutputsThatCannotBeWritten) {
         refuses("render", still("-o " + name), name + ": ", ".exr");
     }
     // The programs may run as root: a rename over a device would put a file in its place.
-    std::filesystem::create_symlink("/dev/full", path("whole_window.exr"));
+    std::filesystem::create_symlink("/dev/full", path("full.exr"));
     std::filesystem::create_symlink("/dev/null", path("null.vdb"));
     refuses("render", still("-o full.exr"), "full.exr: is a device");
     refuses("bake", "set.obj --spacing 0.25 -o null.vdb", "null.vdb: is a device");

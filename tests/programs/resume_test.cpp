@@ -107,14 +107,14 @@ TEST_F(ReadOnly, FoldersAreCheckedResumedAndExplained) {
         EXPECT_EQ(done.err, "") << words;
     }
     // What must be written is refused before the set is read, as ever.
-    expectRefusal(asNobody(kShot), "shadowcache-render", "f.0001.exr", "Permission denied");
-    expectRefusal(asNobody(move("--frames 1-3 -o f.####.exr --resume")), "shadowcache-render",
+    expectRefusal(asNobody(kShot), "render", "f.0001.exr", "Permission denied");
+    expectRefusal(asNobody(move("--frames 1-3 -o f.####.exr --resume")), "render",
                   "Permission denied");
 }
 
 TEST_F(ReadOnly, AFileBeyondTheUsersLimitIsRefusedInALine) {
-    expectRefusal(run("render", still("-o a.exr", "64x64"), {.fileBytes = 1000}),
-                  "shadowcache-render", "a.exr", "File too large");
+    expectRefusal(run("render", still("-o a.exr", "64x64"), {.fileBytes = 1000}), "render", "a.exr",
+                  "File too large");
 }
 
 TEST_F(ReadOnly, MissingFoldersHaveMissingFrames) {
