@@ -35,6 +35,7 @@ public:
     /// The same in passes. @throws Error as renderProgressive()
     ProgressiveFrame film(RenderStats& stats, const ProgressiveObserver& observer) const;
 
+    /// What is rendered.
     const FrameRequest& request() const { return request_; }
     /// Of measuredError(), by the pilot.
     double errorCorrection() const { return errorCorrection_; }
@@ -72,7 +73,9 @@ public:
     /// @throws Error naming the cache
     void requirePrediction(const RenderOptions& options) const;
 
+    /// The estimator's row of the table.
     const EstimatorEntry& entry() const { return entry_; }
+    /// What it was made with.
     const LightingOptions& options() const { return options_; }
 
     /// Bytes of memory for what the cache knows of the light that bounces, which is held whole.

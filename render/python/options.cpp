@@ -83,7 +83,8 @@ std::string numbersOf(const OptionRow& row, const py::handle& value) {
     const auto count = static_cast<std::size_t>(array.size());
     const char kind = array.dtype().kind();
     if (std::ranges::find(row.counts, count) == row.counts.end() ||
-        (kind != 'f' && kind != 'i' && kind != 'u'))
+        (kind != 'f' && kind != 'i' && kind != 'u') ||
+        py::module_::import("numpy").attr("ma").attr("is_masked")(value).cast<bool>())
         refuse(row, value);
     std::string all;
     for (const py::handle number : array) all += (all.empty() ? "" : ",") + numberOf(row, number);

@@ -160,7 +160,7 @@ TEST_F(Cli, BiasIsSaid) {
     };
     for (const char* name : {"mis", "cache"})
         EXPECT_EQ(biasOf(std::string("--estimator ") + name), "none") << name;
-    for (const char* options : {"--preview", "--preview --spp 0"})
+    for (const char* options : {"--preview", "--preview --samples 0"})
         EXPECT_NE(biasOf(options), "none") << options;
 }
 

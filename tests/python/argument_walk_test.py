@@ -128,7 +128,7 @@ def expected_of_whole(name):
 
 
 # A file, and arguments that may be left out.
-ALLOWED = {("vertices", "word"), ("colors", "nothing"), ("normals", "nothing")}
+ALLOWED = {("vertices", "word"), ("colors", "nothing"), ("normals", "nothing"), ("albedo", "nothing")}
 
 
 @pytest.mark.parametrize("form", SAME)
