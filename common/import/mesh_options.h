@@ -14,6 +14,7 @@ struct MeshOptions {
     std::optional<Vec3d> origin{};  ///< of the mesh; else its middle
     bool shadingNormals = false;    ///< reads the files' shading normals
     bool gloss = false;             ///< reads gloss and emission; else surfaces are Lambertian
+    bool lamps = true;              ///< surfaces emit as their materials say; else nothing shines
     /// Crease angle in degrees, 0 to 180: triangles without shading normals get some, averaged over
     /// neighbours whose normals differ by at most this. 0: none.
     double smoothDegrees = 0;

@@ -168,6 +168,10 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     std::vector<bool> used(raw.textures.size(), false);
     for (Material material : raw.materials) {
         if (!options.gloss) material.finish = {};
+        if (!options.lamps) {
+            material.finish.emission = Rgb(0.0f);
+            material.finish.emissionTexture = {};
+        }
         if (!options.shadingNormals) material.normal = {};
         for (int* texture : texturesOf(material)) {
             if (*texture < 0) continue;

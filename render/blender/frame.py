@@ -120,7 +120,9 @@ class Frame:
 
     def _tell_load(self, cache):
         self._say("Load")
-        return self.session.load(self.set_file.load_fields(self.scene, cache), **self._calls("Load"))
+        # The lamps of a hybrid are lit by Cycles.
+        fields = self.set_file.load_fields(self.scene, cache, lamps=not self.is_hybrid)
+        return self.session.load(fields, **self._calls("Load"))
 
     def _bake(self, recipe, views, why):
         def on_progress(task, share, left):

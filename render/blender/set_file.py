@@ -50,9 +50,9 @@ class SetFile:
         """Whether nothing of the set stands still, so that there is nothing to bake."""
         return bool(self.read_notes().get("all_moves"))
 
-    def load_fields(self, scene, cache):
-        """Keys of the request load. cache: None: without one."""
-        fields = {"set": [self.path], "stale-ok": True, "fps": fps(scene)}
+    def load_fields(self, scene, cache, lamps=True):
+        """Keys of the request load. cache: None: without one. lamps: what emits lights the set."""
+        fields = {"set": [self.path], "stale-ok": True, "fps": fps(scene), "lamps": "on" if lamps else "off"}
         if self.all_moves():
             fields["set-frame"] = scene.frame_current
         return {**fields, "cache": cache} if cache else fields

@@ -23,6 +23,7 @@ using enum Door;
 
 constexpr Named<bool> kNormals[] = {{"shading", true}, {"geometric", false}};
 constexpr Named<bool> kSurfaces[] = {{"glossy", true}, {"diffuse", false}};
+constexpr Named<bool> kLamps[] = {{"on", true}, {"off", false}};
 constexpr Named<bool> kBudgets[] = {{"uniform", false}, {"adaptive", true}};
 
 constexpr const char* kSet = kShortHelp[0];
@@ -185,7 +186,9 @@ void addSet(Rows& rows, StageOptions& stage) {
              .typed("DEGREES"),
          wordRow("surfaces", mesh.gloss, kSurfaces,
                  "glossy: the files' materials, which in glTF reflect like metal, varnish or "
-                 "chalk; diffuse: their base colours alone, all chalk")});
+                 "chalk; diffuse: their base colours alone, all chalk"),
+         wordRow("lamps", mesh.lamps, kLamps,
+                 "on: surfaces emit as the files' materials say; off: nothing in the set shines")});
     add(rows, kCamera,
         {fpsRow(stage.set.fps),
          dynamicRow(stage.set.dynamic).onlyAt({commandLine, serve}).notCompared()});

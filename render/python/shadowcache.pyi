@@ -139,6 +139,7 @@ def load_set(
     fps: float | None = ...,
     smooth: float | None = ...,
     surfaces: str | None = ...,
+    lamps: str | None = ...,
     allow_external: bool | None = ...,
     progress: _Progress = ...,
     threads: int = ...,
