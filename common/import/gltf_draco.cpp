@@ -41,15 +41,20 @@ std::string packed(const std::vector<double>& values, GltfType type) {
     return packed<float>(values);
 }
 
+DracoMesh decoded(const GltfObject& extension, std::string_view stream) {
+    std::string cause;
+    DracoMesh mesh = decodeDraco(stream, cause);
+    if (!cause.empty()) extension.fail(cause);
+    if (mesh.corners.empty()) extension.fail("no triangle in the stream");
+    return mesh;
+}
+
 }  // namespace
 
 DracoPrimitive::DracoPrimitive(const GltfObject& extension, std::string_view stream)
-    : extension_(extension), attributes_(extension.object("attributes")) {
-    std::string cause;
-    mesh_ = decodeDraco(stream, cause);
-    if (!cause.empty()) extension.fail(cause);
-    if (mesh_.corners.empty()) extension.fail("no triangle in the stream");
-}
+    : extension_(extension),
+      attributes_(extension.object("attributes")),
+      mesh_(decoded(extension, stream)) {}
 
 bool DracoPrimitive::has(const std::string& attribute) const {
     return attributes_.has(attribute.c_str());

@@ -92,7 +92,7 @@ void Broadcast::read(std::size_t argument, std::size_t first, std::span<Vec3d> o
     const std::size_t axes = shape_.size();
     Shape at(axes);
     const std::byte* place = view.data;
-    for (std::size_t axis = axes; axis-- > 0 && first > 0;) {
+    for (std::size_t axis = axes; axis-- > 0;) {
         const auto extent = static_cast<std::size_t>(shape_[axis]);
         at[axis] = static_cast<py::ssize_t>(first % extent);
         place += at[axis] * view.strides[axis];
