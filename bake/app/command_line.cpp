@@ -115,6 +115,7 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     job.files = set.files;
     job.mesh = meshOptionsOf(set);
     job.mesh.gloss = true;  // has what emits
+    job.isLevelGiven = app.count("--level") > 0;
     job.settings = settingsOf(app);
     return std::nullopt;
 }

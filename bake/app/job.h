@@ -23,7 +23,8 @@ struct BakeJob {
     BakeOptions bake;
     /// In place of bake.spacing: times the one that is chosen, above 0.
     std::optional<double> chosenSpacings;
-    ShotOptions shot;  ///< without a camera: the bake is of the whole set
+    bool isLevelGiven = false;  ///< bake.level is; else it is chosen with the spacing
+    ShotOptions shot;           ///< without a camera: the bake is of the whole set
     int threads = 0;
     bool estimate = false;     ///< predict what the bake takes, write no cache
     bool lookupsOnly = false;  ///< write the shot's lookups, and no cache

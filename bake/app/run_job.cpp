@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "bake/app/estimate.h"
 #include "bake/app/job.h"
@@ -13,6 +14,7 @@
 #include "bake/core/surface_count.h"
 #include "bake/library/bake_set.h"
 #include "bake/shot/lookup_file.h"
+#include "bake/shot/shot_spacing.h"
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/interrupt.h"
@@ -88,6 +90,20 @@ void validate(const BakeJob& job) {
 
 namespace {
 
+/// Whether the spacing is left to us, and may follow the shot.
+bool isSpacingFree(const BakeJob& job) {
+    return !(job.bake.spacing > 0) && !job.chosenSpacings && job.extend.empty() &&
+           job.lookups.empty();
+}
+
+/// Where the spacing is from, for the report.
+const char* howChosen(const BakeJob& job) {
+    if (job.bake.spacing > 0 || !job.extend.empty()) return "";
+    return isSpacingFree(job) && !job.shot.camera.name.empty()
+               ? " (chosen from the set's size and the shot)"
+               : " (chosen from the set's size)";
+}
+
 /// Chooses the spacing if the command line does not: that of the lookups, of the cache that is
 /// added to, or one for the set's size.
 ///
@@ -101,14 +117,16 @@ BakeOptions optionsOf(const BakeJob& job, const TriangleMesh& mesh,
                            fmt::format("spacing {}, expected {}", numberText(found->spacing),
                                        numberText(options.spacing)));
         options.spacing = found->spacing;
+        if (!job.isLevelGiven) options.level = found->level;
         count = found->ofSet;
     }
+    if (!job.extend.empty() && !job.isLevelGiven) options.level = readHeader(job.extend).level;
     if (options.spacing > 0) return options;
     if (!job.extend.empty() && !job.chosenSpacings) {
         options.spacing = readHeader(job.extend).spacing;
         return options;
     }
-    const double times = job.chosenSpacings.value_or(1);
+    const double times = job.chosenSpacings.value_or(spacingFactor(options.quality));
     options.spacing = times * chooseSpacing(mesh, &count.emplace());
     if (times != 1) count.reset();
     return options;
@@ -134,7 +152,21 @@ struct Task {
         if (shot) {
             selection.lookups = found ? std::move(found->places) : shot->lookups(scene, frame);
             selection.margin = job.shot.margin;
+            if (isSpacingFree(job)) fitTo(*shot, scene.mesh(), job.isLevelGiven);
         }
+    }
+
+    /// Makes spacing and level as coarse as the shot's pictures are worth.
+    void fitTo(const ShotSource& shot, const TriangleMesh& mesh, bool isLevelGiven) {
+        const ShotResolution found =
+            resolutionOfShot(*selection.lookups, frame,
+                             rayFactor(options.quality) * static_cast<double>(shot.pixels()));
+        if (!isLevelGiven) options.level = found.level;
+        if (found.factor == 1) return;
+        options.spacing *= found.factor;
+        const VoxelFrame finest = std::exchange(frame, VoxelFrame(mesh, options.spacing));
+        selection.lookups = inVoxelsOf(frame, *selection.lookups, finest);
+        count.reset();
     }
 
     SurfaceCount countOfSet(const TriangleMesh& mesh) const {
@@ -167,7 +199,7 @@ BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, c
 /// Writes what the shot looks up.
 void finishLookups(const BakeJob& job, const TriangleMesh& mesh, Task& task,
                    const BakeIdentity& identity, const Times& times) {
-    const ShotLookups lookups{task.options.spacing, task.countOfSet(mesh),
+    const ShotLookups lookups{task.options.spacing, task.options.level, task.countOfSet(mesh),
                               std::move(*task.selection.lookups)};
     writeLookups(job.output, identityOfLookups(job, identity), lookups);
     const std::size_t places = lookups.places.places().size();
@@ -221,11 +253,9 @@ void run(const BakeJob& job) {
 
     std::printf(
         "spacing %g%s, level %d: %zu items, %zu blocks, %.1f M rays in %.1f s, %.1f MB -> %s\n",
-        result.header.spacing,
-        job.bake.spacing > 0 || !job.extend.empty() ? "" : " (chosen from the set's size)",
-        result.header.level, result.items.size(), result.items.blocks.size(),
-        static_cast<double>(result.rays) * 1e-6, times.baked - times.built,
-        static_cast<double>(bytes) * 1e-6, job.output.c_str());
+        result.header.spacing, howChosen(job), result.header.level, result.items.size(),
+        result.items.blocks.size(), static_cast<double>(result.rays) * 1e-6,
+        times.baked - times.built, static_cast<double>(bytes) * 1e-6, job.output.c_str());
     if (const auto& part = result.header.part)
         std::printf(
             "part of the set: %.1f %% of its surface (%llu of %llu sides of voxels), for %s\n",

@@ -332,7 +332,9 @@ CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options) {
     CacheHeader header;
     header.level = options.level;
     header.adaptive = options.adaptive;
-    header.spacing = options.spacing > 0 ? options.spacing : chooseSpacing(mesh);
+    header.spacing = options.spacing > 0
+                         ? options.spacing
+                         : spacingFactor(options.quality) * chooseSpacing(mesh);
     header.bakes = {{.seed = options.seed,
                      .rays = options.rays,
                      .shards = options.shards,

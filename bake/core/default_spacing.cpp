@@ -37,6 +37,15 @@ Vec3d areaVector(const std::array<Vec3d, 3>& corner) {
 
 }  // namespace
 
+double rayFactor(BakeQuality quality) {
+    constexpr double kStep = 8;
+    return std::pow(kStep, static_cast<int>(quality) - static_cast<int>(BakeQuality::good));
+}
+
+double spacingFactor(BakeQuality quality) {
+    return 1 / std::sqrt(rayFactor(quality));
+}
+
 double chooseSpacing(const TriangleMesh& mesh, SurfaceCount* count) {
     double surface = 0;
     const std::size_t triangles = placedCount(mesh);

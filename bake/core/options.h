@@ -7,9 +7,14 @@ namespace shadowcache {
 /// Largest spacing that is accepted.
 inline constexpr double kMostSpacing = 1e12;
 
+/// How fine a cache is for what it is used for: each is about eight times the rays of the one
+/// before.
+enum class BakeQuality { draft, good, fine };
+
 /// Options of a bake.
 struct BakeOptions {
-    double spacing = 0;      ///< side of a voxel, world units; 0: chooseSpacing
+    double spacing = 0;      ///< side of a voxel, world units; 0: chosen by the set and the quality
+    BakeQuality quality = BakeQuality::good;  ///< where no spacing is given
     int level = 5;           ///< finest direction level, 0 .. 5
     int rays = 16;           ///< rays per region where rays disagree, 1 .. 255
     bool adaptive = true;    ///< finer regions only where they explain the visibility

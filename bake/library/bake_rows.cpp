@@ -10,6 +10,9 @@ namespace shadowcache {
 
 namespace {
 
+constexpr Named<BakeQuality> kQualities[] = {
+    {"draft", BakeQuality::draft}, {"good", BakeQuality::good}, {"fine", BakeQuality::fine}};
+
 /// Metres, or "2x": times the spacing that is chosen.
 OptionRow spacingRow(double& spacing, std::optional<double>& chosenSpacings) {
     const auto read = [&](const std::string& text) {
@@ -25,7 +28,8 @@ OptionRow spacingRow(double& spacing, std::optional<double>& chosenSpacings) {
     OptionRow row =
         ownRow("spacing", OptionForm::number, read,
                "Voxel size in metres; smaller is sharper, at a cost of the inverse square. 2x: "
-               "twice the one that is chosen [chosen from the set's size]");
+               "twice the one for the set's size [chosen from the set's size and, for a shot, "
+               "coarser if its pictures are few or small]");
     row.range = {0, kMostSpacing};
     return row.typed("METRES");
 }
@@ -60,20 +64,27 @@ std::vector<OptionRow> bakeRows(BakeOptions& bake, std::optional<double>& chosen
         withoutRow("no-transport", bake.transport,
                    "Leave out which items the rays of each item met, which bounced light uses");
     transport.isNegatedInPython = true;
-    return {spacingRow(bake.spacing, chosenSpacings),
-            wholeRow("level", bake.level, 0, kMaxCacheLevel,
-                     "Finest direction level, 0 to 5: 20 * 4^level regions over the sphere"),
-            wholeRow("rays", bake.rays, 1, 255, "Rays per region of mixed visibility, 1 to 255"),
-            withoutRow("uniform", bake.adaptive,
-                       "Refine every region to the finest level, not only where visibility is "
-                       "mixed"),
-            transport.named("", "transport"),
-            withoutRow("no-lamps", bake.lamps,
-                       "Leave out what the items see of the set's own lamps, whatever these emit")
-                .onlyAt({Door::commandLine}),
-            seedRow("seed", bake.seed,
-                    "Random seed; caches of different seeds merge into a better one"),
-            shardRow(bake)};
+    return {
+        spacingRow(bake.spacing, chosenSpacings),
+        wordRow("quality", bake.quality, kQualities,
+                "Of the spacing that is chosen. good: the least time for bake and pictures "
+                "together; draft, fine: an eighth of its rays, eight times as many")
+            .excluding("spacing"),
+        wholeRow(
+            "level", bake.level, 0, kMaxCacheLevel,
+            "Finest direction level, 0 to 5: 20 * 4^level regions over the sphere; 4 for a shot "
+            "whose pictures are few or small"),
+        wholeRow("rays", bake.rays, 1, 255, "Rays per region of mixed visibility, 1 to 255"),
+        withoutRow("uniform", bake.adaptive,
+                   "Refine every region to the finest level, not only where visibility is "
+                   "mixed"),
+        transport.named("", "transport"),
+        withoutRow("no-lamps", bake.lamps,
+                   "Leave out what the items see of the set's own lamps, whatever these emit")
+            .onlyAt({Door::commandLine}),
+        seedRow("seed", bake.seed,
+                "Random seed; caches of different seeds merge into a better one"),
+        shardRow(bake)};
 }
 
 }  // namespace shadowcache

@@ -17,9 +17,9 @@ namespace shadowcache {
 
 namespace {
 
-/// A file is this, the identity, spacing and counts, keys and codes of the places, and a checksum
-/// of all before it.
-constexpr std::string_view kMagic = "Shadowcache lookups 1\n";
+/// A file is this, the identity, spacing, level and counts, keys and codes of the places, and a
+/// checksum of all before it.
+constexpr std::string_view kMagic = "Shadowcache lookups 2\n";
 
 /// @param content  between magic and checksum
 ShotLookups parse(std::string_view content, const BakeIdentity& identity) {
@@ -31,6 +31,9 @@ ShotLookups parse(std::string_view content, const BakeIdentity& identity) {
     if (!(lookups.spacing > 0 && lookups.spacing <= kMostSpacing))
         throw Error("spacing " + numberText(lookups.spacing) + ", expected above 0, at most " +
                     numberText(kMostSpacing));
+    lookups.level = in.get<std::int32_t>();
+    if (lookups.level < 0 || lookups.level > kMaxCacheLevel)
+        throw Error(fmt::format("level {}, expected 0 to {}", lookups.level, kMaxCacheLevel));
     SurfaceCount& ofSet = lookups.ofSet;
     for (std::size_t* count : {&ofSet.voxels, &ofSet.sides, &ofSet.items})
         *count = in.get<std::uint64_t>();
@@ -68,6 +71,7 @@ void writeLookups(const std::filesystem::path& path, const BakeIdentity& identit
     ByteWriter out;
     put(out, identity);
     out.put(lookups.spacing);
+    out.put(std::int32_t{lookups.level});
     for (const std::size_t count : {lookups.ofSet.voxels, lookups.ofSet.sides, lookups.ofSet.items})
         out.put(std::uint64_t{count});
     out.put(keys);

@@ -11,6 +11,7 @@ namespace shadowcache {
 /// What the bakes of all shards of a shot have in common, so that it is found once.
 struct ShotLookups {
     double spacing = 0;   ///< of the voxels, chosen or given
+    int level = 0;        ///< finest direction level, where a bake is given none
     SurfaceCount ofSet;   ///< the set's surface in such voxels
     LookupPlaces places;  ///< in them
 };

@@ -45,6 +45,11 @@ LookupPlaces ShotSource::lookups(Scene& scene, const VoxelFrame& frame) const {
     return lookupsOf({camera_, moving, frames_, options_.size}, scene, frame);
 }
 
+std::uint64_t ShotSource::pixels() const {
+    return std::uint64_t{frames_.size()} * static_cast<std::uint64_t>(options_.size[0]) *
+           static_cast<std::uint64_t>(options_.size[1]);
+}
+
 std::string ShotSource::text() const {
     const std::string& camera = options_.camera.name;
     std::string text = fmt::format(

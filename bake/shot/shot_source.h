@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -42,6 +43,9 @@ public:
     ///
     /// @throws Error if a frame is missing in a moving object's track
     LookupPlaces lookups(Scene& scene, const VoxelFrame& frame) const;
+
+    /// Pixels of all its pictures.
+    std::uint64_t pixels() const;
 
     /// In one line: "camera.json, frames 1-24, 960x540, #5d0c43f1". The digits are of what the
     /// files hold and of the frame rate: two shots of one name differ in them.

@@ -152,7 +152,7 @@ void writeCases(const fs::path& folder) {
 
 void writeShotLookups(const fs::path& folder) {
     const test::TemporaryFolder work;
-    ShotLookups lookups{0.5, {8, 9, 10}, {}};
+    ShotLookups lookups{0.5, 5, {8, 9, 10}, {}};
     lookups.places.add({{1, 2}, {1, 700}, {std::uint64_t{1} << 40, 3}});
     writeLookups(work.path() / "a.lookups", {{"version", "1"}}, lookups);
     // The fuzzer adds the checksum.

@@ -159,16 +159,19 @@ TEST_F(Lookups, ForgedNumbersAreRefused) {
     for (const double wrong : {0.0, -1.0, 1e13, std::nan("")})
         refused(at, std::bit_cast<std::uint64_t>(wrong), "above 0, at most 1e+12");
     refused(at, std::bit_cast<std::uint64_t>(0.5), "spacing 0.5, expected 0.25");
-    refused(at + 16, 0, " sides of ");
-    refused(at + 16, ~std::uint64_t{0}, " sides of ");
-    refused(at + 16, 1, " sides of the set, expected ");
-    refused(at + 32, ~std::uint64_t{0}, "cut short");
+    refused(at + 8, ~std::uint64_t{0}, "level -1, expected 0 to 5");
+    // After spacing and level.
+    const std::size_t sides = at + 20, keys = at + 36;
+    refused(sides, 0, " sides of ");
+    refused(sides, ~std::uint64_t{0}, " sides of ");
+    refused(sides, 1, " sides of the set, expected ");
+    refused(keys, ~std::uint64_t{0}, "cut short");
     // Places are baked as the file has them, not found again.
-    const Tail tail(whole, at + 32);
+    const Tail tail(whole, keys);
     ASSERT_GT(tail.count, 20u);
-    EXPECT_EQ(bakeWith(whole.substr(0, at + 32) + tail.first(tail.count)).status, 0);
+    EXPECT_EQ(bakeWith(whole.substr(0, keys) + tail.first(tail.count)).status, 0);
     const std::string all = readBytes(path("a.vdb"));
-    EXPECT_EQ(bakeWith(whole.substr(0, at + 32) + tail.first(3)).status, 0);
+    EXPECT_EQ(bakeWith(whole.substr(0, keys) + tail.first(3)).status, 0);
     EXPECT_LT(readBytes(path("a.vdb")).size(), all.size());
 }
 

@@ -69,6 +69,41 @@ TEST_F(ShotTest, BakesOnceAndRendersTheMove) {
     for (const float value : red("plan.exr")) EXPECT_LT(value, 15);
 }
 
+/// Spacing that a bake of the shot chooses.
+double spacingOf(const ProgramRun& bake) {
+    const std::string before = "spacing ";
+    return std::stod(bake.out.substr(bake.out.find(before) + before.size()));
+}
+
+TEST_F(ShotTest, SpacingIsAsFineAsThePicturesAreWorth) {
+    const auto spacing = [&](const std::string& options) {
+        return spacingOf(runWell(
+            "bake", "shot.glb -o a.lookups --lookups-only --camera shot --frames 1 " + options));
+    };
+    const double small = spacing("--size 32x24"), large = spacing("--size 640x480");
+    EXPECT_GT(small, 2 * large);
+    EXPECT_GT(spacing("--size 640x480 --quality draft"), 1.5 * large);
+    EXPECT_LT(spacing("--size 32x24 --quality fine"), small / 1.5);
+    // Times the spacing for the set's size, whatever the shot is.
+    const double twice = spacing("--size 32x24 --spacing 2x");
+    EXPECT_EQ(twice, spacing("--size 640x480 --spacing 2x"));
+    EXPECT_LE(twice / 2, large);
+    EXPECT_EQ(run("bake", "shot.glb -o a.vdb --spacing 1 --quality fine").status, 2);
+}
+
+TEST_F(ShotTest, ShardsOfAShotHaveTheSpacingOfTheWhole) {
+    const std::string bake = "shot.glb --camera shot --frames 1 --size 32x24 --level 2 --rays 1 ";
+    const double whole = spacingOf(runWell("bake", bake + "-o whole.vdb"));
+    EXPECT_EQ(spacingOf(runWell("bake", bake + "-o part.vdb --shard 1/2")), whole);
+    runWell("bake", bake + "-o a.lookups --lookups-only");
+    EXPECT_EQ(spacingOf(runWell("bake", bake + "-o part.vdb --shard 2/2 --lookups a.lookups")),
+              whole);
+    EXPECT_EQ(spacingOf(runWell("bake",
+                                "shot.glb -o more.vdb --extend whole.vdb --camera shot --frames 9 "
+                                "--size 640x480 --level 2 --rays 1")),
+              whole);
+}
+
 TEST_F(ShotTest, ListsWhatAFileHolds) {
     const auto list = runWell("render", "shot.glb --list");
     for (const std::string text :
