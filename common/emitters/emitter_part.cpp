@@ -18,7 +18,7 @@ constexpr float kNear = 3;
 constexpr double kLeastFalloff = 0.001;
 
 /// Weight of what a spot sends at most to a place that its cone grazes: no direction is missed.
-constexpr double kLeastShare = 0.05;
+constexpr double kLeastConeShare = 0.05;
 
 /// A lamp as a place sees it.
 struct Cap {
@@ -77,7 +77,7 @@ Unoccluded irradianceByCap(const EmitterPart& lamp, const Receiver& at) noexcept
     const ConeShare share = shareOfCap(lamp, cap);
     return {lamp.radiance * static_cast<float>(integral * share.mean),
             lamp.weight *
-                static_cast<float>(integral * std::max(share.mean, kLeastShare * share.most))};
+                static_cast<float>(integral * std::max(share.mean, kLeastConeShare * share.most))};
 }
 
 Unoccluded irradianceByTriangle(const EmitterPart& t, const Receiver& at) noexcept {
@@ -106,16 +106,14 @@ EmitterPoint sampleCapOf(const EmitterPart& lamp, const Receiver& at, double u, 
     const Cap cap = capOf(lamp, at);
     if (!(cap.across > 0)) return point;
     point.isSingle = cap.sineSquared == 0;
-    const Vec3d direction =
-        point.isSingle ? cap.axis : sampleCap(cap.axis, cap.sineSquared, u, v);
+    const Vec3d direction = point.isSingle ? cap.axis : sampleCap(cap.axis, cap.sineSquared, u, v);
     point.direction = Vec3f(direction);
-    point.density =
-        point.isSingle ? 1 : static_cast<float>(1 / capSolidAngle(cap.sineSquared));
-    point.share = static_cast<float>(shareTowards(lamp, direction) *
-                                     (point.isSingle ? cap.across : 1));
+    point.density = point.isSingle ? 1 : static_cast<float>(1 / capSolidAngle(cap.sineSquared));
+    point.share =
+        static_cast<float>(shareTowards(lamp, direction) * (point.isSingle ? cap.across : 1));
     if (lamp.form == EmitterPart::Form::point)
-        point.position = Vec3f(Vec3d(at.position) +
-                               direction * (cap.distance / direction.dot(cap.axis)));
+        point.position =
+            Vec3f(Vec3d(at.position) + direction * (cap.distance / direction.dot(cap.axis)));
     return point;
 }
 

@@ -31,11 +31,11 @@ struct EmitterPart {
     /// That faces a place in front of it: of triangles and points with a radius [m^2], of suns with
     /// an angle [sr], projected; of what has no extent 1.
     float area = 0;
-    float sineSquared = 0;            ///< of suns: of half their angle
-    std::optional<LampCone> cone{};   ///< of spots
-    Rgb radiance{0, 0, 0};            ///< in the mean over it; times the area: Lamp::strength
-    float weight = 0;                 ///< luminance by which it is chosen: above 0 wherever it emits
-    std::uint32_t mesh = 0;           ///< which of the meshes it is of
+    float sineSquared = 0;           ///< of suns: of half their angle
+    std::optional<LampCone> cone{};  ///< of spots
+    Rgb radiance{0, 0, 0};           ///< in the mean over it; times the area: Lamp::strength
+    float weight = 0;                ///< luminance by which it is chosen: above 0 wherever it emits
+    std::uint32_t mesh = 0;          ///< which of the meshes it is of
     std::uint32_t placed = kNoSurface;  ///< its number in the world (placed_mesh.h)
     bool twoSided = false;              ///< emits on both sides
     bool varies = false;                ///< its radiance is not the same everywhere
@@ -65,10 +65,10 @@ Unoccluded irradianceBy(const EmitterPart& part, const Receiver& at) noexcept;
 
 /// A point of a part that a place is lit from.
 struct EmitterPoint {
-    float u = 0, v = 0;   ///< of triangles: barycentric coordinates
-    Vec3f position{0};    ///< relative to the mesh's origin; not of suns
-    Vec3f direction{0};   ///< unit, towards it
-    float density = 0;    ///< with which it is drawn [1/sr]; 0: the place does not see it
+    float u = 0, v = 0;     ///< of triangles: barycentric coordinates
+    Vec3f position{0};      ///< relative to the mesh's origin; not of suns
+    Vec3f direction{0};     ///< unit, towards it
+    float density = 0;      ///< with which it is drawn [1/sr]; 0: the place does not see it
     bool isSingle = false;  ///< the only direction that there is, drawn with density 1
     /// Radiance there as a share of the part's; of a single direction times its solid angle.
     float share = 1;
@@ -84,9 +84,9 @@ float densityAt(const EmitterPart& triangle, const Receiver& at, const Vec3f& po
 
 /// Where a ray meets a lamp that has an extent.
 struct LampHit {
-    float distance = 0;    ///< along the ray; infinite of suns
+    float distance = 0;  ///< along the ray; infinite of suns
     Rgb radiance{0, 0, 0};
-    float density = 0;     ///< with which samplePoint() draws the direction [1/sr]
+    float density = 0;  ///< with which samplePoint() draws the direction [1/sr]
 };
 
 /// Meets a part that is no surface and no single direction. @param direction  unit

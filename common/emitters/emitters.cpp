@@ -43,8 +43,7 @@ void extend(Box3d& box, const EmitterPart& part) {
 float farthest(const EmitterPart& part, const Vec3f& from) {
     if (part.form != Form::triangle) return (part.centre - from).length() + part.radius;
     float distance = 0;
-    for (const Vec3f& corner : part.corner)
-        distance = std::max(distance, (corner - from).length());
+    for (const Vec3f& corner : part.corner) distance = std::max(distance, (corner - from).length());
     return distance;
 }
 
@@ -95,9 +94,8 @@ struct Emitters::Builder {
         const std::vector<std::uint32_t> number = connect(parts);
         std::vector<std::uint32_t> order(parts.size());
         std::iota(order.begin(), order.end(), 0u);
-        std::ranges::stable_sort(order, {}, [&](std::uint32_t i) {
-            return std::pair(parts[i].part.form, number[i]);
-        });
+        std::ranges::stable_sort(
+            order, {}, [&](std::uint32_t i) { return std::pair(parts[i].part.form, number[i]); });
         std::vector<Group> groups;
         for (std::size_t i = 0; i < order.size(); ++i) {
             if (i == 0 || number[order[i]] != number[order[i - 1]]) groups.emplace_back();
@@ -271,9 +269,9 @@ Rgb Emitters::radianceAt(const EmitterPart& t, const EmitterPoint& point) const 
     return emittedAt(mesh, placedTriangle(mesh, t.placed).triangle, point.u, point.v);
 }
 
-/// Weight times area that is turned towards a direction. Points turn theirs. That of both sides is about the root of
-/// the mean square, which is right for what is flat; of one side it is the mean of both sides' and
-/// of the sum of the normals.
+/// Weight times area that is turned towards a direction. Points turn theirs. That of both sides is
+/// about the root of the mean square, which is right for what is flat; of one side it is the mean
+/// of both sides' and of the sum of the normals.
 float Emitters::Node::towards(const Vec3f& w) const noexcept {
     if (form != Form::triangle) return weight;
     const float square =

@@ -116,8 +116,7 @@ std::vector<EmitterPart> areaParts(const Lamp& lamp) {
     const std::vector<Vec3d> outline = outlineOf(lamp);
     float area = 0;
     for (std::size_t k = 0; k < outline.size(); ++k) {
-        EmitterPart t =
-            triangleOf({lamp.position, outline[k], outline[(k + 1) % outline.size()]});
+        EmitterPart t = triangleOf({lamp.position, outline[k], outline[(k + 1) % outline.size()]});
         t.normal = Vec3f(lamp.direction);
         area += t.area;
         if (t.area > 0) parts.push_back(t);
@@ -175,8 +174,8 @@ std::vector<FoundPart> findParts(std::span<const TriangleMesh* const> meshes,
             for (EmitterPart& part : partsOf(lamp)) {
                 part.mesh = m;
                 part.radiance = part.radiance * lamp.gain;
-                part.weight = weight == EmitterWeight::shape ? 1 / part.area
-                                                             : brightness(part.radiance);
+                part.weight =
+                    weight == EmitterWeight::shape ? 1 / part.area : brightness(part.radiance);
                 found.push_back({part, hashWords(m, i, 1)});
             }
         }

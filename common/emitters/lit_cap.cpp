@@ -21,8 +21,8 @@ double capCosine(double cosine, double sineSquared) noexcept {
     const double sine = std::sqrt(1 - cosine * cosine);
     const double y = std::clamp(-cotangent * cosine / sine, -1.0, 1.0);
     const double across = sine * std::sqrt(1 - y * y);
-    const double integral = (cosine * std::acos(y) - cotangent * across) * sineSquared +
-                            std::atan2(across, cotangent);
+    const double integral =
+        (cosine * std::acos(y) - cotangent * across) * sineSquared + std::atan2(across, cotangent);
     // However little is above the horizon, a sample may meet it.
     return std::max(integral / (kPi * sineSquared), 1e-9);
 }

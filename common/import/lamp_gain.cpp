@@ -53,9 +53,8 @@ std::vector<std::string> lampNames(const TriangleMesh& mesh) {
 void requireMatches(std::span<const LampGain> gains, const TriangleMesh& mesh) {
     const std::vector<std::string> names = lampNames(mesh);
     for (const LampGain& lamp : gains)
-        if (std::ranges::none_of(names, [&](const std::string& name) {
-                return matchesPattern(lamp.pattern, name);
-            }))
+        if (std::ranges::none_of(
+                names, [&](const std::string& name) { return matchesPattern(lamp.pattern, name); }))
             throw Error(fmt::format("--lamp {}: no lamp or emissive material of this name{}",
                                     lamp.pattern, suggestion(lamp.pattern, names)));
 }

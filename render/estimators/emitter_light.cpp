@@ -144,8 +144,7 @@ Rgb EmitterLight::weighed(const Hit& hit, const Receiver& at, bool draws, float 
     const std::ptrdiff_t found = emitters_.find(0, hit.triangle);
     if (draws && found >= 0) {
         const auto part = static_cast<std::size_t>(found);
-        density += chanceOf(part, at, tools) *
-                   densityAt(emitters_.parts()[part], at, hit.position);
+        density += chanceOf(part, at, tools) * densityAt(emitters_.parts()[part], at, hit.position);
     }
     return surfaceOf(hit, {}).emission * (1 / density);
 }
@@ -317,8 +316,8 @@ void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::Lo
             const Hit& hit = hits[i];
             const float distance =
                 hit.found ? hit.distance : std::numeric_limits<float>::infinity();
-            Rgb met = draws ? lampsMet(ray.direction, distance, at, ray.density, tools)
-                            : Rgb(0, 0, 0);
+            Rgb met =
+                draws ? lampsMet(ray.direction, distance, at, ray.density, tools) : Rgb(0, 0, 0);
             // What moves is met by the rays of paths.
             const bool back = hit.found && hit.normal.dot(ray.direction) > 0;
             if (hit.found && hit.scene == &scene_ &&

@@ -386,7 +386,8 @@ void addRun(Rows& rows, RunOptions& run) {
              "--frames are a part of them [those of --frames]")
              .notCompared()});
     add(rows, kRun,
-        {flagRow("list", run.list, "Print cameras, lamps, animations and sizes of a glTF set, and exit"),
+        {flagRow("list", run.list,
+                 "Print cameras, lamps, animations and sizes of a glTF set, and exit"),
          flagRow("serve", run.serve,
                  "Stay, and render what requests on standard input ask for, as docs/serve.md has "
                  "them; beside it only --threads counts")

@@ -80,10 +80,9 @@ TEST(GltfLamps, AreWhereTheirNodesAre) {
 }
 
 TEST(GltfLamps, HaveAreasThatTheirNodesScale) {
-    const Lamp area = lampOf({{"type", "spot"},
-                              {"intensity", 3},
-                              {"extras", {{"shape", "ellipse"}, {"size", {1, 2}}}}},
-                             {{"scale", {2, 3, 1}}});
+    const Lamp area = lampOf(
+        {{"type", "spot"}, {"intensity", 3}, {"extras", {{"shape", "ellipse"}, {"size", {1, 2}}}}},
+        {{"scale", {2, 3, 1}}});
     EXPECT_EQ(area.form, Lamp::Form::ellipse);
     EXPECT_FALSE(area.cone);
     EXPECT_LT((area.halfWidth - Vec3d(1, 0, 0)).length(), 1e-12);
@@ -98,8 +97,9 @@ TEST(GltfLamps, LookTheSameInAnotherUnit) {
     EXPECT_EQ(lamp.strength, Rgb(500, 500, 500));
     EXPECT_EQ(lamp.radius, 5);
     EXPECT_LT((lamp.position - Vec3d(10, 30, -20)).length(), 1e-9);
-    const Lamp sun = lampOf({{"type", "directional"}, {"intensity", 5}, {"extras", {{"angle", 0.1}}}},
-                            Json::object(), {.scale = 10});
+    const Lamp sun =
+        lampOf({{"type", "directional"}, {"intensity", 5}, {"extras", {{"angle", 0.1}}}},
+               Json::object(), {.scale = 10});
     EXPECT_EQ(sun.strength, Rgb(5, 5, 5));
     EXPECT_EQ(sun.angle, 0.1);
 }
@@ -118,11 +118,7 @@ TEST(GltfLamps, OfBadNumbersAreRefused) {
         {{{"type", "spot"}, {"extras", {{"shape", "rectangle"}, {"size", {0, 1}}}}}, "size"},
         {{{"type", "spot"}, {"extras", {{"shape", "star"}}}}, "shape"}};
     for (const auto& [light, text] : cases)
-        test::expectError(
-            [&] {
-                loaded(setWith(light));
-            },
-            "light 0", text);
+        test::expectError([&] { loaded(setWith(light)); }, "light 0", text);
 }
 
 TEST(GltfLamps, ThatAreNotReadAreNamed) {

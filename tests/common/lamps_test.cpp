@@ -2,8 +2,6 @@
 // with the density that is claimed; a thousand of them are 32 emitters; rays meet those with an
 // extent.
 
-#include "common/mesh/lamp.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "common/emitters/emitters.h"
 #include "common/emitters/lit_cap.h"
+#include "common/mesh/lamp.h"
 #include "tests/support/statistics.h"
 
 namespace shadowcache {
@@ -101,8 +100,8 @@ TEST(Lamp, LightsByItsClosedForm) {
         EXPECT_NEAR(lit(sunOf({1, -2, 0}, angle)), 2 * 2 / std::sqrt(5.0), 1e-6);
     // Of the disc of a sun at the horizon: E (a - sin a cos a) / (pi sin^2 a), a half its angle.
     const double sine = std::sin(0.1);
-    EXPECT_NEAR(lit(sunOf({1, 0, 0}, 0.2)),
-                2 * (0.1 - sine * std::cos(0.1)) / (kPi * sine * sine), 1e-6);
+    EXPECT_NEAR(lit(sunOf({1, 0, 0}, 0.2)), 2 * (0.1 - sine * std::cos(0.1)) / (kPi * sine * sine),
+                1e-6);
 }
 
 TEST(Spot, FallsOffBetweenItsAngles) {
@@ -133,9 +132,8 @@ TEST(AreaLamp, LightsByItsClosedForm) {
     const double corner = 0.5 * (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb));
     EXPECT_NEAR(lit(areaAt(Lamp::Form::rectangle, {0, 2, 0}, 2, 1)), 4 * corner * 2 / 2, 1e-5);
     // On one side.
-    EXPECT_EQ(lit(areaAt(Lamp::Form::rectangle, {0, -2, 0}, 2, 1),
-                  {Vec3f(0, 0, 0), Vec3f(0, -1, 0)}),
-              0);
+    EXPECT_EQ(
+        lit(areaAt(Lamp::Form::rectangle, {0, -2, 0}, 2, 1), {Vec3f(0, 0, 0), Vec3f(0, -1, 0)}), 0);
     Lamp flat = areaAt(Lamp::Form::rectangle, {0, 2, 0}, 2, 0);
     EXPECT_EQ(lit(flat), 0);
 }
