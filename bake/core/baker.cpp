@@ -42,7 +42,7 @@ using Probes = std::vector<std::vector<Probe>>;
 /// What the bake counts the visibility of.
 Emitters emittersOf(const TriangleMesh& mesh, const BakeOptions& options) {
     const TriangleMesh* const meshes[] = {&mesh};
-    return Emitters(std::span(meshes).first(options.lamps ? 1 : 0), Emitters::Weigh::shape);
+    return Emitters(std::span(meshes).first(options.lamps ? 1 : 0), EmitterWeight::shape);
 }
 
 std::uint64_t raysOf(const Probes& probes) {

@@ -4,6 +4,7 @@
 
 #include "common/base/tuned.h"
 #include "common/cache/emitter_code.h"
+#include "common/emitters/emitter_ray.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
 
@@ -69,17 +70,15 @@ private:
         const Receiver at{patch_.origin[origin], patch_.originNormal[origin]};
         const Emitters::Choice chosen = emitters_.choose(emitter, at, numbers[0]);
         if (!(chosen.chance > 0)) return;
-        const EmissiveTriangle& t = emitters_.triangles()[chosen.triangle];
-        const EmitterPoint point = samplePoint(t, at, numbers[1], numbers[2]);
+        const EmitterPart& part = emitters_.parts()[chosen.part];
+        const EmitterPoint point = samplePoint(part, at, numbers[1], numbers[2]);
         if (!(point.density > 0) || !(point.direction.dot(at.normal) > 0)) return;
-        const bool front = t.normal.dot(point.direction) < 0;
-        const Vec3f way =
-            scene_.rayOrigin(point.position, t.placed, front ? t.normal : -t.normal) - at.position;
+        const EmitterRay ray = rayTo(scene_, part, point, at.position);
         for (int c = 0; c < 3; ++c) {
             rays_.origin[c][queued_] = at.position[c];
-            rays_.direction[c][queued_] = way[c];
+            rays_.direction[c][queued_] = ray.way[c];
         }
-        rays_.reach[queued_] = 1;
+        rays_.reach[queued_] = ray.reach;
         of_[queued_++] = static_cast<std::uint32_t>(emitter);
         if (queued_ == RayStream::kSize) flush();
     }

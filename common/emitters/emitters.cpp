@@ -3,121 +3,67 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
-#include <optional>
+#include <utility>
 
 #include "common/base/hash.h"
-#include "common/emitters/lit_triangle.h"
-#include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Triangles of a leaf of the tree, at most.
+/// Parts of a leaf of the tree, at most.
 constexpr std::uint32_t kLeaf = 8;
-
-/// Distance in radii from which on a triangle, or some, count as their centre: off by 2 per cent.
-constexpr float kFar = 8;
-
-/// Distance in longest sides up to which points of a triangle are drawn in solid angle: farther
-/// away, area does as well.
-constexpr float kNear = 3;
-
-/// Points of a triangle whose mean radiance is that of the triangle.
-constexpr int kMeanPoints = 32;
-
-/// Of a triangle that varies, weight of what its brightest point may emit: no point is missed.
-constexpr float kLeastBrightness = 0.05f;
 
 /// Least that neighbours may emit towards a place, as a share: what is between their normals.
 constexpr float kLeastTowards = 0.05f;
 
+/// Radius that counts for a point that is where it lights.
+constexpr float kLeastRadius = 1e-9f;
+
 constexpr double kBelowOne = 1 - 0x1p-53;
 
-float brightness(const Rgb& c) {
-    return std::max(0.0f, luminance(c));
-}
-
-Rgb emittedAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v) {
-    const Rgb emission = surfaceAt(mesh, triangle, u, v, {}).emission;
-    const Material& material = *materialOf(mesh, triangle);
-    if (!material.cutOut && !material.blends) return emission;
-    return emission * opacityAt(mesh, material, triangle, u, v);
-}
-
-/// Whether a material emits, and the most that a point of it may.
-Rgb mostEmitted(const Material& material) {
-    return material.finish.unlit ? material.albedo : material.finish.emission;
-}
-
-bool isPlain(const TriangleMesh& mesh, const Material& material) {
-    if (material.cutOut || material.blends) return false;
-    if (material.finish.unlit) return material.texture < 0 && mesh.colors.empty();
-    return material.finish.emissionTexture.texture < 0;
-}
-
-/// The triangle as it emits; without area if it does not.
-EmissiveTriangle emissive(const TriangleMesh& mesh, std::uint32_t placed,
-                          const Material& material) {
-    const std::array<Vec3d, 3> corners = placedCorners(mesh, placed);
-    EmissiveTriangle t;
-    for (std::size_t k = 0; k < 3; ++k) {
-        t.corner[k] = Vec3f(corners[k]);
-        t.size = std::max(t.size, static_cast<float>((corners[(k + 1) % 3] - corners[k]).length()));
-    }
-    const Vec3d across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    t.area = static_cast<float>(0.5 * across.length());
-    if (!(t.area > 0)) return t;
-    const Vec3d centre = (corners[0] + corners[1] + corners[2]) / 3;
-    t.centre = Vec3f(centre);
-    for (const Vec3d& corner : corners)
-        t.radius = std::max(t.radius, static_cast<float>((corner - centre).length()));
-    t.normal = placedNormal(mesh, placed, corners);
-    t.placed = placed;
-    t.twoSided = material.doubleSided;
-    t.varies = !isPlain(mesh, material);
-    const std::uint32_t triangle = placedTriangle(mesh, placed).triangle;
-    if (!t.varies) {
-        t.radiance = emittedAt(mesh, triangle, 0, 0);
-        t.weight = brightness(t.radiance);
-        return t;
-    }
-    for (int i = 0; i < kMeanPoints; ++i) {
-        // A lattice of the unit square, folded to the triangle.
-        float u = (static_cast<float>(i) + 0.5f) / kMeanPoints;
-        float v = std::fmod(static_cast<float>(i) * 0.6180339887f + 0.5f, 1.0f);
-        if (u + v > 1) u = 1 - u, v = 1 - v;
-        t.radiance += emittedAt(mesh, triangle, u, v) * (1.0f / kMeanPoints);
-    }
-    t.weight = brightness(t.radiance) + kLeastBrightness * brightness(mostEmitted(material));
-    return t;
-}
+using Form = EmitterPart::Form;
 
 std::uint64_t hashOf(const Vec3f& p) {
     const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value + 0.0f); };
     return hashWords(bits(p.x), bits(p.y), bits(p.z));
 }
 
-/// Numbers of the groups of triangles that have corners in common and one material.
-std::vector<std::uint32_t> connect(std::span<const EmissiveTriangle> triangles,
-                                   std::span<const std::uint64_t> materials) {
-    std::vector<std::uint32_t> parent(triangles.size());
+void extend(Box3d& box, const EmitterPart& part) {
+    if (part.form == Form::triangle)
+        for (const Vec3f& corner : part.corner) box.extendBy(Vec3d(corner));
+    else
+        box.extendBy(Vec3d(part.centre));
+}
+
+/// Distance of a part's farthest place from a place.
+float farthest(const EmitterPart& part, const Vec3f& from) {
+    if (part.form != Form::triangle) return (part.centre - from).length() + part.radius;
+    float distance = 0;
+    for (const Vec3f& corner : part.corner) distance = std::max(distance, (corner - from).length());
+    return distance;
+}
+
+/// Numbers of the groups of parts that have corners in common and one owner.
+std::vector<std::uint32_t> connect(std::span<const FoundPart> parts) {
+    std::vector<std::uint32_t> parent(parts.size());
     std::iota(parent.begin(), parent.end(), 0u);
     const auto root = [&](std::uint32_t i) {
         while (parent[i] != i) i = parent[i] = parent[parent[i]];
         return i;
     };
     std::vector<std::pair<std::uint64_t, std::uint32_t>> corners;
-    for (std::uint32_t i = 0; i < triangles.size(); ++i)
-        for (const Vec3f& corner : triangles[i].corner)
-            corners.emplace_back(hashWords(hashOf(corner), materials[i]), i);
+    for (std::uint32_t i = 0; i < parts.size(); ++i)
+        for (const Vec3f& corner : parts[i].part.corner)
+            corners.emplace_back(hashWords(hashOf(corner), parts[i].owner), i);
     std::ranges::sort(corners);
     for (std::size_t i = 1; i < corners.size(); ++i)
         if (corners[i].first == corners[i - 1].first)
             parent[root(corners[i].second)] = root(corners[i - 1].second);
-    for (std::uint32_t i = 0; i < triangles.size(); ++i) parent[i] = root(i);
+    for (std::uint32_t i = 0; i < parts.size(); ++i) parent[i] = root(i);
     return parent;
 }
 
@@ -135,27 +81,29 @@ void sortAlong(std::span<T> things, const Centre& centreOf) {
 /// Makes the tree from the groups down.
 struct Emitters::Builder {
     struct Group {
-        std::vector<EmissiveTriangle> triangles;
-        Vec3f centre;
+        std::vector<EmitterPart> parts{};
+        Vec3f centre{0, 0, 0};
+
+        Form form() const { return parts.front().form; }
     };
     Emitters& to;
     std::vector<std::uint32_t> groupsOfNode{};
 
-    static std::vector<Group> groupsOf(std::span<const EmissiveTriangle> triangles,
-                                       std::span<const std::uint64_t> materials) {
-        const std::vector<std::uint32_t> number = connect(triangles, materials);
-        std::vector<std::uint32_t> order(triangles.size());
+    /// Those of one form are neighbours.
+    static std::vector<Group> groupsOf(std::span<const FoundPart> parts) {
+        const std::vector<std::uint32_t> number = connect(parts);
+        std::vector<std::uint32_t> order(parts.size());
         std::iota(order.begin(), order.end(), 0u);
-        std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return number[i]; });
+        std::ranges::stable_sort(
+            order, {}, [&](std::uint32_t i) { return std::pair(parts[i].part.form, number[i]); });
         std::vector<Group> groups;
         for (std::size_t i = 0; i < order.size(); ++i) {
             if (i == 0 || number[order[i]] != number[order[i - 1]]) groups.emplace_back();
-            groups.back().triangles.push_back(triangles[order[i]]);
+            groups.back().parts.push_back(parts[order[i]].part);
         }
         for (Group& group : groups) {
             Box3d box;
-            for (const EmissiveTriangle& t : group.triangles)
-                for (const Vec3f& corner : t.corner) box.extendBy(Vec3d(corner));
+            for (const EmitterPart& part : group.parts) extend(box, part);
             group.centre = Vec3f(box.center());
         }
         return groups;
@@ -168,60 +116,50 @@ struct Emitters::Builder {
         return first;
     }
 
-    void build(std::uint32_t node, std::span<Group> groups) {
-        if (groups.size() == 1) return build(node, std::span(groups.front().triangles));
+    /// Splits groups by their form, those of one form in the middle of where they are.
+    static std::size_t divide(std::span<Group> groups) {
+        const Form form = groups.front().form();
+        const auto isOfForm = [form](const Group& group) { return group.form() == form; };
+        const auto other = std::ranges::find_if_not(groups, isOfForm);
+        if (other != groups.end()) return static_cast<std::size_t>(other - groups.begin());
         sortAlong(groups, [](const Group& g) { return g.centre; });
+        return groups.size() / 2;
+    }
+
+    void build(std::uint32_t node, std::span<Group> groups) {
+        if (groups.size() == 1) return build(node, std::span(groups.front().parts));
+        const std::size_t half = divide(groups);
         const std::uint32_t left = addNodes(2);
-        const auto begin = static_cast<std::uint32_t>(to.triangles_.size());
-        build(left, groups.first(groups.size() / 2));
-        build(left + 1, groups.subspan(groups.size() / 2));
-        to.nodes_[node] = to.summed(begin, static_cast<std::uint32_t>(to.triangles_.size()));
+        const auto begin = static_cast<std::uint32_t>(to.parts_.size());
+        build(left, groups.first(half));
+        build(left + 1, groups.subspan(half));
+        to.nodes_[node] = to.summed(begin, static_cast<std::uint32_t>(to.parts_.size()));
         to.nodes_[node].left = left;
         groupsOfNode[node] = static_cast<std::uint32_t>(groups.size());
     }
 
-    void build(std::uint32_t node, std::span<EmissiveTriangle> triangles) {
-        const auto begin = static_cast<std::uint32_t>(to.triangles_.size());
+    void build(std::uint32_t node, std::span<EmitterPart> parts) {
+        const auto begin = static_cast<std::uint32_t>(to.parts_.size());
         std::uint32_t left = 0;
-        if (triangles.size() <= kLeaf) {
-            to.triangles_.insert(to.triangles_.end(), triangles.begin(), triangles.end());
+        if (parts.size() <= kLeaf) {
+            to.parts_.insert(to.parts_.end(), parts.begin(), parts.end());
         } else {
-            sortAlong(triangles, [](const EmissiveTriangle& t) { return t.centre; });
+            sortAlong(parts, [](const EmitterPart& t) { return t.centre; });
             left = addNodes(2);
-            build(left, triangles.first(triangles.size() / 2));
-            build(left + 1, triangles.subspan(triangles.size() / 2));
+            build(left, parts.first(parts.size() / 2));
+            build(left + 1, parts.subspan(parts.size() / 2));
         }
-        to.nodes_[node] = to.summed(begin, static_cast<std::uint32_t>(to.triangles_.size()));
+        to.nodes_[node] = to.summed(begin, static_cast<std::uint32_t>(to.parts_.size()));
         to.nodes_[node].left = left;
     }
 };
 
-Emitters::Emitters(std::span<const TriangleMesh* const> meshes, Weigh weigh)
+Emitters::Emitters(std::span<const TriangleMesh* const> meshes, EmitterWeight weight)
     : meshes_(meshes.begin(), meshes.end()) {
-    std::vector<EmissiveTriangle> found;
-    std::vector<std::uint64_t> materials;
-    for (std::uint32_t m = 0; m < meshes_.size(); ++m) {
-        const TriangleMesh& mesh = *meshes_[m];
-        if (std::ranges::none_of(mesh.materials, [](const Material& material) {
-                return brightness(mostEmitted(material)) > 0;
-            }))
-            continue;
-        const auto count = static_cast<std::uint32_t>(placedCount(mesh));
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const Material* material = materialOf(mesh, placedTriangle(mesh, i).triangle);
-            if (!material || !(brightness(mostEmitted(*material)) > 0)) continue;
-            EmissiveTriangle t = emissive(mesh, i, *material);
-            if (!(t.area > 0)) continue;
-            t.mesh = m;
-            if (weigh == Weigh::shape) t.weight = 1;
-            found.push_back(t);
-            materials.push_back(
-                hashWords(m, static_cast<std::uint64_t>(material - mesh.materials.data())));
-        }
-    }
+    const std::vector<FoundPart> found = findParts(meshes, weight);
     if (found.empty()) return;
-    triangles_.reserve(found.size());
-    std::vector<Builder::Group> groups = Builder::groupsOf(found, materials);
+    parts_.reserve(found.size());
+    std::vector<Builder::Group> groups = Builder::groupsOf(found);
     Builder builder{*this};
     builder.build(builder.addNodes(1), std::span(groups));
     cut(builder.groupsOfNode);
@@ -233,14 +171,18 @@ Emitters::Node Emitters::summed(std::uint32_t begin, std::uint32_t end) const {
     Node node;
     node.begin = begin;
     node.end = end;
+    node.form = parts_[begin].form;
     Box3d box;
     for (std::uint32_t i = begin; i < end; ++i) {
-        const EmissiveTriangle& t = triangles_[i];
-        for (const Vec3f& corner : t.corner) box.extendBy(Vec3d(corner));
+        const EmitterPart& t = parts_[i];
+        extend(box, t);
         const float weight = t.weight * t.area;
         const Vec3f& n = t.normal;
         node.flux += t.radiance * t.area;
         node.weight += weight;
+        node.isMixed = node.isMixed || t.form != node.form;
+        node.hasCones = node.hasCones || t.cone.has_value();
+        if (t.form != Form::triangle) continue;
         if (t.twoSided)
             node.twoSidedShare += weight;
         else
@@ -251,9 +193,12 @@ Emitters::Node Emitters::summed(std::uint32_t begin, std::uint32_t end) const {
     }
     if (node.weight > 0) node.twoSidedShare /= node.weight;
     node.centre = Vec3f(box.center());
+    if (node.isMixed || node.form == Form::sun) {
+        node.radius = std::numeric_limits<float>::infinity();
+        return node;
+    }
     for (std::uint32_t i = begin; i < end; ++i)
-        for (const Vec3f& corner : triangles_[i].corner)
-            node.radius = std::max(node.radius, (corner - node.centre).length());
+        node.radius = std::max(node.radius, farthest(parts_[i], node.centre));
     return node;
 }
 
@@ -271,7 +216,7 @@ void Emitters::cut(const std::vector<std::uint32_t>& groupsOfNode) {
         roots_.push_back(left + 1);
     }
     std::ranges::sort(roots_, {}, [&](std::uint32_t node) { return nodes_[node].begin; });
-    emitterOf_.resize(triangles_.size());
+    emitterOf_.resize(parts_.size());
     for (std::size_t e = 0; e < roots_.size(); ++e)
         for (std::uint32_t i = nodes_[roots_[e]].begin; i < nodes_[roots_[e]].end; ++i)
             emitterOf_[i] = static_cast<std::uint32_t>(e);
@@ -280,25 +225,35 @@ void Emitters::cut(const std::vector<std::uint32_t>& groupsOfNode) {
 void Emitters::findShapes() {
     for (std::size_t e = 0; e < size(); ++e) {
         std::uint64_t hash = 0;  // a sum, so that the order does not matter
-        for (const EmissiveTriangle& t : trianglesOf(e)) {
-            std::uint64_t corners = 0;
-            for (const Vec3f& corner : t.corner) corners += hashOf(corner);
-            hash += hashWords(corners, t.twoSided);
+        for (const EmitterPart& t : partsOf(e)) {
+            if (t.form == Form::triangle) {
+                std::uint64_t corners = 0;
+                for (const Vec3f& corner : t.corner) corners += hashOf(corner);
+                hash += hashWords(corners, t.twoSided);
+            } else {
+                const Vec3f& place = t.form == Form::sun ? t.normal : t.centre;
+                hash += hashWords(hashOf(place), hashOf({t.radius, t.sineSquared, 0}),
+                                  static_cast<std::uint64_t>(t.form));
+            }
         }
         shapes_.push_back(mixBits(hash));
     }
 }
 
 void Emitters::indexPlaces() {
-    byPlace_.reserve(triangles_.size());
-    for (std::uint32_t i = 0; i < triangles_.size(); ++i)
-        byPlace_.emplace_back(std::uint64_t{triangles_[i].mesh} << 32 | triangles_[i].placed, i);
+    for (std::uint32_t i = 0; i < parts_.size(); ++i) {
+        const EmitterPart& t = parts_[i];
+        if (t.isSurface())
+            byPlace_.emplace_back(std::uint64_t{t.mesh} << 32 | t.placed, i);
+        else if (t.form == Form::triangle || t.radius > 0 || t.sineSquared > 0)
+            lampsToMeet_.push_back(i);
+    }
     std::ranges::sort(byPlace_);
 }
 
-std::span<const EmissiveTriangle> Emitters::trianglesOf(std::size_t emitter) const {
+std::span<const EmitterPart> Emitters::partsOf(std::size_t emitter) const {
     const Node& root = nodes_[roots_[emitter]];
-    return std::span(triangles_).subspan(root.begin, root.end - root.begin);
+    return std::span(parts_).subspan(root.begin, root.end - root.begin);
 }
 
 std::ptrdiff_t Emitters::find(std::uint32_t mesh, std::uint32_t placed) const {
@@ -308,16 +263,17 @@ std::ptrdiff_t Emitters::find(std::uint32_t mesh, std::uint32_t placed) const {
     return static_cast<std::ptrdiff_t>(at->second);
 }
 
-Rgb Emitters::radianceAt(const EmissiveTriangle& t, float u, float v) const noexcept {
-    if (!t.varies) return t.radiance;
+Rgb Emitters::radianceAt(const EmitterPart& t, const EmitterPoint& point) const noexcept {
+    if (!t.varies) return t.radiance * point.share;
     const TriangleMesh& mesh = *meshes_[t.mesh];
-    return emittedAt(mesh, placedTriangle(mesh, t.placed).triangle, u, v);
+    return emittedAt(mesh, placedTriangle(mesh, t.placed).triangle, point.u, point.v);
 }
 
-/// Weight times area that is turned towards a direction. That of both sides is about the root of
-/// the mean square, which is right for what is flat; of one side it is the mean of both sides' and
-/// of the sum of the normals.
+/// Weight times area that is turned towards a direction. Points turn theirs. That of both sides is
+/// about the root of the mean square, which is right for what is flat; of one side it is the mean
+/// of both sides' and of the sum of the normals.
 float Emitters::Node::towards(const Vec3f& w) const noexcept {
+    if (form != Form::triangle) return weight;
     const float square =
         spread[0] * w.x * w.x + spread[1] * w.y * w.y + spread[2] * w.z * w.z +
         2 * (spread[3] * w.x * w.y + spread[4] * w.y * w.z + spread[5] * w.z * w.x);
@@ -326,31 +282,12 @@ float Emitters::Node::towards(const Vec3f& w) const noexcept {
     return twoSidedShare * both + std::max(0.0f, oneSided);
 }
 
-Unoccluded irradianceBy(const EmissiveTriangle& t, const Receiver& at) noexcept {
-    const Vec3f way = t.centre - at.position;
-    const float front = -t.normal.dot(way);
-    if (front == 0 || (front < 0 && !t.twoSided)) return {};
-    const float height = at.normal.dot(way), squared = way.length2();
-    float integral = 0;
-    if (squared > kFar * kFar * t.radius * t.radius && std::abs(height) > t.radius) {
-        if (height < 0) return {};
-        integral = t.area * (height / squared) * (std::abs(front) / squared);
-    } else {
-        const Vec3d place(at.position), n(at.normal);
-        const LitPolygon polygon = aboveHorizon(
-            {Vec3d(t.corner[0]) - place, Vec3d(t.corner[1]) - place, Vec3d(t.corner[2]) - place},
-            n);
-        if (polygon.corners == 0) return {};
-        // However thin the part above the horizon is, a sample may meet it.
-        integral = static_cast<float>(std::max(cosineIntegral(polygon, n), 1e-12));
-    }
-    return {t.radiance * integral, t.weight * integral};
-}
-
 Unoccluded Emitters::irradianceOf(const Node& node, const Receiver& at) const noexcept {
     const Vec3f way = node.centre - at.position;
     const float squared = way.length2(), height = at.normal.dot(way);
-    if (node.end > node.begin + 1 && squared > kFar * kFar * node.radius * node.radius &&
+    if (!(node.weight > 0)) return {};
+    if (node.end > node.begin + 1 && !node.hasCones &&
+        squared > kFarRadii * kFarRadii * node.radius * node.radius &&
         std::abs(height) > node.radius) {
         if (height < 0) return {};
         const float distance = std::sqrt(squared);
@@ -367,7 +304,7 @@ Unoccluded Emitters::irradianceOf(const Node& node, const Receiver& at) const no
         add(irradianceOf(nodes_[node.left], at));
         add(irradianceOf(nodes_[node.left + 1], at));
     } else {
-        for (std::uint32_t i = node.begin; i < node.end; ++i) add(irradianceBy(triangles_[i], at));
+        for (std::uint32_t i = node.begin; i < node.end; ++i) add(irradianceBy(parts_[i], at));
     }
     return sum;
 }
@@ -376,13 +313,17 @@ Unoccluded Emitters::irradiance(std::size_t emitter, const Receiver& at) const n
     return irradianceOf(nodes_[roots_[emitter]], at);
 }
 
-/// What some triangles may be worth to a place: above 0 wherever they are worth something.
+/// What some parts may be worth to a place: above 0 wherever they are worth something.
 float Emitters::boundOf(const Node& node, const Receiver& at) noexcept {
+    if (node.form == Form::sun) return node.weight;
     const Vec3f way = node.centre - at.position;
     const float squared = way.length2(), height = at.normal.dot(way) + node.radius;
     if (height <= 0 || !(node.weight > 0)) return 0;
     const float distance = std::sqrt(squared);
-    if (distance <= node.radius) return node.weight / (node.radius * node.radius);
+    if (distance <= node.radius || !(squared > 0)) {
+        const float radius = std::max(node.radius, kLeastRadius);
+        return node.weight / (radius * radius);
+    }
     const float turned = std::max(node.towards(way * (-1 / distance)), kLeastTowards * node.weight);
     return turned * std::min(1.0f, height / distance) / squared;
 }
@@ -404,7 +345,7 @@ Emitters::Choice Emitters::walk(std::size_t emitter, const Receiver& at, const G
     float sum = 0;
     const std::uint32_t count = node->end - node->begin;
     for (std::uint32_t i = 0; i < count; ++i)
-        sum += weights[i] = irradianceBy(triangles_[node->begin + i], at).weight;
+        sum += weights[i] = irradianceBy(parts_[node->begin + i], at).weight;
     if (!(sum > 0)) return {};
     const std::uint32_t i = pick(node->begin, std::span<const float>(weights).first(count), sum);
     return {node->begin + i, chance * (weights[i] / sum)};
@@ -435,78 +376,14 @@ Emitters::Choice Emitters::choose(std::size_t emitter, const Receiver& at,
     return walk(emitter, at, goLeft, pick);
 }
 
-float Emitters::chanceOf(std::size_t triangle, const Receiver& at) const noexcept {
-    const auto goLeft = [triangle](const Node& left, float) {
-        return triangle >= left.begin && triangle < left.end;
+float Emitters::chanceOf(std::size_t part, const Receiver& at) const noexcept {
+    const auto goLeft = [part](const Node& left, float) {
+        return part >= left.begin && part < left.end;
     };
-    const auto pick = [triangle](std::uint32_t first, std::span<const float>, float) {
-        return static_cast<std::uint32_t>(triangle) - first;
+    const auto pick = [part](std::uint32_t first, std::span<const float>, float) {
+        return static_cast<std::uint32_t>(part) - first;
     };
-    return walk(emitterOf_[triangle], at, goLeft, pick).chance;
-}
-
-namespace {
-
-bool isNear(const EmissiveTriangle& t, const Receiver& at) noexcept {
-    return (t.centre - at.position).length2() < kNear * kNear * t.size * t.size;
-}
-
-std::array<Vec3d, 3> seenFrom(const EmissiveTriangle& t, const Vec3d& place) {
-    return {Vec3d(t.corner[0]) - place, Vec3d(t.corner[1]) - place, Vec3d(t.corner[2]) - place};
-}
-
-/// Density of points drawn in area, as seen from a place.
-float densityByArea(const EmissiveTriangle& t, const Vec3f& way) noexcept {
-    const float squared = way.length2(), front = std::abs(t.normal.dot(way));
-    return front > 0 ? squared * std::sqrt(squared) / (front * t.area) : 0.0f;
-}
-
-}  // namespace
-
-EmitterPoint samplePoint(const EmissiveTriangle& t, const Receiver& at, double u,
-                         double v) noexcept {
-    EmitterPoint point;
-    const float front = -t.normal.dot(t.centre - at.position);
-    if (front == 0 || (front < 0 && !t.twoSided)) return point;
-    const Vec3d place(at.position);
-    const std::array<Vec3d, 3> corner = seenFrom(t, place);
-    const Vec3d side1 = corner[1] - corner[0], side2 = corner[2] - corner[0];
-    Vec3d way(0);
-    double along1 = 0, along2 = 0;
-    std::optional<LitPolygonSampler> near;
-    if (isNear(t, at)) near.emplace(aboveHorizon(corner, Vec3d(at.normal)));
-    if (near && near->solidAngle() > 0) {
-        const Vec3d direction = near->sample(u, v), normal = side1.cross(side2);
-        way = direction * (normal.dot(corner[0]) / normal.dot(direction));
-        const Vec3d within = way - corner[0];
-        along1 = normal.dot(within.cross(side2)) / normal.length2();
-        along2 = normal.dot(side1.cross(within)) / normal.length2();
-        point.density = static_cast<float>(1 / near->solidAngle());
-        if (!(normal.dot(direction) != 0)) return {};
-    } else {
-        // Uniform over the triangle.
-        const double root = std::sqrt(u);
-        along1 = root * (1 - v);
-        along2 = root * v;
-        way = corner[0] + side1 * along1 + side2 * along2;
-        point.density = densityByArea(t, Vec3f(way));
-    }
-    along1 = std::clamp(along1, 0.0, 1.0);
-    along2 = std::clamp(along2, 0.0, 1 - along1);
-    point.u = static_cast<float>(along1);
-    point.v = static_cast<float>(along2);
-    point.position = Vec3f(place + way);
-    point.direction = Vec3f(way.normalized());
-    return point;
-}
-
-float densityAt(const EmissiveTriangle& t, const Receiver& at, const Vec3f& position) noexcept {
-    if (isNear(t, at)) {
-        const LitPolygonSampler near(
-            aboveHorizon(seenFrom(t, Vec3d(at.position)), Vec3d(at.normal)));
-        if (near.solidAngle() > 0) return static_cast<float>(1 / near.solidAngle());
-    }
-    return densityByArea(t, position - at.position);
+    return walk(emitterOf_[part], at, goLeft, pick).chance;
 }
 
 }  // namespace shadowcache

@@ -9,6 +9,7 @@
 #include "common/import/gltf_draco.h"
 #include "common/import/gltf_extensions.h"
 #include "common/import/gltf_file.h"
+#include "common/import/gltf_light.h"
 
 namespace shadowcache {
 
@@ -88,10 +89,10 @@ public:
         : path_(path), file_(path, references), root_(file_.root()) {
         out_.path = path;
         for (Kind* kind : {&accessors_, &cameras_, &materials_, &meshes_, &nodes_, &skins_,
-                           &textures_, &samplers_, &scenes_}) {
-            kind->objects = root_.objects(kind->list, kind->name);
-            kind->known.resize(kind->objects.size());
-        }
+                           &textures_, &samplers_, &scenes_})
+            kind->take(root_);
+        lights_.take(root_.extension(kGltfLights));
+        out_.lights.resize(lights_.size());
         out_.accessors.resize(accessors_.size());
         out_.cameras.resize(cameras_.size());
         out_.materials.resize(materials_.size());
@@ -118,6 +119,10 @@ private:
         const char *list, *name;
         std::vector<GltfObject> objects{};
         std::vector<bool> known{};  ///< by object: whether it has been read
+        void take(const GltfObject& from) {
+            objects = from.objects(list, name);
+            known.resize(objects.size());
+        }
         std::size_t size() const { return objects.size(); }
         const GltfObject& at(int index) const { return objects[static_cast<std::size_t>(index)]; }
     };
@@ -334,6 +339,13 @@ private:
         }
     }
 
+    void readLight(int index) {
+        if (!isNew(lights_.known, index)) return;
+        const GltfObject& from = lights_.at(index);
+        extensions_.add("light", from);
+        out_.lights[static_cast<std::size_t>(index)] = gltfLamp(from, out_.leftOutOf);
+    }
+
     // Nodes.
 
     void addNode(const GltfObject& from) {
@@ -342,6 +354,7 @@ private:
         to.mesh = from.index("mesh", meshes_.size());
         to.camera = from.index("camera", cameras_.size());
         to.skin = from.index("skin", skins_.size());
+        to.light = from.extension(kGltfLights).index("light", lights_.size());
         to.weights = from.numbers("weights");
         to.matrix = matrixOf(from);
         to.translation = vectorOr(from.numbers("translation", 3), to.translation);
@@ -356,6 +369,7 @@ private:
     void readNode(const GltfObject& from, GltfNode& to) {
         extensions_.add("node", from);
         if (to.camera >= 0) readCamera(to.camera);
+        if (to.light >= 0) readLight(to.light);
         if (to.mesh < 0) return;
         readMesh(to.mesh);
         if (to.skin >= 0) readSkin(to.skin);
@@ -412,7 +426,7 @@ private:
         return roots;
     }
 
-    /// A node and those below it; a hidden one hides their meshes.
+    /// A node and those below it; a hidden one hides their meshes and lights.
     void enterScene(int root) {
         std::vector<std::pair<int, bool>> open{{root, false}};
         while (!open.empty()) {
@@ -425,7 +439,7 @@ private:
             GltfNode& node = out_.nodes[i];
             if (node.inScene) fail(fmt::format("node {} is in the scene twice, expected once", i));
             node.inScene = true;
-            if (hidden) node.mesh = -1;
+            if (hidden) node.mesh = node.light = -1;
             for (const int child : children_[i]) open.emplace_back(child, hidden);
         }
     }
@@ -462,7 +476,7 @@ private:
     Kind accessors_{"accessors", "accessor"}, cameras_{"cameras", "camera"},
         materials_{"materials", "material"}, meshes_{"meshes", "mesh"}, nodes_{"nodes", "node"},
         skins_{"skins", "skin"}, textures_{"textures", "texture"}, samplers_{"samplers", "sampler"},
-        scenes_{"scenes", "scene"};
+        scenes_{"scenes", "scene"}, lights_{"lights", "light"};
     std::vector<std::vector<int>> children_;  ///< by node
     GltfDocument out_;
     ExtensionCounter extensions_{out_.leftOutOf};

@@ -12,6 +12,7 @@
 #include "common/import/gltf_material.h"
 #include "common/import/references.h"
 #include "common/math/affine.h"
+#include "common/mesh/lamp.h"
 #include "common/mesh/material.h"
 #include "common/mesh/mesh.h"
 
@@ -43,6 +44,7 @@ struct GltfNode {
     int mesh = -1;
     int camera = -1;
     int skin = -1;
+    int light = -1;
     bool inScene = false;         ///< of the default scene
     std::vector<double> weights;  ///< of morph targets, in place of the mesh's; or empty
     /// Accessors of EXT_mesh_gpu_instancing by attribute, all of one length; or empty.
@@ -98,6 +100,7 @@ struct GltfDocument {
     std::vector<GltfNode> nodes;  ///< any order; parents form a tree
     std::vector<GltfSkin> skins;
     std::vector<GltfCamera> cameras;
+    std::vector<Lamp> lights;  ///< of KHR_lights_punctual, each at the origin of its nodes
     std::vector<GltfAnimation> animations;
     std::vector<GltfMaterial> materials;
     std::vector<GltfTexture> textures;

@@ -21,16 +21,19 @@ constexpr std::array<std::string_view, 7> kLeftOutOfMaterials{
     "KHR_materials_volume"};
 
 /// Read of anything else, or with nothing to be seen.
-constexpr std::array<std::string_view, 9> kOfOthers{
-    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
-    "EXT_texture_webp",        "KHR_draco_mesh_compression",
-    "KHR_mesh_quantization",   "KHR_node_visibility",
-    "KHR_texture_transform",   "KHR_xmp",
-    "KHR_xmp_json_ld"};
+constexpr std::array<std::string_view, 10> kOfOthers{"EXT_mesh_gpu_instancing",
+                                                     "EXT_meshopt_compression",
+                                                     "EXT_texture_webp",
+                                                     "KHR_draco_mesh_compression",
+                                                     "KHR_lights_punctual",
+                                                     "KHR_mesh_quantization",
+                                                     "KHR_node_visibility",
+                                                     "KHR_texture_transform",
+                                                     "KHR_xmp",
+                                                     "KHR_xmp_json_ld"};
 
 /// Read in part, or not at all, of anything else; a file may require them all the same.
-constexpr std::array<std::string_view, 2> kInPartOfOthers{"KHR_lights_punctual",
-                                                          "KHR_materials_variants"};
+constexpr std::array<std::string_view, 1> kInPartOfOthers{"KHR_materials_variants"};
 
 template <std::size_t N>
 bool has(const std::array<std::string_view, N>& names, const std::string& name) {

@@ -10,6 +10,7 @@
 #include "common/base/error.h"
 #include "common/image/image.h"
 #include "common/import/gltf_budget.h"
+#include "common/import/gltf_lamps.h"
 #include "common/import/gltf_vertices.h"
 #include "common/import/local_space.h"
 #include "common/import/tangents.h"
@@ -39,7 +40,8 @@ void makeRoughness(float factor, Texture& texture) {
 class Builder {
 public:
     explicit Builder(const GltfDocument& document) : document_(document), budget_(document) {
-        for (const GltfMaterial& m : document.materials) out_.materials.push_back(m.material);
+        for (const GltfMaterial& m : document.materials)
+            out_.materials.emplace_back(m.material).name = m.name;
         out_.textures.resize(document.textures.size());
         used_.assign(document.materials.size(), false);
     }
@@ -384,6 +386,7 @@ RawMesh readGltf(const std::filesystem::path& path, References references,
     }
     RawMesh mesh = gltfMesh(document, poseOf(document, nodes, still, stillAt.value_or(0)), false);
     mesh.leftOutOf.insert(document.leftOutOf.begin(), document.leftOutOf.end());
+    mesh.lamps = gltfLamps(document, nodes, stillAt, mesh.leftOutOf);
     if (!stillAt) mesh.moving = nodes.meshNodes(true).size();
     return mesh;
 }

@@ -149,6 +149,8 @@ TriangleMesh compact(const Vec3d& origin, MeshSoup& soup) {
     makeParts(origin, soup, mesh);
     mesh.materials = std::move(soup.materials);
     mesh.textures = std::move(soup.textures);
+    mesh.lamps = std::move(soup.lamps);
+    for (Lamp& lamp : mesh.lamps) lamp.position -= origin;
     mesh.report = soup.report;
     mesh.report.triangles = soup.triangles.size();
     mesh.report.instances = mesh.instances.size();

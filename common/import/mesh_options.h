@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
+#include "common/import/lamp_gain.h"
 #include "common/import/references.h"
 #include "common/math/affine.h"
 
@@ -14,7 +16,8 @@ struct MeshOptions {
     std::optional<Vec3d> origin{};  ///< of the mesh; else its middle
     bool shadingNormals = false;    ///< reads the files' shading normals
     bool gloss = false;             ///< reads gloss and emission; else surfaces are Lambertian
-    bool lamps = true;              ///< surfaces emit as their materials say; else nothing shines
+    bool lamps = true;              ///< what shines in the files does; else nothing
+    std::vector<LampGain> gains{};  ///< of what shines
     /// Crease angle in degrees, 0 to 180: triangles without shading normals get some, averaged over
     /// neighbours whose normals differ by at most this. 0: none.
     double smoothDegrees = 0;

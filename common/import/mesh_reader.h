@@ -49,6 +49,7 @@ struct RawMesh {
     std::size_t firstLocalVertex = std::numeric_limits<std::size_t>::max();
     std::vector<Material> materials;
     std::vector<Texture> textures;
+    std::vector<Lamp> lamps;
     std::size_t moving = 0;  ///< nodes whose meshes are not here, because an animation moves them
     std::size_t badColors = 0;  ///< as MeshReport::badColors
     /// As MeshReport::remarks.

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "common/base/error.h"
+#include "common/import/lamp_place.h"
 #include "common/import/triangulate.h"
 #include "common/math/limits.h"
 
@@ -162,6 +164,29 @@ std::vector<std::uint32_t> appendNormals(const RawMesh& raw, const MeshOptions& 
     return corners;
 }
 
+/// The gain of what shines: of the last pattern that is its name's.
+Rgb gainOf(const std::string& name, const MeshOptions& options) {
+    Rgb gain(1.0f);
+    for (const LampGain& lamp : options.gains)
+        if (matchesPattern(lamp.pattern, name)) gain = lamp.gain;
+    return gain;
+}
+
+void appendLamps(const std::filesystem::path& path, const RawMesh& raw, const MeshOptions& options,
+                 MeshSoup& soup) {
+    if (!options.lamps) return;
+    const Affine world = worldOf(options);
+    for (const Lamp& from : raw.lamps) {
+        const std::optional<Lamp> placed = placedLamp(from, world);
+        if (!placed || !isInReach(placed->position))
+            throwFileError(path, fmt::format("lamp {}: is not within {:g} of the origin", from.name,
+                                             kMostCoordinate));
+        Lamp& lamp = soup.lamps.emplace_back(*placed);
+        changeUnit(lamp, options.scale);
+        lamp.gain = gainOf(lamp.name, options);
+    }
+}
+
 /// Materials, textures and instances of a file, renumbered behind those of the files before.
 void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     const Affine world = worldOf(options);
@@ -172,6 +197,7 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
             material.finish.emission = Rgb(0.0f);
             material.finish.emissionTexture = {};
         }
+        material.finish.gain = gainOf(material.name, options);
         if (!options.shadingNormals) material.normal = {};
         for (int* texture : texturesOf(material)) {
             if (*texture < 0) continue;
@@ -220,6 +246,7 @@ void append(const std::filesystem::path& path, RawMesh raw, const MeshOptions& o
     constexpr Corners kNoNormals{kNoVertex, kNoVertex, kNoVertex};
     if (!normals.empty()) soup.cornerNormals.resize(soup.triangles.size(), kNoNormals);
     appendLooks(raw, options, soup);
+    appendLamps(path, raw, options, soup);
 
     FaceCutter cutter(path, soup, firstVertex);
     soup.triangles.reserve(soup.triangles.size() + raw.faceSizes.size());

@@ -34,6 +34,7 @@ struct MeshSoup {
     std::vector<std::pair<std::size_t, std::size_t>> local;  ///< ranges of the groups' vertices
     std::vector<Material> materials;
     std::vector<Texture> textures;
+    std::vector<Lamp> lamps;
     int groups = 0;
     std::size_t moving = 0;  ///< as RawMesh::moving
     MeshReport report;

@@ -113,7 +113,7 @@ void addObjLooks(const fs::path& path, References references, const ObjLooks& lo
         const Definition& from = found->second;
         made.push_back(objMaterial(from.material, from.library, colored[i], pictures));
         materials[i] = static_cast<int>(mesh.materials.size());
-        mesh.materials.push_back(made.back().material);
+        mesh.materials.emplace_back(made.back().material).name = looks.names[i];
         mesh.blended += made.back().material.blends ? 1 : 0;
         for (const std::string& name : made.back().leftOut) ++mesh.leftOut[name];
         if (made.back().clamped) ++mesh.remarks[kClampedMaterials];

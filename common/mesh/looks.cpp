@@ -85,7 +85,7 @@ Surface surfaceAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, flo
         return surface;
     }
     surface = finish.gloss ? glossy(color, glossAt(place, finish)) : lambertian(color);
-    surface.emission = finish.emission;
+    surface.emission = finish.emission * finish.gain;
     if (finish.emissionTexture.texture >= 0)
         surface.emission *= place.color(finish.emissionTexture);
     return surface;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/math/vec.h"
@@ -41,11 +42,13 @@ struct Finish {
     TextureSlot specularColor;       ///< colour times the specular colour
     Rgb emission{0.0f, 0.0f, 0.0f};  ///< [radiance]
     TextureSlot emissionTexture;     ///< colour times the emission
+    Rgb gain{1.0f, 1.0f, 1.0f};      ///< times the emission
     bool unlit = false;              ///< emits its base colour and reflects nothing
 };
 
 /// How the triangles of a part look, and where they are holes.
 struct Material {
+    std::string name;
     Rgb albedo{1.0f, 1.0f, 1.0f};  ///< base colour
     int texture = -1;              ///< as a slot's, of layer 0; times the albedo
     TextureSlot normal;            ///< of a normal map

@@ -8,6 +8,7 @@
 
 #include "common/math/affine.h"
 #include "common/math/vec.h"
+#include "common/mesh/lamp.h"
 #include "common/mesh/material.h"
 
 namespace shadowcache {
@@ -87,6 +88,7 @@ struct TriangleMesh {
     std::vector<MeshInstance> instances;
     std::vector<Material> materials;
     std::vector<Texture> textures;
+    std::vector<Lamp> lamps;  ///< at places relative to the origin
     MeshReport report;
 };
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/base/error.h"
+#include "common/import/gltf_lamps.h"
 #include "common/import/mesh_options.h"
 #include "common/import/mesh_reader.h"
 #include "common/math/limits.h"
@@ -49,6 +50,33 @@ std::string describeCamera(const GltfShot& shot, int node) try {
     return fmt::format("cannot be used: {}\n", e.what());
 }
 
+std::string colorText(const Rgb& c) {
+    return fmt::format("{:.4g},{:.4g},{:.4g}", c.x, c.y, c.z);
+}
+
+/// What --lamp names.
+std::string describeLamps(const GltfShot& shot, std::optional<double> stillAt) {
+    const GltfDocument& document = shot.document();
+    LeftOutOf leftOut;
+    std::string text;
+    for (const Lamp& lamp : gltfLamps(document, shot.nodes(), stillAt, leftOut)) {
+        const char* kind = lamp.form == Lamp::Form::sun         ? "sun, irradiance"
+                           : lamp.form == Lamp::Form::rectangle ? "rectangle, intensity"
+                           : lamp.form == Lamp::Form::ellipse   ? "ellipse, intensity"
+                           : lamp.cone                          ? "spot, intensity"
+                                                                : "point, intensity";
+        text += fmt::format("  lamp {}: {} {}\n", lamp.name, kind, colorText(lamp.strength));
+    }
+    for (const GltfMaterial& from : document.materials) {
+        const Finish& finish = from.material.finish;
+        if (finish.emission == Rgb(0, 0, 0)) continue;
+        text += fmt::format("  emissive material {}: radiance {}{}\n", from.name,
+                            colorText(finish.emission),
+                            finish.emissionTexture.texture < 0 ? "" : " times a texture");
+    }
+    return text;
+}
+
 }  // namespace
 
 GltfShot::GltfShot(const std::filesystem::path& path, const MeshOptions& options, double fps)
@@ -56,7 +84,7 @@ GltfShot::GltfShot(const std::filesystem::path& path, const MeshOptions& options
       nodes_(std::make_unique<GltfNodes>(*document_)),
       world_(worldOf(options)),
       fps_(fps),
-      still_(options.stillAt.has_value()) {}
+      stillAt_(options.stillAt) {}
 
 void GltfShot::dropData() {
     const std::vector<int> moving = movingNodes();
@@ -74,7 +102,7 @@ std::vector<int> GltfShot::cameraNodes() const {
 }
 
 std::vector<int> GltfShot::movingNodes() const {
-    return still_ ? std::vector<int>() : nodes_->meshNodes(true);
+    return stillAt_ ? std::vector<int>() : nodes_->meshNodes(true);
 }
 
 std::string GltfShot::cameraName(int node) const {
@@ -177,6 +205,7 @@ std::string describe(const GltfShot& shot, std::size_t firstCamera) {
         text += "  camera " + cameraLabel(shot, node, firstCamera++) + ": ";
         text += describeCamera(shot, node);
     }
+    text += describeLamps(shot, shot.stillAt());
     for (const GltfAnimation& animation : document.animations)
         text +=
             fmt::format("  animation {}: {} channels\n", animation.name, animation.channels.size());

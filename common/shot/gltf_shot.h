@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,13 +46,15 @@ public:
     GltfPose pose(std::span<const int> nodes, int frame) const;
 
     double fps() const { return fps_; }
+    /// As MeshOptions::stillAt.
+    std::optional<double> stillAt() const { return stillAt_; }
 
 private:
     std::unique_ptr<GltfDocument> document_;
     std::unique_ptr<GltfNodes> nodes_;
     Affine world_;
     double fps_;
-    bool still_;
+    std::optional<double> stillAt_;
 };
 
 /// The glTF files among those of a set.
@@ -70,7 +73,7 @@ struct NamedCamera {
 /// @throws Error naming all cameras if none, or more than one, has the name
 NamedCamera findCamera(std::span<const GltfShot> shots, const std::string& name);
 
-/// What --list prints of a file: cameras, animations, sizes.
+/// What --list prints of a file: cameras, lamps, animations, sizes.
 ///
 /// @param firstCamera  number of its first camera among those of all files
 std::string describe(const GltfShot& shot, std::size_t firstCamera = 0);

@@ -114,11 +114,18 @@ def mesh_digest(mesh):
     return digest_of(texts, *arrays)
 
 
+def lamp_digest(thing):
+    lamp = thing.data
+    return digest_of(thing.name, values_of(lamp), values_of(lamp.cycles), nodes_of(lamp.node_tree) if lamp.use_nodes else "")
+
+
 def content_digest(depsgraph, report):
-    """Of the meshes and materials that are shown, instance by instance; not of where they are. Adds to the report
+    """Of the meshes, materials and lamps that are shown, instance by instance; not of where they are. Adds to the report
     what of the objects is not exported."""
     meshes, materials, known, found = {}, {}, {}, []
     for shown in walk(depsgraph, report):
+        if shown.kind == "LIGHT":
+            found.append((shown.row, lamp_digest(shown.thing)))
         if shown.kind != "MESH":
             continue
         if shown.key not in known:
@@ -151,7 +158,7 @@ def current_places(depsgraph):
 
 class State:
     """What is shown in the current frame, and where it is; what of the objects is left out, which an export does not
-    change: the set is the same with a lamp as without."""
+    change."""
 
     def __init__(self, depsgraph):
         report = Report()

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "common/base/tuned.h"
+#include "common/emitters/emitter_ray.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
@@ -62,10 +64,14 @@ struct Sum {
 
 /// A direction to an emitter.
 struct EmitterLight::Drawn {
-    const EmissiveTriangle* triangle = nullptr;  ///< null: none
+    const EmitterPart* part = nullptr;  ///< null: none
     EmitterPoint point;
     Rgb radiance{0, 0, 0};
     float density = 0;  ///< of the direction, by all that chose it [1/sr]
+
+    /// Density with which it may be found, a ray that knows no emitter included, which does not
+    /// find a single direction.
+    float densityWith(float other) const { return density + (point.isSingle ? 0 : other); }
 };
 
 EmitterLight::EmitterLight(const Scene& scene, const Emitters& emitters, const ShadowCache* cache,
@@ -117,24 +123,42 @@ EmitterLight::Drawn EmitterLight::draw(const Receiver& at, std::size_t k,
     choice = std::clamp(choice / static_cast<double>(tools.chances[e]), 0.0, 1 - 0x1p-53);
     const Emitters::Choice chosen = emitters_.choose(e, at, choice);
     if (!(chosen.chance > 0)) return drawn;
-    const EmissiveTriangle& t = emitters_.triangles()[chosen.triangle];
+    const EmitterPart& t = emitters_.parts()[chosen.part];
     drawn.point = samplePoint(t, at, unit(tools.words[1][k]), unit(tools.words[2][k]));
     drawn.density = tools.chances[e] * chosen.chance * drawn.point.density;
     if (!(drawn.density > 0)) return drawn;
-    drawn.triangle = &t;
-    drawn.radiance = emitters_.radianceAt(t, drawn.point.u, drawn.point.v);
+    drawn.part = &t;
+    drawn.radiance = emitters_.radianceAt(t, drawn.point);
     return drawn;
 }
 
-/// Density with which draw() would have found the emitter that a ray met.
-float EmitterLight::densityAt(const Receiver& at, const Tools& tools, const Hit& hit) const {
+/// Chance of a part of an emitter at a place.
+float EmitterLight::chanceOf(std::size_t part, const Receiver& at, const Tools& tools) const {
+    const float chance = tools.chances[emitters_.emitterOf(part)];
+    return chance > 0 ? chance * emitters_.chanceOf(part, at) : 0;
+}
+
+/// What a surface that a lobe's ray met adds to the lobe, by its density with that of draw().
+Rgb EmitterLight::weighed(const Hit& hit, const Receiver& at, bool draws, float density,
+                          const Tools& tools) const {
     const std::ptrdiff_t found = emitters_.find(0, hit.triangle);
-    if (found < 0) return 0;
-    const auto triangle = static_cast<std::size_t>(found);
-    const float chance = tools.chances[emitters_.emitterOf(triangle)];
-    if (!(chance > 0)) return 0;
-    return chance * emitters_.chanceOf(triangle, at) *
-           shadowcache::densityAt(emitters_.triangles()[triangle], at, hit.position);
+    if (draws && found >= 0) {
+        const auto part = static_cast<std::size_t>(found);
+        density += chanceOf(part, at, tools) * densityAt(emitters_.parts()[part], at, hit.position);
+    }
+    return surfaceOf(hit, {}).emission * (1 / density);
+}
+
+/// The same of the lamps that it met on its way, which do not stop it.
+Rgb EmitterLight::lampsMet(const Vec3f& direction, float distance, const Receiver& at,
+                           float density, const Tools& tools) const {
+    Rgb sum(0, 0, 0);
+    for (const std::uint32_t part : emitters_.lampsToMeet()) {
+        const auto met = meetLamp(emitters_.parts()[part], at, direction);
+        if (!met || met->distance > distance) continue;
+        sum += met->radiance * (1 / (density + chanceOf(part, at, tools) * met->density));
+    }
+    return sum;
 }
 
 void EmitterLight::enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value,
@@ -142,19 +166,23 @@ void EmitterLight::enqueue(const SetPlace& place, const Drawn& drawn, const Rgb&
     const bool seen = value != Rgb(0, 0, 0) && drawn.point.direction.dot(place.geometricNormal) > 0;
     tools.samples.push_back({number, seen, false, value});
     if (!seen) return;
-    const EmissiveTriangle& t = *drawn.triangle;
-    const Vec3f& normal = t.normal;
-    const bool front = normal.dot(drawn.point.direction) < 0;
-    const Vec3f target = scene_.rayOrigin(drawn.point.position, t.placed, front ? normal : -normal);
+    const EmitterRay ray = rayTo(scene_, *drawn.part, drawn.point, place.rayOrigin);
     const std::size_t i = tools.queued.size();
-    const Vec3f way = target - place.rayOrigin;
     for (int k = 0; k < 3; ++k) {
         tools.stream.origin[k][i] = place.rayOrigin[k];
-        tools.stream.direction[k][i] = way[k];
+        tools.stream.direction[k][i] = ray.way[k];
     }
-    tools.stream.reach[i] = 1;
+    tools.stream.reach[i] = ray.reach;
     tools.queued.push_back(static_cast<std::uint32_t>(tools.samples.size() - 1));
     if (tools.queued.size() == RayStream::kSize) trace(tools);
+}
+
+/// Whether nothing is in the way of a ray of rayTo(), of what moves, too.
+bool EmitterLight::passes(const Vec3f& origin, const Vec3f& way, float reach) const {
+    if (std::isfinite(reach)) return scene_.isFree(origin, way);
+    RayPacket ray{};
+    ray.set(0, origin, way);
+    return scene_.visibility(ray, 1) != 0;
 }
 
 void EmitterLight::trace(Tools& tools) const {
@@ -168,7 +196,8 @@ void EmitterLight::trace(Tools& tools) const {
         };
         bool visible = tools.stream.reach[i] >= 0;
         if (visible && moves)
-            visible = scene_.isFree(vector(tools.stream.origin), vector(tools.stream.direction));
+            visible = passes(vector(tools.stream.origin), vector(tools.stream.direction),
+                             tools.stream.reach[i]);
         tools.samples[tools.queued[i]].visible = visible;
     }
     tools.queued.clear();
@@ -203,7 +232,7 @@ void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWe
             const Drawn drawn = draw(at, k, tools);
             const float cosine = std::max(0.0f, at.normal.dot(drawn.point.direction));
             const Rgb value =
-                drawn.triangle
+                drawn.part
                     ? drawn.radiance * (cosine / (drawn.density * static_cast<float>(samples)))
                     : Rgb(0, 0, 0);
             enqueue(point.place, drawn, value, static_cast<std::uint32_t>(i), tools);
@@ -237,9 +266,9 @@ void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint
         for (std::size_t k = 0; k < tools.words[0].size(); ++k) {
             const Drawn drawn = draw(at, k, tools);
             Rgb value(0, 0, 0);
-            if (drawn.triangle)
+            if (drawn.part)
                 value = drawn.radiance * lobe.value(drawn.point.direction) *
-                        (share / (drawn.density + lobe.density(drawn.point.direction)));
+                        (share / drawn.densityWith(lobe.density(drawn.point.direction)));
             enqueue(point.place, drawn, value, number, tools);
         }
         fillWords(point.slot, RenderSalt::emitterLobe, samples, tools.words);
@@ -285,12 +314,16 @@ void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::Lo
         for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
             Tools::LobeRay& ray = *of[i];
             const Hit& hit = hits[i];
+            const float distance =
+                hit.found ? hit.distance : std::numeric_limits<float>::infinity();
+            Rgb met =
+                draws ? lampsMet(ray.direction, distance, at, ray.density, tools) : Rgb(0, 0, 0);
             // What moves is met by the rays of paths.
-            if (!hit.found || hit.scene != &scene_) continue;
-            const bool back = hit.normal.dot(ray.direction) > 0;
-            if (back && !isDoubleSided(scene_.mesh(), hit.triangle)) continue;
-            const float other = draws ? densityAt(at, tools, hit) : 0;
-            ray.value *= surfaceOf(hit, {}).emission * (1 / (ray.density + other));
+            const bool back = hit.found && hit.normal.dot(ray.direction) > 0;
+            if (hit.found && hit.scene == &scene_ &&
+                (!back || isDoubleSided(scene_.mesh(), hit.triangle)))
+                met += weighed(hit, at, draws, ray.density, tools);
+            ray.value *= met;
             ray.visible = true;
         }
         count = 0;
@@ -313,10 +346,9 @@ Rgb EmitterLight::predictGloss(const GlossyPoint& glossy, Tools& tools) const {
     Rgb sum(0, 0, 0);
     for (std::size_t k = 0; k < kDirections; ++k) {
         const Drawn drawn = draw(at, k, tools);
-        if (!drawn.triangle) continue;
-        const auto triangle =
-            static_cast<std::size_t>(drawn.triangle - emitters_.triangles().data());
-        const float share = tools.shares[emitters_.emitterOf(triangle)];
+        if (!drawn.part) continue;
+        const auto part = static_cast<std::size_t>(drawn.part - emitters_.parts().data());
+        const float share = tools.shares[emitters_.emitterOf(part)];
         sum += drawn.radiance * glossy.lobe.value(drawn.point.direction) *
                ((share < 0 ? 1 : share) / (drawn.density * kDirections));
     }

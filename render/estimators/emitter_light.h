@@ -87,9 +87,14 @@ private:
     void lookUp(const SetPlace& place, Tools& tools) const;
     bool weigh(const Receiver& at, Tools& tools) const;
     Drawn draw(const Receiver& at, std::size_t k, const Tools& tools) const;
-    float densityAt(const Receiver& at, const Tools& tools, const Hit& hit) const;
+    float chanceOf(std::size_t part, const Receiver& at, const Tools& tools) const;
+    Rgb weighed(const Hit& hit, const Receiver& at, bool draws, float density,
+                const Tools& tools) const;
+    Rgb lampsMet(const Vec3f& direction, float distance, const Receiver& at, float density,
+                 const Tools& tools) const;
     void enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value, std::uint32_t number,
                  Tools& tools) const;
+    bool passes(const Vec3f& origin, const Vec3f& way, float reach) const;
     void trace(Tools& tools) const;
     static Tools::LobeRay lobeRay(const GlossyPoint& glossy, std::uint32_t number, float share,
                                   std::size_t k, const Tools& tools);

@@ -171,6 +171,19 @@ OptionRow checkedText(const std::string& name, OptionForm form, std::string& val
     return row;
 }
 
+OptionRow lampRow(std::vector<LampGain>& gains) {
+    return ownTextsRow(
+               "lamp",
+               [&gains](std::span<const std::string> texts) {
+                   gains.clear();
+                   for (const std::string& text : texts) gains.push_back(parseLampGain(text));
+               },
+               "Multiply the light of a lamp, or of surfaces with an emissive material: NAME=GAIN, "
+               "a factor or R,G,B, 0 to 1e6; * in NAME stands for any text, and the last NAME "
+               "that matches counts. --list prints the names")
+        .typed("NAME=GAIN");
+}
+
 void addSet(Rows& rows, StageOptions& stage) {
     for (OptionRow& row : setRows(stage.set))
         add(rows, row.name == "set-frame" || row.name == "allow-external" ? kSurface : kSet, {row});
@@ -188,7 +201,8 @@ void addSet(Rows& rows, StageOptions& stage) {
                  "glossy: the files' materials, which in glTF reflect like metal, varnish or "
                  "chalk; diffuse: their base colours alone, all chalk"),
          wordRow("lamps", mesh.lamps, kLamps,
-                 "on: surfaces emit as the files' materials say; off: nothing in the set shines")});
+                 "on: lamps and surfaces shine as the files say; off: nothing in the set shines"),
+         lampRow(mesh.gains).onlyAt({commandLine, serve})});
     add(rows, kCamera,
         {fpsRow(stage.set.fps),
          dynamicRow(stage.set.dynamic).onlyAt({commandLine, serve}).notCompared()});
@@ -372,7 +386,8 @@ void addRun(Rows& rows, RunOptions& run) {
              "--frames are a part of them [those of --frames]")
              .notCompared()});
     add(rows, kRun,
-        {flagRow("list", run.list, "Print cameras, animations and sizes of a glTF set, and exit"),
+        {flagRow("list", run.list,
+                 "Print cameras, lamps, animations and sizes of a glTF set, and exit"),
          flagRow("serve", run.serve,
                  "Stay, and render what requests on standard input ask for, as docs/serve.md has "
                  "them; beside it only --threads counts")

@@ -73,7 +73,7 @@ void refuseEmitters(const EstimatorEntry& estimator, const SetLight& light) {
         if (entry.lit) known += (known.empty() ? "" : ", ") + std::string(entry.name);
     throw Error(
         fmt::format("--estimator {}: leaves out the light of the set's {} emitters; expected "
-                    "one of {}, or --surfaces diffuse, with which nothing shines",
+                    "one of {}, or --lamps off, with which nothing shines",
                     estimator.name, light.emitters().size(), known));
 }
 

@@ -18,6 +18,7 @@ void Stage::load(const std::function<void()>& onStep) {
     const MeshOptions meshOptions = meshOptionsOf(set);
     mesh_ = loadMesh(set.files, meshOptions);
     note_(fmt::format("set: {}", describe(mesh_.report)), NoteKind::note);
+    requireMatches(meshOptions.gains, mesh_);
     onStep();
     moving_.emplace(shots_, set.dynamic, meshOptions, mesh_.origin, set.fps);
     for (GltfShot& shot : shots_) shot.dropData();

@@ -41,6 +41,7 @@ def inputs(rule, names):
 
 
 BLACK, WHITE, NEUTRAL = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0.0,)
+SPREAD = 3.1415927410125732  # pi, as RNA has it
 
 PROPERTIES = {
     "ID": of(ID, "name name_full rna_type tag use_fake_user use_extra_user users library library_weak_reference "
@@ -117,6 +118,22 @@ PROPERTIES = {
         **of(GLASS, "is_caustics_caster is_caustics_receiver"),
         "dicing_rate": Free("is of use_adaptive_subdivision"),
         **of(Free("is of culling, which the scene's settings name"), "use_camera_cull use_distance_cull")},
+    # Lamps.
+    "Light": {**of(READ, "type color use_nodes node_tree energy"), "cycles": INSIDE, "use_shadow": (True,),
+              **of(EEVEE, "distance specular_factor diffuse_factor volume_factor transmission_factor use_custom_distance "
+                          "cutoff_distance shadow_buffer_size shadow_buffer_clip_start shadow_buffer_bias "
+                          "shadow_buffer_samples shadow_color use_contact_shadow contact_shadow_distance "
+                          "contact_shadow_bias contact_shadow_thickness shadow_cascade_max_distance shadow_cascade_count "
+                          "shadow_cascade_exponent shadow_cascade_fade shadow_soft_size"),
+              **of(Free("is EEVEE's and of old files"), "falloff_type falloff_curve linear_attenuation quadratic_attenuation "
+                                                        "constant_coefficient linear_coefficient quadratic_coefficient")},
+    "PointLight": of(READ, "shadow_soft_size"),
+    "SpotLight": {**of(READ, "shadow_soft_size spot_size spot_blend"), "use_square": EEVEE, "show_cone": UI},
+    "SunLight": of(READ, "angle"),
+    "AreaLight": {**of(READ, "shape size size_y"), "spread": (SPREAD,)},
+    "CyclesLightSettings": {"is_portal": READ, "cast_shadow": (True,), "use_multiple_importance_sampling": METHOD,
+                            "is_caustics_light": GLASS},
+    "ShaderNodeOutputLight": of(READ, "is_active_output target"),
     "Mesh": {
         **of(READ, "attributes color_attributes uv_layers loops polygons vertices vertex_normals has_custom_normals "
                    "materials use_auto_smooth auto_smooth_angle normals_domain corner_normals texspace_location "
@@ -258,6 +275,7 @@ PROPERTIES = {
 INPUTS = {
     "ShaderNodeOutputMaterial": {"Surface": READ, "Displacement": (BLACK,), "Thickness": EEVEE},
     "ShaderNodeOutputWorld": {"Surface": READ},
+    "ShaderNodeOutputLight": {"Surface": READ},
     "ShaderNodeBackground": {**inputs(READ, "Color|Strength"), "Weight": DERIVED},
     "ShaderNodeEmission": {**inputs(READ, "Color|Strength"), "Weight": DERIVED},
     "ShaderNodeBsdfDiffuse": {**inputs(READ, "Color|Normal"), "Roughness": NEUTRAL, "Weight": DERIVED},

@@ -2,7 +2,7 @@
 
 import numpy
 
-from . import cameras, matrices
+from . import cameras, lamps, matrices
 from .gltf_file import GltfFile
 from .materials import Materials
 from .meshes import MeshWriter
@@ -12,7 +12,7 @@ from .shown import materials_of, walk
 
 
 class GltfExport:
-    """Meshes, cameras and their places; animations of those that move, sampled in each frame of the scene."""
+    """Meshes, cameras, lamps and their places; animations of those that move, sampled in each frame of the scene."""
 
     def __init__(self, depsgraph, report, with_cameras=True):
         self.depsgraph = depsgraph
@@ -34,7 +34,9 @@ class GltfExport:
             seconds = numpy.array(motion.frames, float) * render.fps_base / render.fps
             times = self.file.add_accessor(seconds.astype(numpy.float32), bounds=True)
         for row, node in entries:
-            of = matrices.of_camera if "camera" in node else matrices.of_mesh
+            of = matrices.of_mesh if "mesh" in node else matrices.of_camera
+            if row in tracks and "extensions" in node:
+                self.report.add("light %s: it moves" % node["name"])
             if row in tracks:
                 self._add_moving(node, of(tracks[row]), times)
             else:
@@ -56,6 +58,11 @@ class GltfExport:
                 if camera:
                     entries.append((shown.row, {"name": shown.name, "camera": self.file.add("cameras", camera)}))
                 continue
+            if shown.kind == "LIGHT":
+                light = lamps.entry(shown.thing, self.report)
+                if light:
+                    entries.append((shown.row, {"name": shown.name, "extensions": self._light(light)}))
+                continue
             if shown.key not in known:
                 known[shown.key] = self._mesh_of(shown.thing)
             if known[shown.key] is not None:
@@ -63,6 +70,13 @@ class GltfExport:
         if self.with_cameras and scene.camera and scene.camera.name not in seen | {cameras.STAND_IN}:
             self.report.add("camera %s: renders hide it" % scene.camera.name)
         return entries
+
+    def _light(self, light):
+        """A node's extensions with a light."""
+        self.file.use(lamps.EXTENSION)
+        lights = self.file.document.setdefault("extensions", {}).setdefault(lamps.EXTENSION, {"lights": []})["lights"]
+        lights.append(light)
+        return {lamps.EXTENSION: {"light": len(lights) - 1}}
 
     def _mesh_of(self, thing):
         """Objects share evaluated meshes where they have no modifiers, and may have materials of their own."""

@@ -29,6 +29,8 @@ def may_move(depsgraph, report, with_cameras=True):
         if isinstance(item, bpy.types.Material):
             if has_keys(item) or has_keys(item.node_tree):
                 report.add("material %s: its animation" % item.name)
+        elif isinstance(item, bpy.types.Light) and (has_keys(item) or has_keys(item.node_tree)):
+            report.add("light %s: its animation" % item.name)
         elif has_keys(item):
             found = True
         elif isinstance(item, bpy.types.Object):

@@ -22,6 +22,8 @@ def export_ply(depsgraph, path, report):
     places = world_matrices(depsgraph)
     vertices, triangles, known, count = [], [], {}, 0
     for shown in walk(depsgraph, report):
+        if shown.kind == "LIGHT":
+            report.add("light %s" % shown.name)
         if shown.kind != "MESH":
             continue
         data = shown.thing.data

@@ -12,10 +12,10 @@ IGNORED = {"EMPTY", "LATTICE", "ARMATURE", "SPEAKER", "LIGHT_PROBE", "CAMERA"}
 
 @dataclass
 class Shown:
-    """A mesh or a camera at its place. The mesh and its materials live until the depsgraph changes."""
+    """A mesh, a camera or a lamp at its place. The mesh and its materials live until the depsgraph changes."""
     row: int         # among the depsgraph's instances
     name: str
-    kind: str        # MESH or CAMERA
+    kind: str        # MESH, CAMERA or LIGHT
     key: tuple       # the same for all that show the same mesh with the same materials
     thing: object    # the evaluated object: only until the walk goes on
 
@@ -33,8 +33,8 @@ def walk(depsgraph, report):
         if isinstance(data, bpy.types.Mesh):
             key = (owner.as_pointer(), data.as_pointer())
             kind = "MESH"
-        elif thing.type == "CAMERA":
-            key, kind = (), "CAMERA"
+        elif thing.type in ("CAMERA", "LIGHT"):
+            key, kind = (), thing.type
         else:
             key, kind = (owner.as_pointer(), 0), ""
         if key not in looked_at:

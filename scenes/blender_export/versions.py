@@ -1,5 +1,6 @@
 """What Blender 4.0 to 4.2 name otherwise than 3.4. The names of 3.4 are asked for; what is there tells them apart."""
 
+import bpy
 import numpy
 
 from .triangles import read
@@ -60,3 +61,8 @@ def add_socket(tree, kind, name, is_output=False):
     if hasattr(tree, "interface"):  # from 4.0 on
         return tree.interface.new_socket(name, in_out="OUTPUT" if is_output else "INPUT", socket_type=kind)
     return (tree.outputs if is_output else tree.inputs).new(kind, name)
+
+
+def falloff_of_spots():
+    """Up to 3.6 a spot is a flat disc, which gives less to the side."""
+    return "smoothstep times cosine" if bpy.app.version < (4, 0) else "smoothstep"

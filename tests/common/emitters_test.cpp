@@ -96,11 +96,11 @@ TEST(CosineIntegral, IsClippedToTheHorizon) {
 }
 
 /// A triangle near a place at 0 that looks up, far from it, and one that the horizon cuts.
-EmissiveTriangle lampAt(const Corners& corners) {
+EmitterPart lampAt(const Corners& corners) {
     TriangleMesh mesh;
     mesh.materials.push_back(shining(Rgb(1)));
     add(mesh, corners);
-    return emittersOf(mesh).triangles()[0];
+    return emittersOf(mesh).parts()[0];
 }
 const Corners kNear{Vec3d(-1, 0.5, -1), Vec3d(1, 0.7, -0.5), Vec3d(0.2, 0.9, 1)};
 const Corners kFar{Vec3d(4, 6, -1), Vec3d(4.5, 6, -0.5), Vec3d(4.2, 6.4, 0)};
@@ -110,7 +110,7 @@ const Corners kCut{Vec3d(0.5, -1, 0.2), Vec3d(0.8, 1.5, 0), Vec3d(0.4, 0.4, 1.5)
 /// says: each counts as the solid angle of the part that is above the horizon.
 double densityPValue(const Corners& corners, const std::function<double(double)>& bend) {
     constexpr int kSamples = 200000, kSide = 6;
-    const EmissiveTriangle t = lampAt(corners);
+    const EmitterPart t = lampAt(corners);
     const Receiver at{Vec3f(0), Vec3f(kUp)};
     std::vector<double> observed(kSide * kSide), expected(kSide * kSide);
     // Expected counts by a fine grid of points, each with the density that is claimed.
@@ -174,7 +174,7 @@ TEST(EmitterPoint, SeesATilt) {
 
 TEST(EmitterPoint, ChoosesSolidAnglesThatAddUp) {
     for (const Corners& corners : {kNear, kCut}) {
-        const EmissiveTriangle t = lampAt(corners);
+        const EmitterPart t = lampAt(corners);
         const Receiver at{Vec3f(0), Vec3f(kUp)};
         std::mt19937_64 generator(5);
         std::uniform_real_distribution<double> uniform;
@@ -216,9 +216,9 @@ double choicePValue(const std::function<double(double)>& bend) {
     double least = 1;
     std::size_t tests = 0;
     for (std::size_t e = 0; e < emitters.size(); e += 8, ++tests) {
-        const std::size_t count = emitters.trianglesOf(e).size();
+        const std::size_t count = emitters.partsOf(e).size();
         const auto first =
-            static_cast<std::size_t>(emitters.trianglesOf(e).data() - emitters.triangles().data());
+            static_cast<std::size_t>(emitters.partsOf(e).data() - emitters.parts().data());
         std::vector<double> observed(count + 1), expected(count + 1);
         constexpr int kSamples = 20000;
         expected[count] = kSamples;
@@ -229,9 +229,9 @@ double choicePValue(const std::function<double(double)>& bend) {
         for (int i = 0; i < kSamples; ++i) {
             double u = bend(uniform(generator));
             const Emitters::Choice choice = emitters.choose(e, at, u);
-            observed[choice.chance > 0 ? choice.triangle - first : count] += 1;
+            observed[choice.chance > 0 ? choice.part - first : count] += 1;
             if (choice.chance > 0) {
-                EXPECT_FLOAT_EQ(choice.chance, emitters.chanceOf(choice.triangle, at));
+                EXPECT_FLOAT_EQ(choice.chance, emitters.chanceOf(choice.part, at));
             }
         }
         // What rounding leaves of a chance is none.
@@ -256,13 +256,13 @@ TEST(Emitters, AddUpToTheirTriangles) {
         const TriangleMesh mesh = sign(3000, twoSided);
         const Emitters emitters = emittersOf(mesh);
         EXPECT_EQ(emitters.size(), kMostEmitters);
-        ASSERT_EQ(emitters.triangles().size(), 3000u);
+        ASSERT_EQ(emitters.parts().size(), 3000u);
         for (const Vec3f& place : {Vec3f(0, 0, 0), Vec3f(0, 2, 0.3f), Vec3f(30, -20, 0)}) {
             const Receiver at{place, Vec3f(kUp)};
             Vec3d sum(0), exact(0);
             for (std::size_t e = 0; e < emitters.size(); ++e)
                 sum += Vec3d(emitters.irradiance(e, at).irradiance);
-            for (const EmissiveTriangle& t : emitters.triangles()) {
+            for (const EmitterPart& t : emitters.parts()) {
                 const float front = t.normal.dot(place - t.centre);
                 if (front < 0 && !twoSided) continue;
                 const Vec3d p(place);
@@ -290,12 +290,12 @@ TEST(Emitters, AreGroupsOfConnectedTriangles) {
     const Emitters emitters = emittersOf(mesh);
     ASSERT_EQ(emitters.size(), 3u);
     std::size_t pairs = 0;
-    for (std::size_t e = 0; e < 3; ++e) pairs += emitters.trianglesOf(e).size() == 2 ? 1 : 0;
+    for (std::size_t e = 0; e < 3; ++e) pairs += emitters.partsOf(e).size() == 2 ? 1 : 0;
     EXPECT_EQ(pairs, 1u);
     EXPECT_EQ(emitters.find(0, 4), -1);
     EXPECT_EQ(emitters.find(0, 5), -1);
     ASSERT_GE(emitters.find(0, 3), 0);
-    EXPECT_EQ(emitters.triangles()[static_cast<std::size_t>(emitters.find(0, 3))].corner[0],
+    EXPECT_EQ(emitters.parts()[static_cast<std::size_t>(emitters.find(0, 3))].corner[0],
               Vec3f(5, 0, 0));
 }
 

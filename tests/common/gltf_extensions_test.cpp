@@ -29,7 +29,6 @@ TEST(GltfExtensions, OfNodesAndMeshesAreNamed) {
     GltfBuilder file = square();
     file.root(
         {{"mesh", 0}, {"translation", {2, 0, 0}}, {"extensions", {{"MSFT_lod", {{"ids", {0}}}}}}});
-    file.root({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
     file.append("nodes", {{"extensions", {{"MSFT_lod", Json::object()}}}});  // not in the scene
     file.json["meshes"][0]["extensions"] = {{"EXT_some_mesh", Json::object()}};
     file.json["meshes"][0]["primitives"][0]["extensions"] = {
@@ -45,7 +44,6 @@ TEST(GltfExtensions, OfNodesAndMeshesAreNamed) {
         "KHR_lights_punctual",   "MSFT_lod",           "KHR_materials_sheen"};
     const LeftOutOf wanted{
         {{"node", "MSFT_lod is left out"}, 1},
-        {{"node", "KHR_lights_punctual is left out"}, 1},
         {{"mesh", "EXT_some_mesh is left out"}, 1},
         {{"primitive", "KHR_materials_variants are left out but for the default material"}, 1},
         {{"scene", "EXT_lights_image_based is left out"}, 1},

@@ -61,12 +61,12 @@ double unoccluded(const TriangleMesh& mesh, std::size_t first, const ShadingPoin
     return sum;
 }
 
-struct Lamp {
+struct LampCase {
     std::string name;
     float height, half;
 };
 
-class LampOver : public testing::TestWithParam<Lamp> {};
+class LampOver : public testing::TestWithParam<LampCase> {};
 
 TEST_P(LampOver, LightsTheFloorByItsClosedForm) {
     const test::World world(lampOver(GetParam().height, GetParam().half), night());
@@ -86,8 +86,8 @@ TEST_P(LampOver, LightsTheFloorByItsClosedForm) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, LampOver,
-                         testing::Values(Lamp{"small", 1, 0.0005f}, Lamp{"usual", 1, 0.2f},
-                                         Lamp{"large", 1, 5}, Lamp{"near", 0.001f, 1}),
+                         testing::Values(LampCase{"small", 1, 0.0005f}, LampCase{"usual", 1, 0.2f},
+                                         LampCase{"large", 1, 5}, LampCase{"near", 0.001f, 1}),
                          [](const auto& lamp) { return lamp.param.name; });
 
 TEST(EmitterLight, IsNoneOfALampInAClosedShade) {

@@ -1,0 +1,17 @@
+#include "common/emitters/emitter_ray.h"
+
+#include <limits>
+
+namespace shadowcache {
+
+EmitterRay rayTo(const Scene& scene, const EmitterPart& part, const EmitterPoint& point,
+                 const Vec3f& from) noexcept {
+    if (part.form == EmitterPart::Form::sun)
+        return {point.direction, std::numeric_limits<float>::infinity()};
+    if (!part.isSurface()) return {point.position - from, 1};
+    const bool front = part.normal.dot(point.direction) < 0;
+    return {scene.rayOrigin(point.position, part.placed, front ? part.normal : -part.normal) - from,
+            1};
+}
+
+}  // namespace shadowcache

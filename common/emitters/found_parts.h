@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/emitters/emitter_part.h"
+
+namespace shadowcache {
+
+/// What parts are weighed by.
+enum class EmitterWeight {
+    radiance,  ///< what they emit
+    shape      ///< triangles and lamps each alike
+};
+
+/// A part, and what it belongs to: parts of one owner that have corners in common are together.
+struct FoundPart {
+    EmitterPart part;
+    std::uint64_t owner = 0;
+};
+
+/// All that emits of meshes of one origin: triangles of surfaces, then the lamps.
+std::vector<FoundPart> findParts(std::span<const TriangleMesh* const> meshes, EmitterWeight weight);
+
+/// Radiance of a triangle of a mesh at barycentric coordinates.
+///
+/// @param triangle  of TriangleMesh::triangles, with a material
+Rgb emittedAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v) noexcept;
+
+}  // namespace shadowcache

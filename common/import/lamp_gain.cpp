@@ -1,0 +1,62 @@
+#include "common/import/lamp_gain.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "common/base/error.h"
+#include "common/base/option_checks.h"
+#include "common/base/option_text.h"
+#include "common/base/suggestion.h"
+
+namespace shadowcache {
+
+LampGain parseLampGain(const std::string& text) {
+    // Names may have an equals sign, gains have none.
+    const std::size_t sign = text.rfind('=');
+    if (sign == std::string::npos || sign == 0) refuseText("lamp", text, "NAME=GAIN");
+    const std::vector<double> n =
+        numbersOf("lamp", text.substr(sign + 1), {1, 3}, "NAME= and a factor, or R,G,B");
+    for (const double gain : n) requireRange("lamp", gain, 0.0, 1e6);
+    return {text.substr(0, sign), Rgb(n.size() == 1 ? Vec3d(n[0]) : Vec3d(n[0], n[1], n[2]))};
+}
+
+bool matchesPattern(std::string_view pattern, std::string_view name) {
+    std::size_t p = 0, n = 0;
+    // The last star, and how much of the name is left to what follows it.
+    std::size_t star = pattern.npos, rest = 0;
+    while (n < name.size()) {
+        if (p < pattern.size() && pattern[p] == '*') {
+            star = p++;
+            rest = n;
+        } else if (p < pattern.size() && pattern[p] == name[n]) {
+            ++p;
+            ++n;
+        } else if (star != pattern.npos) {
+            p = star + 1;
+            n = ++rest;
+        } else {
+            return false;
+        }
+    }
+    return pattern.find_first_not_of('*', p) == pattern.npos;
+}
+
+std::vector<std::string> lampNames(const TriangleMesh& mesh) {
+    std::vector<std::string> names;
+    for (const Lamp& lamp : mesh.lamps) names.push_back(lamp.name);
+    for (const Material& material : mesh.materials)
+        if (material.finish.emission != Rgb(0, 0, 0)) names.push_back(material.name);
+    return names;
+}
+
+void requireMatches(std::span<const LampGain> gains, const TriangleMesh& mesh) {
+    const std::vector<std::string> names = lampNames(mesh);
+    for (const LampGain& lamp : gains)
+        if (std::ranges::none_of(
+                names, [&](const std::string& name) { return matchesPattern(lamp.pattern, name); }))
+            throw Error(fmt::format("--lamp {}: no lamp or emissive material of this name{}",
+                                    lamp.pattern, suggestion(lamp.pattern, names)));
+}
+
+}  // namespace shadowcache

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/math/vec.h"
+#include "common/mesh/mesh.h"
+
+namespace shadowcache {
+
+/// What the light of some lamps is multiplied by.
+struct LampGain {
+    std::string pattern;  ///< a name, in which * stands for any text
+    Rgb gain{1, 1, 1};
+};
+
+/// "NAME=GAIN", the gain a factor or R,G,B, 0 to 1e6.
+///
+/// @throws Error naming --lamp
+LampGain parseLampGain(const std::string& text);
+
+bool matchesPattern(std::string_view pattern, std::string_view name);
+
+/// Names that gains may have: of lamps, and of materials that emit.
+std::vector<std::string> lampNames(const TriangleMesh& mesh);
+
+/// @throws Error naming --lamp, if a pattern matches no name
+void requireMatches(std::span<const LampGain> gains, const TriangleMesh& mesh);
+
+}  // namespace shadowcache

@@ -1,0 +1,26 @@
+#include "common/import/lamp_place.h"
+
+namespace shadowcache {
+
+std::optional<Lamp> placedLamp(Lamp lamp, const Affine& toWorld) {
+    const Vec3d shines = toWorld.vector(lamp.direction).normalized();
+    lamp.position = toWorld.point(lamp.position);
+    lamp.direction = shines;
+    const bool isArea = lamp.form == Lamp::Form::rectangle || lamp.form == Lamp::Form::ellipse;
+    if (isArea) {
+        lamp.halfWidth = toWorld.vector(lamp.halfWidth);
+        lamp.halfHeight = toWorld.vector(lamp.halfHeight);
+        const Vec3d normal = lamp.halfWidth.cross(lamp.halfHeight).normalized();
+        lamp.direction = normal.dot(shines) < 0 ? -normal : normal;
+    }
+    const bool isRound = lamp.form == Lamp::Form::point && !lamp.cone;
+    if (!isRound && !(lamp.direction.length2() > 0.5)) return {};
+    return lamp;
+}
+
+void changeUnit(Lamp& lamp, double unit) {
+    lamp.radius *= unit;
+    if (lamp.form != Lamp::Form::sun) lamp.strength *= static_cast<float>(unit * unit);
+}
+
+}  // namespace shadowcache

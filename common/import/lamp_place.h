@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+
+#include "common/math/affine.h"
+#include "common/mesh/lamp.h"
+
+namespace shadowcache {
+
+/// A lamp as a map puts it into the world. Scale changes the size of areas alone, and leaves their
+/// intensity. None: it has no direction there.
+std::optional<Lamp> placedLamp(Lamp lamp, const Affine& toWorld);
+
+/// A lamp in another unit of length, in which the set looks the same.
+///
+/// @param unit  length of the lamp's unit in the other
+void changeUnit(Lamp& lamp, double unit);
+
+}  // namespace shadowcache

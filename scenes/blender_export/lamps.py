@@ -1,0 +1,101 @@
+"""Lamps as KHR_lights_punctual has them, with what it has no words for in `extras`, as Shadowcache reads it.
+
+Strengths are those of Cycles: watts of a lamp that shines to all sides alike, or irradiance of a sun.
+"""
+
+import math
+
+from . import versions
+from .differences import differences, node_differences
+from .node_values import Reader, source
+
+EXTENSION = "KHR_lights_punctual"
+SHAPES = {"SQUARE": "rectangle", "RECTANGLE": "rectangle", "DISK": "ellipse", "ELLIPSE": "ellipse"}
+OF_CAMERA = "hidden from the camera"
+
+
+def entry(thing, report):
+    """A light of a glTF document, of an evaluated object; None if it is none."""
+    lamp = thing.data
+    name_differences(thing, report)
+    if lamp.type == "AREA" and lamp.cycles.is_portal:
+        return None
+    light = [c * lamp.energy * s for c, s in zip(lamp.color, strength_of(lamp, report))]
+    if min(light) < 0:
+        report.add("light %s: light below 0" % thing.name)
+        light = [max(c, 0) for c in light]
+    most = max(light)
+    made = {"name": thing.name, "color": [c / most for c in light] if most else [0, 0, 0]}
+    return {**made, **OF_TYPE[lamp.type](thing, most)}
+
+
+def name_differences(thing, report):
+    """Adds what of a lamp is not rendered. Lamps that no camera sees are the usual ones."""
+    found = [text for text in differences(thing) if text != OF_CAMERA] + list(differences(thing.data))
+    if thing.visible_camera:
+        found.append("seen by the camera")
+    if thing.data.type == "AREA" and has_shear(thing):
+        found.append("sheared")
+    for text in found:
+        report.add("light %s: %s" % (thing.name, text))
+
+
+def has_shear(thing):
+    x, y, _ = thing.matrix_world.to_3x3().col
+    return abs(x.dot(y)) > 1e-5 * x.length * y.length
+
+
+def strength_of(lamp, report):
+    """Factors by a lamp's nodes: colour times strength of an Emission."""
+    output = lamp.node_tree.get_output_node("CYCLES") if lamp.use_nodes and lamp.node_tree else None
+    if not lamp.use_nodes:
+        return 1, 1, 1
+    feeding = source(output.inputs["Surface"]) if output else None
+    if feeding is None:
+        return 0, 0, 0
+    node = feeding.node
+    if node.type != "EMISSION":
+        report.add("light %s: node %s" % (lamp.name, node.bl_label))
+        return 1, 1, 1
+    reader = Reader()
+    colour, strength = (reader.value(node.inputs[name]) for name in ("Color", "Strength"))
+    for value, name in ((colour, "Color"), (strength, "Strength")):
+        if value.image or value.colours is not None or value.unknown:
+            report.add("light %s: node %s: %s" % (lamp.name, node.bl_label, name))
+    for text in node_differences(node):
+        report.add("light %s: %s" % (lamp.name, text))
+    return tuple(c * strength.factor[0] for c in colour.factor)
+
+
+def of_point(thing, power):
+    return {"type": "point", "intensity": power / (4 * math.pi), "extras": {"radius": thing.data.shadow_soft_size}}
+
+
+def of_sun(thing, power):
+    """Cycles spreads a sun's light over a flat disc, of which directions at its edge are farther."""
+    angle = min(thing.data.angle, math.pi)
+    cosine = math.cos(angle / 2)
+    return {"type": "directional", "intensity": power * 2 * cosine / (1 + cosine), "extras": {"angle": angle}}
+
+
+def of_spot(thing, power):
+    """The falloff is over a share of the cone's height, which is the cosine."""
+    lamp = thing.data
+    outer = math.cos(lamp.spot_size / 2)
+    inner = outer + (1 - outer) * lamp.spot_blend
+    return {"type": "spot", "intensity": power / (4 * math.pi),
+            "spot": {"innerConeAngle": math.acos(min(inner, 1)), "outerConeAngle": min(lamp.spot_size / 2, math.pi / 2)},
+            "extras": {"radius": lamp.shadow_soft_size, "falloff": versions.falloff_of_spots()}}
+
+
+def of_area(thing, power):
+    """The object's scale is that of the area, and not of its power."""
+    lamp = thing.data
+    width, height, _ = (axis.length for axis in thing.matrix_world.to_3x3().col)
+    size = [lamp.size * width, (lamp.size if lamp.shape in ("SQUARE", "DISK") else lamp.size_y) * height]
+    intensity = power / 4 if all(size) else 0
+    return {"type": "spot", "intensity": intensity, "spot": {"outerConeAngle": math.pi / 2},
+            "extras": {"shape": SHAPES[lamp.shape], "size": [max(s, 1e-9) for s in size]}}
+
+
+OF_TYPE = {"POINT": of_point, "SUN": of_sun, "SPOT": of_spot, "AREA": of_area}

@@ -1,0 +1,173 @@
+// Lamps of KHR_lights_punctual: units, places, what makes them soft; what is refused, and what is
+// named.
+
+#include "common/import/gltf_lamps.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "common/import/load_mesh.h"
+#include "tests/support/gltf_builder.h"
+#include "tests/support/temporary_folder.h"
+
+namespace shadowcache {
+namespace {
+
+using Json = nlohmann::json;
+using test::GltfBuilder;
+
+/// A square, and a node with a light.
+GltfBuilder setWith(const Json& light, Json node = Json::object()) {
+    GltfBuilder file = test::squareGltf();
+    file.root({{"mesh", 0}});
+    file.json["extensionsUsed"] = {"KHR_lights_punctual"};
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = {light};
+    node["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    file.root(node);
+    return file;
+}
+
+TriangleMesh loaded(const GltfBuilder& file, MeshOptions options = {}) {
+    const test::TemporaryFolder folder;
+    const auto path = folder.write("a.glb", file.glb());
+    options.origin = Vec3d(0, 0, 0);
+    return loadMesh({&path, 1}, options);
+}
+
+Lamp lampOf(const Json& light, const Json& node = Json::object(), const MeshOptions& options = {}) {
+    const TriangleMesh mesh = loaded(setWith(light, node), options);
+    EXPECT_EQ(mesh.lamps.size(), 1u);
+    EXPECT_TRUE(mesh.report.leftOutOf.empty()) << describe(mesh.report);
+    return mesh.lamps.empty() ? Lamp() : mesh.lamps[0];
+}
+
+TEST(GltfLamps, AreReadWithTheirDefaults) {
+    const Lamp point = lampOf({{"type", "point"}, {"name", "bulb"}});
+    EXPECT_EQ(point.name, "bulb");
+    EXPECT_EQ(point.form, Lamp::Form::point);
+    EXPECT_EQ(point.strength, Rgb(1, 1, 1));
+    EXPECT_EQ(point.radius, 0);
+    EXPECT_FALSE(point.cone);
+    const Lamp spot = lampOf({{"type", "spot"}});
+    ASSERT_TRUE(spot.cone);
+    EXPECT_DOUBLE_EQ(spot.cone->cosInner, 1);
+    EXPECT_DOUBLE_EQ(spot.cone->cosOuter, std::cos(kPi / 4));
+    EXPECT_FALSE(spot.cone->smooth);
+    EXPECT_EQ(lampOf({{"type", "directional"}}).form, Lamp::Form::sun);
+}
+
+TEST(GltfLamps, AreWhereTheirNodesAre) {
+    // A quarter turn about +X: -Z becomes +Y.
+    const double half = std::sqrt(0.5);
+    const Lamp spot = lampOf({{"type", "spot"},
+                              {"color", {1, 0.5, 0}},
+                              {"intensity", 8},
+                              {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.3}}},
+                              {"extras", {{"radius", 0.2}, {"falloff", "smoothstep"}}}},
+                             {{"name", "desk"},
+                              {"translation", {1, 2, 3}},
+                              {"rotation", {half, 0, 0, half}},
+                              {"scale", {2, 2, 2}}});
+    EXPECT_EQ(spot.name, "desk");
+    EXPECT_EQ(spot.strength, Rgb(8, 4, 0));
+    EXPECT_LT((spot.position - Vec3d(1, 2, 3)).length(), 1e-12);
+    EXPECT_LT((spot.direction - Vec3d(0, 1, 0)).length(), 1e-12);
+    EXPECT_EQ(spot.radius, 0.2);
+    EXPECT_DOUBLE_EQ(spot.cone->cosInner, std::cos(0.1));
+    EXPECT_TRUE(spot.cone->smooth);
+}
+
+TEST(GltfLamps, HaveAreasThatTheirNodesScale) {
+    const Lamp area = lampOf(
+        {{"type", "spot"}, {"intensity", 3}, {"extras", {{"shape", "ellipse"}, {"size", {1, 2}}}}},
+        {{"scale", {2, 3, 1}}});
+    EXPECT_EQ(area.form, Lamp::Form::ellipse);
+    EXPECT_FALSE(area.cone);
+    EXPECT_LT((area.halfWidth - Vec3d(1, 0, 0)).length(), 1e-12);
+    EXPECT_LT((area.halfHeight - Vec3d(0, 3, 0)).length(), 1e-12);
+    EXPECT_LT((area.direction - Vec3d(0, 0, -1)).length(), 1e-12);
+    EXPECT_EQ(area.strength, Rgb(3, 3, 3));
+}
+
+TEST(GltfLamps, LookTheSameInAnotherUnit) {
+    const Json point{{"type", "point"}, {"intensity", 5}, {"extras", {{"radius", 0.5}}}};
+    const Lamp lamp = lampOf(point, {{"translation", {1, 2, 3}}}, {.zUp = true, .scale = 10});
+    EXPECT_EQ(lamp.strength, Rgb(500, 500, 500));
+    EXPECT_EQ(lamp.radius, 5);
+    EXPECT_LT((lamp.position - Vec3d(10, 30, -20)).length(), 1e-9);
+    const Lamp sun =
+        lampOf({{"type", "directional"}, {"intensity", 5}, {"extras", {{"angle", 0.1}}}},
+               Json::object(), {.scale = 10});
+    EXPECT_EQ(sun.strength, Rgb(5, 5, 5));
+    EXPECT_EQ(sun.angle, 0.1);
+}
+
+TEST(GltfLamps, OfBadNumbersAreRefused) {
+    const std::pair<Json, const char*> cases[] = {
+        {{{"type", "point"}, {"intensity", -1}}, "intensity -1"},
+        {{{"type", "point"}, {"intensity", 1e300}}, "intensity 1e+300"},
+        {{{"type", "point"}, {"color", {1, -2, 1}}}, "color"},
+        {{{"type", "lantern"}}, "type"},
+        {{{"name", "x"}}, "no type"},
+        {{{"type", "spot"}, {"spot", {{"innerConeAngle", 0.4}, {"outerConeAngle", 0.3}}}},
+         "innerConeAngle"},
+        {{{"type", "spot"}, {"spot", {{"outerConeAngle", 2}}}}, "outerConeAngle"},
+        {{{"type", "point"}, {"extras", {{"radius", -1}}}}, "radius"},
+        {{{"type", "spot"}, {"extras", {{"shape", "rectangle"}, {"size", {0, 1}}}}}, "size"},
+        {{{"type", "spot"}, {"extras", {{"shape", "star"}}}}, "shape"}};
+    for (const auto& [light, text] : cases)
+        test::expectError([&] { loaded(setWith(light)); }, "light 0", text);
+}
+
+TEST(GltfLamps, ThatAreNotReadAreNamed) {
+    EXPECT_EQ(loaded(setWith({{"type", "point"}, {"range", 5}})).report.leftOutOf,
+              (LeftOutOf{{{"light", "range, a hint, is left out"}, 1}}));
+    const Json spot{{"type", "spot"}};
+    EXPECT_EQ(loaded(setWith(spot, {{"scale", {1, 1, 0}}})).report.leftOutOf,
+              (LeftOutOf{{{"light", "node has no direction, and is left out"}, 1}}));
+    GltfBuilder file = setWith(spot);
+    file.animate(1, "translation", "LINEAR", {0, 1}, {0, 0, 0, 4, 0, 0});
+    const TriangleMesh moving = loaded(file);
+    EXPECT_TRUE(moving.lamps.empty());
+    EXPECT_EQ(moving.report.leftOutOf, (LeftOutOf{{{"light", "node moves, and is left out"}, 1}}));
+    const TriangleMesh still = loaded(file, {.stillAt = 0.5});
+    ASSERT_EQ(still.lamps.size(), 1u);
+    EXPECT_EQ(still.lamps[0].position, Vec3d(2, 0, 0));
+}
+
+TEST(GltfLamps, AreOffWhereTheyAreHiddenOrSwitchedOff) {
+    GltfBuilder file = setWith({{"type", "point"}});
+    EXPECT_TRUE(loaded(file, {.lamps = false}).lamps.empty());
+    file.json["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = false;
+    EXPECT_TRUE(loaded(file).lamps.empty());
+}
+
+TEST(LampGain, IsOfTheLastPatternThatMatches) {
+    const auto gainOf = [](std::vector<LampGain> gains) {
+        MeshOptions options;
+        options.gains = std::move(gains);
+        return lampOf({{"type", "point"}, {"name", "desk left"}}, Json::object(), options).gain;
+    };
+    EXPECT_EQ(gainOf({}), Rgb(1, 1, 1));
+    EXPECT_EQ(gainOf({parseLampGain("*=0"), parseLampGain("desk*=2,1,0.5")}), Rgb(2, 1, 0.5f));
+    EXPECT_EQ(gainOf({parseLampGain("desk=3")}), Rgb(1, 1, 1));
+    EXPECT_TRUE(matchesPattern("*", ""));
+    EXPECT_TRUE(matchesPattern("d*k*", "desk left"));
+    EXPECT_FALSE(matchesPattern("d*t*x", "desk left"));
+    EXPECT_TRUE(matchesPattern("a*ab", "aaab"));
+}
+
+TEST(LampGain, OfBadTextIsRefused) {
+    for (const char* text :
+         {"desk", "=1", "desk=-1", "desk=nan", "desk=inf", "desk=1,2", "desk=", "desk=2e6"})
+        EXPECT_THROW(parseLampGain(text), Error) << text;
+    const TriangleMesh mesh = loaded(setWith({{"type", "point"}, {"name", "desk"}}));
+    const LampGain known[] = {parseLampGain("d*=2")}, unknown[] = {parseLampGain("dusk=2")};
+    EXPECT_NO_THROW(requireMatches(known, mesh));
+    test::expectError([&] { requireMatches(unknown, mesh); }, "--lamp dusk", "did you mean desk?");
+}
+
+}  // namespace
+}  // namespace shadowcache

@@ -1,0 +1,247 @@
+"""Scenes of one lamp each over a floor with a box, as blender_lamps.py starts them: ZIP PROGRAMS MAP WORK.
+
+Six parts of each picture, and its mean, have the values of Cycles, which are stored in blender_lamps.json. What of a lamp
+is not rendered is named. A lamp that is 3 per cent too bright must be told apart, and so must every other lamp.
+"""
+
+import json
+import math
+import os
+import sys
+import time
+
+import bpy
+import numpy
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import blender_exr  # noqa: E402
+from blender_scene import WORK, add_material, install  # noqa: E402
+
+VALUES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "blender_lamps.json")
+STORES = "SHADOWCACHE_STORE" in os.environ
+ONLY = os.environ.get("SHADOWCACHE_ONLY", "").split()
+SIZE, PARTS = (66, 36), (2, 3)
+MOST_MEAN, MOST_PART = 0.01, 0.015  # shares of the mean by which the picture's, and a part's, may be off
+SHOWN, NAMED = {}, {}
+
+
+def shows(make):
+    SHOWN[make.__name__] = make
+    return make
+
+
+def names(words):
+    def keep(make):
+        NAMED[make.__name__] = make, words
+        return make
+    return keep
+
+
+def lamp(kind, place=(0.6, -0.8, 2.5), turn=(0, 0, 0), scale=(1, 1, 1), **settings):
+    made = bpy.data.lights.new("lamp", kind)
+    for name, value in settings.items():
+        setattr(made, name, value)
+    thing = bpy.data.objects.new("lamp", made)
+    thing.location, thing.rotation_euler, thing.scale = place, turn, scale
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+
+
+@shows
+def point():
+    lamp("POINT", energy=100, shadow_soft_size=0)
+
+
+@shows
+def soft_point():
+    lamp("POINT", energy=100, shadow_soft_size=0.25, color=(1, 0.5, 0.25), scale=(2, 2, 2))
+
+
+@shows
+def sun():
+    lamp("SUN", turn=(0.5, 0.4, 0), energy=3, angle=0)
+
+
+@shows
+def wide_sun():
+    lamp("SUN", turn=(0.5, 0.4, 0), energy=3, angle=0.5)
+
+
+@shows
+def spot():
+    lamp("SPOT", turn=(0.2, 0.1, 0), energy=300, shadow_soft_size=0.05, spot_size=1, spot_blend=0.15)
+
+
+@shows
+def soft_spot():
+    lamp("SPOT", turn=(-0.1, 0.3, 0), energy=300, shadow_soft_size=0.3, spot_size=1.6, spot_blend=1)
+
+
+@shows
+def square():
+    lamp("AREA", turn=(0.3, 0.1, 0), energy=100, shape="SQUARE", size=0.8)
+
+
+@shows
+def rectangle():
+    lamp("AREA", turn=(0.3, 0.1, 0.5), energy=100, shape="RECTANGLE", size=0.3, size_y=2, scale=(1, 0.5, 1))
+
+
+@shows
+def disc():
+    lamp("AREA", turn=(-0.3, 0.4, 0), energy=100, shape="DISK", size=1)
+
+
+@shows
+def ellipse():
+    lamp("AREA", turn=(0, 0.6, 0), energy=100, shape="ELLIPSE", size=0.2, size_y=1.2, scale=(2, 1, 1))
+
+
+@shows
+def nodes():
+    thing = lamp("POINT", place=(-1, -1, 1.5), energy=50, shadow_soft_size=0.1)
+    thing.data.use_nodes = True
+    inputs = thing.data.node_tree.nodes["Emission"].inputs
+    inputs["Color"].default_value, inputs["Strength"].default_value = (0.2, 1, 0.5, 1), 2
+
+
+@shows
+def several():
+    lamp("POINT", place=(-1.5, 0.5, 1), energy=30, shadow_soft_size=0.1, color=(1, 0.2, 0.2))
+    lamp("SUN", turn=(0.7, 0, 0), energy=0.5, angle=0.05)
+    lamp("AREA", place=(1.5, 0.5, 1), turn=(0, 1.2, 0), energy=20, shape="DISK", size=0.5, color=(0.2, 0.2, 1))
+
+
+@names("light lamp: seen by the camera")
+def seen():
+    lamp("POINT").visible_camera = True
+
+
+@names("light lamp: Spread is 1")
+def spread():
+    lamp("AREA", spread=1)
+
+
+@names("light lamp: Cast Shadow is off")
+def shadowless():
+    lamp("POINT").data.cycles.cast_shadow = False
+
+
+@names("light lamp: hidden from glossy rays")
+def not_glossy():
+    lamp("POINT").visible_glossy = False
+
+
+@names("light lamp: node Blackbody: Color")
+def driven_by_nodes():
+    thing = lamp("POINT")
+    thing.data.use_nodes = True
+    tree = thing.data.node_tree
+    tree.links.new(tree.nodes.new("ShaderNodeBlackbody").outputs[0], tree.nodes["Emission"].inputs["Color"])
+
+
+@names("light lamp: light below 0")
+def negative():
+    lamp("POINT", energy=-5)
+
+
+def start():
+    """A camera over a floor with a box, at night."""
+    for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.lights, bpy.data.materials, bpy.data.worlds):
+        for item in list(kind):
+            kind.remove(item)
+    bpy.ops.mesh.primitive_plane_add(size=8)
+    add_material(bpy.context.object, (0.7, 0.6, 0.5))
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(-0.3, 0.2, 0.5))
+    add_material(bpy.context.object, (0.4, 0.5, 0.8))
+    scene = bpy.context.scene
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0, -5, 4), (math.radians(52), 0, 0)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    render = scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = *SIZE, 100
+    render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    render.image_settings.color_depth, render.image_settings.exr_codec = "32", "NONE"
+    cycles = scene.cycles
+    cycles.samples, cycles.max_bounces, cycles.use_adaptive_sampling, cycles.use_denoising = 512, 1, False, False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = 0
+    settings = scene.shadowcache
+    settings.cache_folder = os.path.join(WORK, "cache")
+    settings.camera_rays, settings.samples, settings.bounces, settings.bake_spacing = 64, 4, 1, 0.5
+
+
+def render(engine):
+    """Means of the picture's parts (part, colour), and what is named."""
+    scene = bpy.context.scene
+    scene.render.engine, scene.render.filepath = engine, os.path.join(WORK, "picture.exr")
+    bpy.ops.render.render(write_still=True)
+    found = {name.split(".", 1)[1]: plane for name, plane in blender_exr.read(scene.render.filepath).items()}
+    stack = numpy.stack([found["Combined.%s" % c] for c in "RGB"]).astype(float)
+    rows, columns = PARTS
+    parts = stack.reshape(3, rows, SIZE[1] // rows, columns, SIZE[0] // columns)
+    return parts.mean(axis=(2, 4)).reshape(3, -1).T, sys.modules["shadowcache.engine"].LEFT_OUT.get(scene.name, [])
+
+
+def apart(found, wanted):
+    """How far the means are apart, and the parts, as shares of the greatest mean of a colour."""
+    wanted = numpy.array(wanted)
+    most = wanted.mean(axis=0).max()
+    return abs(found.mean(axis=0) - wanted.mean(axis=0)).max() / most, abs(found - wanted).max() / most
+
+
+def chosen(scenes):
+    return [(name, found) for name, found in scenes.items() if not ONLY or name in ONLY]
+
+
+def store():
+    values = {}
+    for name, make in chosen(SHOWN):
+        start()
+        make()
+        values[name] = render("CYCLES")[0].round(5).tolist()
+    with open(VALUES, "w", encoding="ascii") as out:
+        out.write("{\n%s\n}\n" % ",\n".join('"%s": %s' % (name, json.dumps(rows)) for name, rows in values.items()))
+
+
+def compare():
+    with open(VALUES, encoding="ascii") as file:
+        values = {name: numpy.array(rows) for name, rows in json.load(file).items()}
+    assert set(values) == set(SHOWN), "store the values of Cycles again: %s" % sorted(set(values) ^ set(SHOWN))
+    for name, make in chosen(SHOWN):
+        start()
+        make()
+        found, left_out = render("SHADOWCACHE")
+        mean, part = apart(found, values[name])
+        print("case %s: mean off by %.4f, a part by %.4f %s" % (name, mean, part, left_out))
+        assert mean < MOST_MEAN and part < MOST_PART, "%s: %s, expected %s" % (
+            name, found.round(4).tolist(), values[name].tolist())
+        assert not left_out, "%s: %s" % (name, left_out)
+    assert apart(values["point"] * 1.03, values["point"])[0] > MOST_MEAN, "control: 3 % more light is not told apart"
+    for name, other in zip(values, list(values)[1:]):
+        assert apart(values[name], values[other])[1] > MOST_PART, "control: %s looks like %s" % (name, other)
+
+
+def left_out_of(depsgraph, _):
+    return sys.modules["shadowcache.blender_export"].export(depsgraph, os.path.join(WORK, "named.glb"))
+
+
+def names_all():
+    for name, (make, words) in chosen(NAMED):
+        start()
+        make()
+        left_out = sys.modules["shadowcache.blender_export"].with_render_depsgraph(left_out_of)
+        assert any(words in entry for entry in left_out), "%s: %s" % (name, left_out)
+
+
+def main():
+    install()
+    for case in (store,) if STORES else (compare, names_all):
+        before = time.monotonic()
+        case()
+        print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - before))
+    print("all cases passed")
+
+
+main()

@@ -1,0 +1,195 @@
+// Light of lamps without a surface: a cache changes no mean; lobes meet soft lamps once; a lamp in
+// a sphere shows the sum of its albedo's powers; counts are those of lamps that did not move.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/hash.h"
+#include "common/emitters/lit_cap.h"
+#include "render/frame/integrator.h"
+#include "render/library/lit_stage.h"
+#include "tests/support/statistics.h"
+#include "tests/support/test_scenes.h"
+
+namespace shadowcache {
+namespace {
+
+Image darkSky() {
+    return test::constantMap(Rgb(0, 0, 0));
+}
+
+Lamp bulb(const Vec3d& position, double radius, float strength) {
+    Lamp lamp;
+    lamp.strength = Rgb(strength, 2 * strength, 3 * strength);
+    lamp.position = position;
+    lamp.radius = radius;
+    return lamp;
+}
+
+/// A floor and a box under lamps of all forms, which light some of it.
+TriangleMesh underLamps() {
+    TriangleMesh mesh;
+    test::addFloor(mesh, 0, -2, 2, -2, 2);
+    test::addBox(mesh, {-0.5f, 0.3f, -0.5f}, {0.5f, 0.8f, 0.5f});
+    mesh.lamps = {bulb({0.2, 1.2, 0.3}, 0.15, 1), bulb({-1.5, 0.5, 0}, 0, 0.5)};
+    Lamp spot = bulb({1.5, 1.5, 1}, 0.1, 3);
+    spot.direction = Vec3d(-0.5, -1, -0.5).normalized();
+    spot.cone = LampCone{std::cos(0.3), std::cos(0.6), true};
+    mesh.lamps.push_back(spot);
+    Lamp sun = bulb({}, 0, 0.3f);
+    sun.form = Lamp::Form::sun;
+    sun.direction = Vec3d(0.6, -1, 0.2).normalized();
+    sun.angle = 0.2;
+    mesh.lamps.push_back(sun);
+    Lamp area = bulb({0, 1, -1.5}, 0, 1);
+    area.form = Lamp::Form::ellipse;
+    area.direction = Vec3d(0, -1, 0);
+    area.halfWidth = Vec3d(0.4, 0, 0);
+    area.halfHeight = Vec3d(0, 0, 0.2);
+    mesh.lamps.push_back(area);
+    return mesh;
+}
+
+/// Means of small pictures by some seeds.
+std::vector<double> meansOf(const test::World& world, const char* estimator, bool cache,
+                            int bounces, const Camera& camera, std::uint64_t seeds,
+                            const PlainLook& plain = {}) {
+    LightingOptions lighting;
+    lighting.bounces = bounces;
+    lighting.plain = plain;
+    LitStage lit(world.scene, cache ? &world.cache.cache() : nullptr, findEstimator(estimator),
+                 lighting);
+    lit.setEnvironment(world.environment);
+    RenderOptions render;
+    render.width = render.height = 12;
+    render.cameraRays = render.samples = 4;
+    render.bounces = bounces;
+    render.plain = plain;
+    std::vector<double> means;
+    for (render.seed = 1; render.seed <= seeds; ++render.seed) {
+        RenderStats stats;
+        const Film film = lit.plan(camera, 1, render, stats).film(stats);
+        double sum = 0;
+        for (const Pixel& pixel : film.pixels) sum += static_cast<double>(pixel.color.y);
+        means.push_back(sum / static_cast<double>(film.pixels.size()));
+    }
+    return means;
+}
+
+class UnderLamps : public testing::Test {
+protected:
+    const test::World world_{underLamps(), darkSky(), {.spacing = 0.25}};
+};
+
+TEST_F(UnderLamps, ACacheChangesNoMean) {
+    const Camera camera = lookAt({0, 2, 3}, {0, 0.2, 0}, {0, 1, 0}, 0.9);
+    const PlainLook gloss{.gloss = Gloss{.metallic = 0.5f, .roughness = 0.2f}};
+    double least = 1, leastOfControl = 1;
+    for (const PlainLook& plain : {PlainLook{}, gloss})
+        for (const int bounces : {0, 2}) {
+            const auto with = meansOf(world_, "cache", true, bounces, camera, 40, plain);
+            const auto without = meansOf(world_, "mis", false, bounces, camera, 40, plain);
+            least = std::min(least, test::sameMeanPValue(with, without));
+            std::vector<double> brighter = with;
+            for (double& mean : brighter) mean *= 1.03;
+            leastOfControl = std::min(leastOfControl, test::sameMeanPValue(brighter, without));
+        }
+    EXPECT_GT(4 * least, test::significance(4));
+    EXPECT_LT(leastOfControl, test::significance(4));
+}
+
+TEST_F(UnderLamps, KnowsThoseThatStandWhereTheyStood) {
+    EXPECT_TRUE(world_.light->knowsAll());
+    TriangleMesh other = underLamps();
+    other.lamps[0].strength = Rgb(7, 0, 0);
+    other.lamps[2].gain = Rgb(0, 0, 0);
+    const Scene recoloured(other);
+    EXPECT_TRUE(SetLight::of(recoloured, &world_.cache.cache())->knowsAll());
+    other.lamps[1].position.x += 0.01;
+    const Scene moved(other);
+    EXPECT_FALSE(SetLight::of(moved, &world_.cache.cache())->knowsAll());
+}
+
+/// What a lobe reflects of a disc overhead that fills a cone, by a grid of directions.
+double reflected(const GlossyLobe& lobe, const Vec3d& way, double radius, double intensity) {
+    const double squared = way.length2(),
+                 sineSquared = radius * radius / (squared + radius * radius);
+    if (radius == 0)
+        return intensity / squared * static_cast<double>(lobe.value(Vec3f(way.normalized())).y);
+    constexpr int kSide = 400;
+    double sum = 0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const Vec3d w = sampleCap(way.normalized(), sineSquared, (i % kSide + 0.5) / kSide,
+                                  (i / kSide + 0.5) / kSide);
+        sum += static_cast<double>(lobe.value(Vec3f(w)).y) / (kSide * kSide);
+    }
+    return sum * capSolidAngle(sineSquared) * intensity / (kPi * radius * radius);
+}
+
+// By rays to lamps and rays of the lobe: nothing is met twice, and nothing is left out.
+TEST(LampGloss, IsTheIntegralOverTheLamp) {
+    double least = 1, leastOfControl = 1;
+    int tests = 0;
+    for (const double radius : {0.0, 0.1, 0.6})
+        for (const float roughness : {0.1f, 0.4f}) {
+            TriangleMesh mesh;
+            test::addFloor(mesh, 0, -2, 2, -2, 2);
+            mesh.lamps = {bulb({0.6, 0.9, 0.1}, radius, 1)};
+            const test::World world(mesh, darkSky());
+            const ShadingPoint point = test::pointAlong(world.scene, {0, 1, 0}, {0, -1, 0});
+            const Surface surface = glossy(Rgb(1), Gloss{.metallic = 1, .roughness = roughness});
+            const GlossyLobe lobe(surface, point.place.normal, Vec3f(-0.6f, 0.8f, 0));
+            const double truth =
+                reflected(lobe, mesh.lamps[0].position - Vec3d(point.place.rayOrigin), radius, 2);
+            const auto estimator = findEstimator("cache").make(world.context(), {});
+            const auto workspace = estimator->makeWorkspace();
+            std::vector<double> found;
+            for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+                ShadingPoint seeded = point;
+                seeded.slot.seed = hashWords(seed);
+                const GlossyPoint glossyPoint{seeded, lobe};
+                GlossEstimate estimate;
+                const PointBatch batch{.points = std::span(&seeded, 1), .samples = 8};
+                estimator->estimateGloss(batch, std::span(&glossyPoint, 1), *workspace,
+                                         std::span(&estimate, 1));
+                found.push_back(static_cast<double>(estimate.radiance.y));
+            }
+            if (radius == 0) {
+                // One direction, which only rays to the lamp find.
+                for (const double value : found) EXPECT_NEAR(value / truth, 1, 1e-3);
+                continue;
+            }
+            ++tests;
+            least = std::min(least, test::meanPValue(found, truth));
+            leastOfControl = std::min(leastOfControl, test::meanPValue(found, truth * 1.05));
+        }
+    EXPECT_GT(tests * least, test::significance(4));
+    EXPECT_LT(leastOfControl, test::significance(4));
+}
+
+// Inside of a sphere around a lamp: albedo / pi I / r^2 times the sum of albedo^k, k = 0 to B.
+TEST(LampInASphere, ShowsAGeometricSum) {
+    constexpr double kAlbedo = 0.5;
+    TriangleMesh mesh;
+    test::addSphere(mesh, {0, 0, 0}, 1, 40);
+    mesh.lamps = {bulb({0, 0, 0}, 0.05, 1)};
+    const test::World world(mesh, darkSky(), {.spacing = 0.25});
+    const Camera camera = lookAt({0.5, 0.2, 0.3}, {-0.3, 0.1, -0.4}, {0, 1, 0}, 1.2);
+    for (const bool cache : {false, true})
+        for (int bounces = 0; bounces <= 3; ++bounces) {
+            double truth = 0;
+            for (int k = 0; k <= bounces; ++k) truth += 2 * kAlbedo / kPi * std::pow(kAlbedo, k);
+            const auto found = meansOf(world, cache ? "cache" : "mis", cache, bounces, camera, 8);
+            double mean = 0;
+            for (const double value : found) mean += value / static_cast<double>(found.size());
+            EXPECT_NEAR(mean / truth, 1, 0.02) << cache << " " << bounces;
+        }
+}
+
+}  // namespace
+}  // namespace shadowcache
