@@ -332,9 +332,8 @@ CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options) {
     CacheHeader header;
     header.level = options.level;
     header.adaptive = options.adaptive;
-    header.spacing = options.spacing > 0
-                         ? options.spacing
-                         : spacingFactor(options.quality) * chooseSpacing(mesh);
+    header.spacing = options.spacing > 0 ? options.spacing
+                                         : spacingFactor(options.quality) * chooseSpacing(mesh);
     header.bakes = {{.seed = options.seed,
                      .rays = options.rays,
                      .shards = options.shards,

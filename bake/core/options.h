@@ -13,10 +13,10 @@ enum class BakeQuality { draft, good, fine };
 
 /// Options of a bake.
 struct BakeOptions {
-    double spacing = 0;      ///< side of a voxel, world units; 0: chosen by the set and the quality
+    double spacing = 0;  ///< side of a voxel, world units; 0: chosen by the set and the quality
     BakeQuality quality = BakeQuality::good;  ///< where no spacing is given
-    int level = 5;           ///< finest direction level, 0 .. 5
-    int rays = 16;           ///< rays per region where rays disagree, 1 .. 255
+    int level = 5;                            ///< finest direction level, 0 .. 5
+    int rays = 16;                            ///< rays per region where rays disagree, 1 .. 255
     bool adaptive = true;    ///< finer regions only where they explain the visibility
     bool transport = true;   ///< also keep which items the rays of each item met
     bool lamps = true;       ///< also count how much of the set's emitters the items see
