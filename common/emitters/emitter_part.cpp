@@ -46,6 +46,10 @@ struct ConeShare {
 };
 ConeShare shareOfCap(const EmitterPart& lamp, const Cap& cap) {
     if (!lamp.cone) return {};
+    if (cap.sineSquared == 0) {
+        const double share = shareTowards(lamp, cap.axis);
+        return {share, share};
+    }
     const double angle = std::acos(std::clamp(-cap.axis.dot(Vec3d(lamp.normal)), -1.0, 1.0));
     const double half = std::asin(std::sqrt(std::min(cap.sineSquared, 1.0)));
     const auto at = [&](double x) {

@@ -39,6 +39,21 @@ void extend(Box3d& box, const EmitterPart& part) {
         box.extendBy(Vec3d(part.centre));
 }
 
+/// Whether a ray can meet a part that is no surface.
+bool isLampToMeet(const EmitterPart& part) {
+    return !part.isSurface() &&
+           (part.form == Form::triangle || part.radius > 0 || part.sineSquared > 0);
+}
+
+/// Whether a ray comes near a ball, by more than rounding could hide.
+bool isNearBall(const Vec3f& origin, const Vec3f& direction, const Vec3f& centre, float radius) {
+    constexpr float kWider = 1.01f, kRounding = 1e-4f;
+    const Vec3f way = centre - origin;
+    const float along = std::max(0.0f, way.dot(direction)), distance = way.length();
+    const float reach = kWider * radius + kRounding * distance;
+    return (way - direction * along).length2() <= reach * reach;
+}
+
 /// Distance of a part's farthest place from a place.
 float farthest(const EmitterPart& part, const Vec3f& from) {
     if (part.form != Form::triangle) return (part.centre - from).length() + part.radius;
@@ -182,6 +197,7 @@ Emitters::Node Emitters::summed(std::uint32_t begin, std::uint32_t end) const {
         node.weight += weight;
         node.isMixed = node.isMixed || t.form != node.form;
         node.hasCones = node.hasCones || t.cone.has_value();
+        node.hasLamps = node.hasLamps || isLampToMeet(t);
         if (t.form != Form::triangle) continue;
         if (t.twoSided)
             node.twoSidedShare += weight;
@@ -243,10 +259,7 @@ void Emitters::findShapes() {
 void Emitters::indexPlaces() {
     for (std::uint32_t i = 0; i < parts_.size(); ++i) {
         const EmitterPart& t = parts_[i];
-        if (t.isSurface())
-            byPlace_.emplace_back(std::uint64_t{t.mesh} << 32 | t.placed, i);
-        else if (t.form == Form::triangle || t.radius > 0 || t.sineSquared > 0)
-            lampsToMeet_.push_back(i);
+        if (t.isSurface()) byPlace_.emplace_back(std::uint64_t{t.mesh} << 32 | t.placed, i);
     }
     std::ranges::sort(byPlace_);
 }
@@ -384,6 +397,26 @@ float Emitters::chanceOf(std::size_t part, const Receiver& at) const noexcept {
         return static_cast<std::uint32_t>(part) - first;
     };
     return walk(emitterOf_[part], at, goLeft, pick).chance;
+}
+
+void Emitters::meetLampsOf(const Node& node, const Receiver& at, const Vec3f& direction,
+                           std::vector<Met>& met) const {
+    if (!node.hasLamps) return;
+    if (std::isfinite(node.radius) && !isNearBall(at.position, direction, node.centre, node.radius))
+        return;
+    if (node.left != 0) {
+        meetLampsOf(nodes_[node.left], at, direction, met);
+        meetLampsOf(nodes_[node.left + 1], at, direction, met);
+        return;
+    }
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+        if (!isLampToMeet(parts_[i])) continue;
+        if (const auto hit = meetLamp(parts_[i], at, direction)) met.push_back({i, *hit});
+    }
+}
+
+void Emitters::meetLamps(const Receiver& at, const Vec3f& direction, std::vector<Met>& met) const {
+    for (const std::uint32_t root : roots_) meetLampsOf(nodes_[root], at, direction, met);
 }
 
 }  // namespace shadowcache

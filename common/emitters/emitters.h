@@ -30,8 +30,6 @@ public:
     std::span<const EmitterPart> partsOf(std::size_t emitter) const;
     /// The emitter of a part.
     std::size_t emitterOf(std::size_t part) const { return emitterOf_[part]; }
-    /// Numbers of the parts that rays can only meet by meetLamp().
-    std::span<const std::uint32_t> lampsToMeet() const { return lampsToMeet_; }
     /// Number of a triangle of the world among parts(), or -1 if it does not emit.
     std::ptrdiff_t find(std::uint32_t mesh, std::uint32_t placed) const;
 
@@ -53,6 +51,16 @@ public:
     /// Chance with which choose() takes a part of its emitter.
     float chanceOf(std::size_t part, const Receiver& at) const noexcept;
 
+    /// A lamp that a ray meets.
+    struct Met {
+        std::uint32_t part = 0;
+        LampHit hit;
+    };
+    /// Finds the lamps with an extent that a ray meets, whatever is in the way. Appends.
+    ///
+    /// @param direction  unit
+    void meetLamps(const Receiver& at, const Vec3f& direction, std::vector<Met>& met) const;
+
     /// Radiance of a part at a point of it; of a single direction times its solid angle.
     Rgb radianceAt(const EmitterPart& t, const EmitterPoint& point) const noexcept;
 
@@ -64,6 +72,7 @@ private:
         EmitterPart::Form form = EmitterPart::Form::triangle;
         bool isMixed = false;   ///< has other forms, too: always divided
         bool hasCones = false;  ///< some are spots
+        bool hasLamps = false;  ///< some are lamps with an extent
         Vec3f centre{0, 0, 0};
         float radius = 0;         ///< infinite of suns, and of what is mixed
         Rgb flux{0, 0, 0};        ///< sum of radiance times area
@@ -82,6 +91,8 @@ private:
     void findShapes();
     Unoccluded irradianceOf(const Node& node, const Receiver& at) const noexcept;
     static float boundOf(const Node& node, const Receiver& at) noexcept;
+    void meetLampsOf(const Node& node, const Receiver& at, const Vec3f& direction,
+                     std::vector<Met>& met) const;
     /// Walks from an emitter to one of its parts: `goLeft` gets the chance of the left one of two
     /// children, `pick` the weights of a leaf's parts and their sum, and returns one's number.
     /// @return the part and its chance
@@ -91,7 +102,6 @@ private:
 
     std::vector<const TriangleMesh*> meshes_;
     std::vector<EmitterPart> parts_;
-    std::vector<std::uint32_t> lampsToMeet_;
     std::vector<std::uint32_t> emitterOf_;
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> roots_;  ///< by emitter: its node

@@ -11,14 +11,15 @@
 
 namespace shadowcache {
 
-LampGain parseLampGain(const std::string& text) {
+LampGain parseLampGain(const std::string& text) try {
     // Names may have an equals sign, gains have none.
     const std::size_t sign = text.rfind('=');
-    if (sign == std::string::npos || sign == 0) refuseText("lamp", text, "NAME=GAIN");
-    const std::vector<double> n =
-        numbersOf("lamp", text.substr(sign + 1), {1, 3}, "NAME= and a factor, or R,G,B");
+    if (sign == std::string::npos || sign == 0) throw Error("no name");
+    const std::vector<double> n = numbersOf("lamp", text.substr(sign + 1), {1, 3}, "numbers");
     for (const double gain : n) requireRange("lamp", gain, 0.0, 1e6);
     return {text.substr(0, sign), Rgb(n.size() == 1 ? Vec3d(n[0]) : Vec3d(n[0], n[1], n[2]))};
+} catch (const Error&) {
+    refuseText("lamp", text, "NAME= and a factor, or R,G,B, 0 to 1e6");
 }
 
 bool matchesPattern(std::string_view pattern, std::string_view name) {

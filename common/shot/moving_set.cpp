@@ -50,6 +50,15 @@ std::vector<Affine> toGroups(const RawMesh& raw) {
     return all;
 }
 
+/// Lamps of what moves would be missing.
+void refuseLamps(const GltfDocument& document) {
+    if (std::ranges::any_of(document.nodes,
+                            [](const GltfNode& node) { return node.inScene && node.light >= 0; }))
+        throwFileError(
+            document.path,
+            "has lamps, expected none in a file of --dynamic; --lamps off leaves them out");
+}
+
 std::vector<double> numbers(const std::filesystem::path& path, const Json& frame, const char* name,
                             std::vector<double> fallback) {
     const auto found = frame.find(name);
@@ -114,6 +123,7 @@ MovingSet::MovingSet(std::span<const GltfShot> shots, std::span<const DynamicFil
             continue;
         }
         ownShots_.push_back(std::make_unique<GltfShot>(file.mesh, options, fps));
+        if (options.lamps) refuseLamps(ownShots_.back()->document());
         const GltfNodes& all = ownShots_.back()->nodes();
         std::vector<int> nodes = all.meshNodes(false);
         const std::vector<int> moving = all.meshNodes(true);

@@ -151,13 +151,13 @@ Rgb EmitterLight::weighed(const Hit& hit, const Receiver& at, bool draws, float 
 
 /// The same of the lamps that it met on its way, which do not stop it.
 Rgb EmitterLight::lampsMet(const Vec3f& direction, float distance, const Receiver& at,
-                           float density, const Tools& tools) const {
+                           float density, Tools& tools) const {
     Rgb sum(0, 0, 0);
-    for (const std::uint32_t part : emitters_.lampsToMeet()) {
-        const auto met = meetLamp(emitters_.parts()[part], at, direction);
-        if (!met || met->distance > distance) continue;
-        sum += met->radiance * (1 / (density + chanceOf(part, at, tools) * met->density));
-    }
+    tools.met.clear();
+    emitters_.meetLamps(at, direction, tools.met);
+    for (const auto& [part, hit] : tools.met)
+        if (hit.distance <= distance)
+            sum += hit.radiance * (1 / (density + chanceOf(part, at, tools) * hit.density));
     return sum;
 }
 
@@ -304,7 +304,7 @@ EmitterLight::Tools::LobeRay EmitterLight::lobeRay(const GlossyPoint& glossy, st
 
 /// Traces rays of one point's lobe, and weighs what they find against the rays to emitters.
 void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::LobeRay> rays,
-                             const Tools& tools) const {
+                             Tools& tools) const {
     RayPacket packet{};
     std::array<Tools::LobeRay*, RayPacket::kSize> of{};
     std::array<Hit, RayPacket::kSize> hits;

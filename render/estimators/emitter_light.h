@@ -51,6 +51,7 @@ public:
         std::vector<std::uint32_t> words[3];
         std::vector<Sample> samples;
         std::vector<LobeRay> lobeRays;
+        std::vector<Emitters::Met> met;
         RayStream stream{};
         std::vector<std::uint32_t> queued;  ///< numbers of the samples in the stream
     };
@@ -91,7 +92,7 @@ private:
     Rgb weighed(const Hit& hit, const Receiver& at, bool draws, float density,
                 const Tools& tools) const;
     Rgb lampsMet(const Vec3f& direction, float distance, const Receiver& at, float density,
-                 const Tools& tools) const;
+                 Tools& tools) const;
     void enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value, std::uint32_t number,
                  Tools& tools) const;
     bool passes(const Vec3f& origin, const Vec3f& way, float reach) const;
@@ -99,7 +100,7 @@ private:
     static Tools::LobeRay lobeRay(const GlossyPoint& glossy, std::uint32_t number, float share,
                                   std::size_t k, const Tools& tools);
     void traceLobe(const Receiver& at, bool draws, std::span<Tools::LobeRay> rays,
-                   const Tools& tools) const;
+                   Tools& tools) const;
     template <class Samples, class Add>
     static void addUp(const Samples& samples, const Rgb& luminanceWeights, const Add& add);
 

@@ -19,6 +19,7 @@ void Stage::load(const std::function<void()>& onStep) {
     mesh_ = loadMesh(set.files, meshOptions);
     note_(fmt::format("set: {}", describe(mesh_.report)), NoteKind::note);
     requireMatches(meshOptions.gains, mesh_);
+    if (!mesh_.lamps.empty()) note_(fmt::format("lamps: {}", mesh_.lamps.size()), NoteKind::note);
     onStep();
     moving_.emplace(shots_, set.dynamic, meshOptions, mesh_.origin, set.fps);
     for (GltfShot& shot : shots_) shot.dropData();

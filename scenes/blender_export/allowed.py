@@ -133,7 +133,6 @@ PROPERTIES = {
     "AreaLight": {**of(READ, "shape size size_y"), "spread": (SPREAD,)},
     "CyclesLightSettings": {"is_portal": READ, "cast_shadow": (True,), "use_multiple_importance_sampling": METHOD,
                             "is_caustics_light": GLASS},
-    "ShaderNodeOutputLight": of(READ, "is_active_output target"),
     "Mesh": {
         **of(READ, "attributes color_attributes uv_layers loops polygons vertices vertex_normals has_custom_normals "
                    "materials use_auto_smooth auto_smooth_angle normals_domain corner_normals texspace_location "
@@ -275,7 +274,6 @@ PROPERTIES = {
 INPUTS = {
     "ShaderNodeOutputMaterial": {"Surface": READ, "Displacement": (BLACK,), "Thickness": EEVEE},
     "ShaderNodeOutputWorld": {"Surface": READ},
-    "ShaderNodeOutputLight": {"Surface": READ},
     "ShaderNodeBackground": {**inputs(READ, "Color|Strength"), "Weight": DERIVED},
     "ShaderNodeEmission": {**inputs(READ, "Color|Strength"), "Weight": DERIVED},
     "ShaderNodeBsdfDiffuse": {**inputs(READ, "Color|Normal"), "Roughness": NEUTRAL, "Weight": DERIVED},

@@ -60,8 +60,10 @@ def strength_of(lamp, report):
     reader = Reader()
     colour, strength = (reader.value(node.inputs[name]) for name in ("Color", "Strength"))
     for value, name in ((colour, "Color"), (strength, "Strength")):
-        if value.image or value.colours is not None or value.unknown:
-            report.add("light %s: node %s: %s" % (lamp.name, node.bl_label, name))
+        if value.unknown:
+            report.add("light %s: %s: node %s" % (lamp.name, name, value.unknown))
+        if value.image or value.colours is not None:
+            report.add("light %s: %s that varies" % (lamp.name, name))
     for text in node_differences(node):
         report.add("light %s: %s" % (lamp.name, text))
     return tuple(c * strength.factor[0] for c in colour.factor)

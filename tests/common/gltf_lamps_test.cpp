@@ -163,6 +163,7 @@ TEST(LampGain, OfBadTextIsRefused) {
     for (const char* text :
          {"desk", "=1", "desk=-1", "desk=nan", "desk=inf", "desk=1,2", "desk=", "desk=2e6"})
         EXPECT_THROW(parseLampGain(text), Error) << text;
+    test::expectError([] { parseLampGain("desk=-1"); }, "--lamp desk=-1", "0 to 1e6");
     const TriangleMesh mesh = loaded(setWith({{"type", "point"}, {"name", "desk"}}));
     const LampGain known[] = {parseLampGain("d*=2")}, unknown[] = {parseLampGain("dusk=2")};
     EXPECT_NO_THROW(requireMatches(known, mesh));

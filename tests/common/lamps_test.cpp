@@ -259,6 +259,26 @@ TEST(Lamps, AreFewEmittersWhereTheyAreMany) {
     }
 }
 
+TEST(Lamps, AreMetAsEachByItself) {
+    const TriangleMesh mesh = hall();
+    const Emitters emitters = emittersOfLamps(mesh);
+    std::mt19937_64 generator(9);
+    std::uniform_real_distribution<double> uniform;
+    const Receiver at{Vec3f(1, 0, 2), Vec3f(0, 1, 0)};
+    std::size_t all = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f way(sampleCap(Vec3d(0, 1, 0), 0.99, uniform(generator), uniform(generator)));
+        std::vector<Emitters::Met> met;
+        emitters.meetLamps(at, way, met);
+        std::size_t count = 0;
+        for (const EmitterPart& part : emitters.parts())
+            count += meetLamp(part, at, way).has_value() ? 1 : 0;
+        EXPECT_EQ(met.size(), count);
+        all += count;
+    }
+    EXPECT_GT(all, 100u);
+}
+
 TEST(Lamps, KeepTheirShapesWhateverTheyEmit) {
     TriangleMesh mesh = meshOf({pointAt({0, 1, 0}, 0.1), sunOf({0, -1, 0}, 0.1)});
     const Emitters before = emittersOfLamps(mesh);

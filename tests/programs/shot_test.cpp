@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -102,6 +103,33 @@ TEST_F(ShotTest, ShardsOfAShotHaveTheSpacingOfTheWhole) {
                                 "shot.glb -o more.vdb --extend whole.vdb --camera shot --frames 9 "
                                 "--size 640x480 --level 2 --rays 1")),
               whole);
+}
+
+// One cache serves whatever lamps give.
+TEST_F(ShotTest, DimsLampsByName) {
+    test::GltfBuilder file = test::squareGltf();
+    file.root({{"mesh", 0}});
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+        {{"type", "point"}, {"name", "desk"}, {"intensity", 4}}};
+    file.root({{"translation", {0.5, 0.5, 1}},
+               {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    folder_.write("lit.glb", file.glb());
+    EXPECT_NE(runWell("render", "lit.glb --list").out.find("lamp desk: point, intensity 4,4,4"),
+              std::string::npos);
+    runWell("bake", "lit.glb -o lit.vdb --spacing 0.25");
+    const auto picture = [&](const std::string& more, const std::string& name) {
+        runWell("render", "lit.glb --eye 0.5,0.5,2 --look-at 0.5,0.51,0 --size 8x8 --spp 4 -o " +
+                              name + " --cache lit.vdb " + more);
+        return red(name);
+    };
+    const auto usual = picture("", "a.exr"), dimmed = picture("--lamp d*=0.5,1,1", "b.exr");
+    ASSERT_EQ(usual.size(), dimmed.size());
+    float most = 0;
+    for (std::size_t i = 0; i < usual.size(); ++i) {
+        EXPECT_NEAR(dimmed[i], 0.5f * usual[i], 1e-5f);
+        most = std::max(most, usual[i]);
+    }
+    EXPECT_GT(most, 0.1f);
 }
 
 TEST_F(ShotTest, ListsWhatAFileHolds) {

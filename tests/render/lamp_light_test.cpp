@@ -41,7 +41,7 @@ TriangleMesh underLamps() {
     spot.direction = Vec3d(-0.5, -1, -0.5).normalized();
     spot.cone = LampCone{std::cos(0.3), std::cos(0.6), true};
     mesh.lamps.push_back(spot);
-    Lamp sun = bulb({}, 0, 0.3f);
+    Lamp sun = bulb(Vec3d(0), 0, 0.3f);
     sun.form = Lamp::Form::sun;
     sun.direction = Vec3d(0.6, -1, 0.2).normalized();
     sun.angle = 0.2;
