@@ -43,7 +43,6 @@ float brightness(const Rgb& c) {
 Rgb emittedAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v) {
     const Rgb emission = surfaceAt(mesh, triangle, u, v, {}).emission;
     const Material& material = *materialOf(mesh, triangle);
-    if (!material.cutOut && !material.blends) return emission;
     return emission * opacityAt(mesh, material, triangle, u, v);
 }
 

@@ -169,7 +169,11 @@ void EmitterLight::trace(Tools& tools) const {
         bool visible = tools.stream.reach[i] >= 0;
         if (visible && moves)
             visible = scene_.isFree(vector(tools.stream.origin), vector(tools.stream.direction));
-        tools.samples[tools.queued[i]].visible = visible;
+        auto& sample = tools.samples[tools.queued[i]];
+        sample.visible = visible;
+        if (visible && scene_.tints())
+            sample.value *=
+                scene_.tint(vector(tools.stream.origin), vector(tools.stream.direction), 1);
     }
     tools.queued.clear();
 }
@@ -290,7 +294,7 @@ void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::Lo
             const bool back = hit.normal.dot(ray.direction) > 0;
             if (back && !isDoubleSided(scene_.mesh(), hit.triangle)) continue;
             const float other = draws ? densityAt(at, tools, hit) : 0;
-            ray.value *= surfaceOf(hit, {}).emission * (1 / (ray.density + other));
+            ray.value *= surfaceSeen(hit, {}).emission * (1 / (ray.density + other));
             ray.visible = true;
         }
         count = 0;
