@@ -11,6 +11,7 @@ from .node_values import Value, feed_of, source
 STRAIGHT = "glass: light passes straight, as through a thin pane; Cycles refracts it, and its shadow rays end there"
 BEHIND = "Fresnel: from behind a face, Cycles mirrors as from inside the glass; here both sides mirror alike"
 SHADOW_TRICK = "Is Shadow Ray: here light to surfaces behind the glass loses what the glass mirrors"
+REMARKS = (STRAIGHT, BEHIND, SHADOW_TRICK)
 STANDARD_REFLECTANCE = 0.04  # of glTF, at normal incidence, where no index is stated
 
 

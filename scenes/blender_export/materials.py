@@ -21,7 +21,7 @@ NOTHING = (0.8, 0.8, 0.8)  # albedo of Cycles where there is no material
 # Of all materials of a kind, in one entry.
 LOBES = "Principled BSDF: its lobes are those of glTF; where they are rough, light differs from Cycles by up to a tenth"
 TERMINATOR = "Normal Map: Cycles darkens what is lit from the side, where the map turns the normal to the light"
-SHARED = (LOBES, TERMINATOR)
+SHARED = (LOBES, TERMINATOR, *glass.REMARKS)
 SHADERS = ("BSDF_PRINCIPLED", "BSDF_DIFFUSE", "EMISSION")
 
 
@@ -187,7 +187,7 @@ class MaterialWriter:
 
     def _specular_of_glass(self, shader, opaque):
         """What Principled of 3.4 mirrors: glass by its index of refraction, the rest by Specular."""
-        share = unit(self.reader.value(shader.inputs["Transmission"]).factor)[0]
+        share = unit(self.reader.value(versions.principled_input(shader, "Transmission")).factor)[0]
         index = glass.index_of(shader, self.reader)
         if index is None:
             self.leave_out("IOR: more than a number")

@@ -79,7 +79,9 @@ std::array<std::vector<double>, 3> carried(const Scene& scene, double cosine, in
         EXPECT_EQ(visible, !hit.found);
         EXPECT_EQ(visible, !scene.intersect(origin, w).found);
         const Rgb tint = scene.tint(origin, w);
-        if (visible) EXPECT_EQ(hit.tint, tint);
+        if (visible) {
+            EXPECT_EQ(hit.tint, tint);
+        }
         for (int c = 0; c < 3; ++c)
             found[static_cast<std::size_t>(c)].push_back(visible ? static_cast<double>(tint[c])
                                                                  : 0.0);
@@ -96,7 +98,7 @@ struct Sheets {
 
 class PaneOf : public testing::TestWithParam<Sheets> {};
 
-// With its control: 3 % more.
+// With its control: 6 % more.
 TEST_P(PaneOf, LetsPassWhatItDoesNotMirror) {
     const auto& [name, count, cosine, shared] = GetParam();
     const Rgb green(0.5f, 0.9f, 0.6f);
@@ -108,7 +110,7 @@ TEST_P(PaneOf, LetsPassWhatItDoesNotMirror) {
         const auto& values = found[static_cast<std::size_t>(c)];
         const double wanted = std::pow(0.8 * static_cast<double>(green[c]) * passed(cosine), count);
         EXPECT_GT(test::meanPValue(values, wanted), level) << c;
-        EXPECT_LT(test::meanPValue(values, 1.03 * wanted), level) << c;
+        EXPECT_LT(test::meanPValue(values, 1.06 * wanted), level) << c;
     }
 }
 
