@@ -11,7 +11,6 @@ from .node_values import Value, feed_of, source
 STRAIGHT = "glass: light passes straight, as through a thin pane; Cycles refracts it, and its shadow rays end there"
 BEHIND = "Fresnel: from behind a face, Cycles mirrors as from inside the glass; here both sides mirror alike"
 SHADOW_TRICK = "Is Shadow Ray: here light to surfaces behind the glass loses what the glass mirrors"
-REMARKS = (STRAIGHT, BEHIND, SHADOW_TRICK)
 STANDARD_REFLECTANCE = 0.04  # of glTF, at normal incidence, where no index is stated
 
 
@@ -32,7 +31,7 @@ class Layers:
     pane: object = None
     cover: float = 1          # share of the surface that is not transparent
     nodes: list = field(default_factory=list)    # that were read
-    remarks: list = field(default_factory=list)  # for *Not Rendered*: ours of a whole kind
+    remarks: list = field(default_factory=list)  # for *Not Rendered*: texts above
 
 
 def number(socket, reader):

@@ -21,7 +21,7 @@ NOTHING = (0.8, 0.8, 0.8)  # albedo of Cycles where there is no material
 # Of all materials of a kind, in one entry.
 LOBES = "Principled BSDF: its lobes are those of glTF; where they are rough, light differs from Cycles by up to a tenth"
 TERMINATOR = "Normal Map: Cycles darkens what is lit from the side, where the map turns the normal to the light"
-SHARED = (LOBES, TERMINATOR, *glass.REMARKS)
+SHARED = (LOBES, TERMINATOR, glass.BEHIND)
 SHADERS = ("BSDF_PRINCIPLED", "BSDF_DIFFUSE", "EMISSION")
 
 
@@ -35,9 +35,10 @@ class Look:
 
 
 class Materials:
-    """Writes each material once."""
+    """Writes each material once. panes: whether light passes glass; else glass stops it, and is named."""
 
-    def __init__(self, file, pictures, report):
+    def __init__(self, file, pictures, report, panes=True):
+        self.panes = panes
         self.file = file
         self.pictures = pictures
         self.report = report
@@ -47,7 +48,7 @@ class Materials:
         """The look of a material, or of none."""
         name = material.name_full if material else None
         if name not in self.known:
-            writer = MaterialWriter(self.file, self.pictures, self.report, material)
+            writer = MaterialWriter(self.file, self.pictures, self.report, material, self.panes)
             self.known[name] = writer.write() if material else writer.write_nothing()
         return self.known[name]
 
@@ -55,7 +56,8 @@ class Materials:
 class MaterialWriter:
     """One material on its way into the document."""
 
-    def __init__(self, file, pictures, report, material):
+    def __init__(self, file, pictures, report, material, panes):
+        self.panes = panes
         self.file = file
         self.pictures = pictures
         self.report = report
@@ -84,7 +86,10 @@ class MaterialWriter:
         if layers.cover < 1:
             self._write_opacity(layers.cover * self.entry["pbrMetallicRoughness"]["baseColorFactor"][3])
         for remark in layers.remarks:
-            self.report.share(remark, self.material.name)
+            if remark in SHARED:
+                self.report.share(remark, self.material.name)
+            else:
+                self.leave_out(remark)
         for text in differences(self.material):
             self.leave_out(text)
         for node in self.reader.seen.values():
@@ -116,7 +121,8 @@ class MaterialWriter:
                 self._write_opacity(0)
             return plain
         layers = glass.layers_of(socket.node, self.reader)
-        if layers and (layers.pane or layers.shader.type in SHADERS):
+        refracts = layers and glass.STRAIGHT in layers.remarks
+        if layers and (self.panes or not refracts) and (layers.pane or layers.shader.type in SHADERS):
             for node in (*layers.nodes, *filter(None, (layers.shader,))):
                 self.reader.see(node)
             return layers
@@ -140,8 +146,9 @@ class MaterialWriter:
         self._write_gloss(value(inputs["Metallic"]), value(inputs["Roughness"]))
         self._write_specular(self._specular_of(shader), self._tint_of(shader, base))
         if glass.transmits(shader, self.reader):
-            self._write_transmission(value(versions.principled_input(shader, "Transmission")))
-            self.report.share(glass.STRAIGHT, self.material.name)
+            self.leave_out(glass.STRAIGHT)
+            if self.panes:
+                self._write_transmission(value(versions.principled_input(shader, "Transmission")))
         self._write_emission(versions.principled_input(shader, "Emission"), inputs["Emission Strength"])
         self._write_normal(shader)
         self.report.share(LOBES, self.material.name)
@@ -178,7 +185,7 @@ class MaterialWriter:
 
     def _specular_of(self, shader):
         value = self.reader.value(versions.principled_input(shader, "Specular"))
-        if not versions.has_own_index(shader) and glass.transmits(shader, self.reader):
+        if self.panes and not versions.has_own_index(shader) and glass.transmits(shader, self.reader):
             return self._specular_of_glass(shader, value)
         if versions.has_own_index(shader) and source(shader.inputs["IOR"]):
             self.leave_out("IOR: node %s" % source(shader.inputs["IOR"]).node.bl_label)
