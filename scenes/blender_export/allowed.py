@@ -56,7 +56,7 @@ PROPERTIES = {
     "ShaderNodeOutputWorld": of(READ, "is_active_output target"),
     "ShaderNodeBsdfPrincipled": {"distribution": ("GGX",), "subsurface_method": Free("is of Subsurface, which is named")},
     "ShaderNodeBsdfGlass": {"distribution": ("SHARP", "BECKMANN", "GGX", "MULTI_GGX")},
-    **dict.fromkeys(("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic"), {"distribution": ("SHARP", "GGX")}),
+    "ShaderNodeBsdfGlossy": {"distribution": ("SHARP", "GGX")},
     "ShaderNodeTexImage": {**of(READ, "image extension interpolation texture_mapping"), "projection": ("FLAT",),
                            "projection_blend": Free("is of box projections, which are named"),
                            **of(INSIDE, "image_user color_mapping")},
@@ -278,9 +278,6 @@ INPUTS = {
     "ShaderNodeBsdfTransparent": {"Color": READ, "Weight": DERIVED},
     "ShaderNodeBsdfGlass": {**inputs(READ, "Color|Roughness|IOR"), "Weight": DERIVED},
     "ShaderNodeBsdfGlossy": {**inputs(READ, "Color|Roughness"), "Weight": DERIVED},
-    # From 4.0 on the Glossy BSDF.
-    "ShaderNodeBsdfAnisotropic": {**inputs(READ, "Color|Roughness"), "Anisotropy": NEUTRAL, "Weight": DERIVED,
-                                  **inputs(Free("is of Anisotropy, which is named"), "Rotation|Tangent")},
     "ShaderNodeMixShader": inputs(READ, "Fac|Shader|Shader_001"),
     "ShaderNodeFresnel": {"IOR": READ},
     "ShaderNodeLightPath": {},

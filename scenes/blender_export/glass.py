@@ -11,6 +11,7 @@ from .node_values import Value, feed_of, source
 STRAIGHT = "glass: light passes straight, as through a thin pane; Cycles refracts it, and its shadow rays end there"
 BEHIND = "Fresnel: from behind a face, Cycles mirrors as from inside the glass; here both sides mirror alike"
 SHADOW_TRICK = "Is Shadow Ray: here light to surfaces behind the glass loses what the glass mirrors"
+GLOSSY = "ShaderNodeBsdfGlossy"  # from 4.0 on it is another node, with anisotropy
 STANDARD_REFLECTANCE = 0.04  # of glTF, at normal incidence, where no index is stated
 
 
@@ -102,7 +103,7 @@ def mixed_by_number(share, first, second, layers, reader):
     if share in (0, 1):
         return second if share else first
     if is_clear(first):
-        if second.type != "BSDF_GLOSSY":
+        if second.bl_idname != GLOSSY:
             layers.cover *= share
             layers.nodes.append(first)
             return second
@@ -130,7 +131,7 @@ def mixed_by_angle(factor, first, second, layers, reader):
 
 def mirrors_white(node, reader):
     """Whether a node is a Glossy BSDF that reflects all colours alike."""
-    if node.type != "BSDF_GLOSSY":
+    if node.bl_idname != GLOSSY:
         return False
     colour = reader.value(node.inputs["Color"])
     return not (colour.image or colour.colours is not None or colour.unknown) and set(colour.factor) == {1}
