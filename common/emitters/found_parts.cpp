@@ -159,7 +159,6 @@ std::vector<EmitterPart> partsOf(const Lamp& lamp) {
 Rgb emittedAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v) noexcept {
     const Rgb emission = surfaceAt(mesh, triangle, u, v, {}).emission;
     const Material& material = *materialOf(mesh, triangle);
-    if (!material.cutOut && !material.blends) return emission;
     return emission * opacityAt(mesh, material, triangle, u, v);
 }
 

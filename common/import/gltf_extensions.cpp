@@ -10,15 +10,15 @@ namespace shadowcache {
 namespace {
 
 /// Read of materials.
-constexpr std::array<std::string_view, 5> kOfMaterials{
-    "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_specular", "KHR_materials_unlit"};
+constexpr std::array<std::string_view, 6> kOfMaterials{
+    "KHR_materials_emissive_strength",     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness", "KHR_materials_specular",
+    "KHR_materials_transmission",          "KHR_materials_unlit"};
 
 /// Their materials are read without them, and the report says so.
-constexpr std::array<std::string_view, 7> kLeftOutOfMaterials{
+constexpr std::array<std::string_view, 6> kLeftOutOfMaterials{
     "KHR_materials_anisotropy",  "KHR_materials_clearcoat", "KHR_materials_dispersion",
-    "KHR_materials_iridescence", "KHR_materials_sheen",     "KHR_materials_transmission",
-    "KHR_materials_volume"};
+    "KHR_materials_iridescence", "KHR_materials_sheen",     "KHR_materials_volume"};
 
 /// Read of anything else, or with nothing to be seen.
 constexpr std::array<std::string_view, 10> kOfOthers{"EXT_mesh_gpu_instancing",

@@ -19,6 +19,12 @@ constexpr double kMostFactor = 1e6;
 /// Of texture coordinates.
 constexpr std::size_t kMostSets = 1 << 16;
 
+constexpr const char* kTransmission = "KHR_materials_transmission";
+constexpr const char* kVolume = "KHR_materials_volume";
+
+/// Roughness up to which glass is clear, to the eye.
+constexpr float kMostClearRoughness = 0.1f;
+
 enum class Alpha { opaque, mask, blend };
 constexpr Named<Alpha> kAlphaModes[] = {
     {"OPAQUE", Alpha::opaque}, {"MASK", Alpha::mask}, {"BLEND", Alpha::blend}};
@@ -55,6 +61,7 @@ public:
         finish_.unlit = from_.hasExtension("KHR_materials_unlit");
         if (from_.hasExtension("KHR_materials_pbrSpecularGlossiness")) {
             readSpecularGlossiness(from_.extension("KHR_materials_pbrSpecularGlossiness"));
+            if (from_.hasExtension(kTransmission)) to_.leftOut.emplace_back(kTransmission);
         } else {
             const GltfObject pbr = from_.object("pbrMetallicRoughness");
             readBaseColor(pbr.numbers("baseColorFactor", 4), slotOf(pbr, "baseColorTexture"));
@@ -62,13 +69,15 @@ public:
                                   share(pbr.number("roughnessFactor", 1))};
             finish_.metallicRoughness = slotOf(pbr, "metallicRoughnessTexture");
             readSpecular();
+            readTransmission(from_.extension(kTransmission));
         }
         to_.material.normal = slotOf(from_, "normalTexture");
         to_.material.normalScale =
             static_cast<float>(from_.object("normalTexture").number("scale", 1));
         readEmission();
         for (const std::string& name : from_.object("extensions").keys())
-            if (!isReadOfMaterials(name) && name.find("_materials_") != std::string::npos)
+            if (!isReadOfMaterials(name) && name.find("_materials_") != std::string::npos &&
+                !(name == kVolume && to_.material.isPane()))
                 to_.leftOut.push_back(name);
         return std::move(to_);
     }
@@ -146,6 +155,19 @@ private:
         gloss.specularColor = color(specular, "specularColorFactor", kMostFactor);
         finish_.specular = slotOf(specular, "specularTexture");
         finish_.specularColor = slotOf(specular, "specularColorTexture");
+    }
+
+    /// A pane, whatever shape it has: light passes it straight. Both its sides are seen.
+    void readTransmission(const GltfObject& extension) {
+        const float factor = share(extension.number("transmissionFactor", 0));
+        if (factor == 0 || finish_.unlit) return;
+        finish_.transmission = factor;
+        finish_.transmissionTexture = slotOf(extension, "transmissionTexture");
+        to_.material.doubleSided = true;
+        if (finish_.gloss->roughness > kMostClearRoughness)
+            to_.leftOut.emplace_back("blur by rough glass (light passes straight)");
+        if (from_.hasExtension(kVolume))
+            to_.leftOut.emplace_back("volume of glass (rendered as panes)");
     }
 
     void readEmission() {

@@ -187,12 +187,21 @@ void appendLamps(const std::filesystem::path& path, const RawMesh& raw, const Me
     }
 }
 
+/// Nothing, but of a pane its glass.
+Finish withoutGloss(const Material& material) {
+    if (!material.isPane()) return {};
+    Finish finish = material.finish;
+    finish.emission = Rgb(0.0f);
+    finish.emissionTexture = {};
+    return finish;
+}
+
 /// Materials, textures and instances of a file, renumbered behind those of the files before.
 void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
     const Affine world = worldOf(options);
     std::vector<bool> used(raw.textures.size(), false);
     for (Material material : raw.materials) {
-        if (!options.gloss) material.finish = {};
+        if (!options.gloss) material.finish = withoutGloss(material);
         if (!options.lamps) {
             material.finish.emission = Rgb(0.0f);
             material.finish.emissionTexture = {};

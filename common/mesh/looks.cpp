@@ -69,15 +69,14 @@ Gloss glossAt(const Place& place, const Finish& finish) {
     return gloss;
 }
 
-}  // namespace
+/// Share of the base that transmits.
+float transmissionAt(const Place& place, const Finish& finish) {
+    if (finish.transmissionTexture.texture < 0) return finish.transmission;
+    return finish.transmission * place.value(finish.transmissionTexture)[0];
+}
 
-Surface surfaceAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
-                  const PlainLook& plain) noexcept {
-    const Place place{mesh, triangle, u, v};
-    const Material* material = materialOf(mesh, triangle);
-    const Rgb color = baseColor(place, material, plain.albedo);
-    if (!material) return plain.gloss ? glossy(color, *plain.gloss) : lambertian(color);
-    const Finish& finish = material->finish;
+Surface surfaceOf(const Place& place, const Material& material, const Rgb& color) {
+    const Finish& finish = material.finish;
     Surface surface;
     if (finish.unlit) {
         surface.unlit = true;
@@ -85,10 +84,22 @@ Surface surfaceAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, flo
         return surface;
     }
     surface = finish.gloss ? glossy(color, glossAt(place, finish)) : lambertian(color);
+    if (material.isPane()) transmit(transmissionAt(place, finish), surface);
     surface.emission = finish.emission * finish.gain;
     if (finish.emissionTexture.texture >= 0)
         surface.emission *= place.color(finish.emissionTexture);
     return surface;
+}
+
+}  // namespace
+
+Surface surfaceAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
+                  const PlainLook& plain) noexcept {
+    const Place place{mesh, triangle, u, v};
+    const Material* material = materialOf(mesh, triangle);
+    const Rgb color = baseColor(place, material, plain.albedo);
+    if (material) return surfaceOf(place, *material, color);
+    return plain.gloss ? glossy(color, *plain.gloss) : lambertian(color);
 }
 
 Rgb albedoAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v,
@@ -126,15 +137,33 @@ float statedOpacity(const TriangleMesh& mesh, const Material& material, std::uin
 
 float opacityAt(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
                 float v) noexcept {
+    if (!material.cutOut && !material.blends) return 1;
     const float opacity = statedOpacity(mesh, material, triangle, u, v);
     if (material.blends) return std::clamp(opacity, 0.0f, 1.0f);
     return opacity < material.cutoff ? 0.0f : 1.0f;
 }
 
-bool isHole(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
-            float v, float chance) noexcept {
-    const float opacity = statedOpacity(mesh, material, triangle, u, v);
-    return material.blends ? opacity <= chance : opacity < material.cutoff;
+Passage passageAt(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle,
+                  float u, float v, float cosine) noexcept {
+    Passage passage;
+    const float covered = opacityAt(mesh, material, triangle, u, v);
+    passage.stopped = covered;
+    if (!material.isPane() || covered == 0) return passage;
+    const Place place{mesh, triangle, u, v};
+    const Surface surface = surfaceOf(place, material, baseColor(place, &material, Rgb(0.0f)));
+    const Rgb through =
+        surface.transmitted * (covered * (1 - mirroredShare(surface, cosine))) + Rgb(1 - covered);
+    const float passed = std::clamp(luminance(through), 0.0f, 1.0f);
+    passage.stopped = 1 - passed;
+    if (passed > 0) passage.tint = through / passed;
+    passage.weight = passage.stopped > 0 ? covered / passage.stopped : 0;
+    return passage;
+}
+
+bool mayTint(const TriangleMesh& mesh, const Material& material) noexcept {
+    if (!material.isPane()) return false;
+    const Rgb& c = material.albedo;
+    return material.texture >= 0 || !mesh.colors.empty() || c.x != c.y || c.y != c.z;
 }
 
 }  // namespace shadowcache

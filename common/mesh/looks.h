@@ -39,10 +39,20 @@ std::array<Vec2f, 3> texturePlaces(const TriangleMesh& mesh, std::uint32_t trian
 float opacityAt(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
                 float v) noexcept;
 
-/// Whether a cut-out material has a hole there, or one that blends lets a ray pass.
+/// How rays pass a surface straight: through holes, what blends, and panes.
+struct Passage {
+    float stopped = 1;           ///< share of the rays that do not pass, 0 to 1
+    Rgb tint{1.0f, 1.0f, 1.0f};  ///< factor of what those carry that pass
+    float weight = 1;            ///< factor of what the surface sends to those that do not
+};
+
+/// Of a material there: its coverage, and of what is covered the light that a pane transmits.
 ///
-/// @param chance  in [0, 1), the ray's own: it passes with probability 1 - opacity
-bool isHole(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle, float u,
-            float v, float chance) noexcept;
+/// @param cosine  between the ray and the triangle's normal, of any sign; for panes
+Passage passageAt(const TriangleMesh& mesh, const Material& material, std::uint32_t triangle,
+                  float u, float v, float cosine) noexcept;
+
+/// Whether a pane of the material may tint what passes.
+bool mayTint(const TriangleMesh& mesh, const Material& material) noexcept;
 
 }  // namespace shadowcache

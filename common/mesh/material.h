@@ -43,7 +43,9 @@ struct Finish {
     Rgb emission{0.0f, 0.0f, 0.0f};  ///< [radiance]
     TextureSlot emissionTexture;     ///< colour times the emission
     Rgb gain{1.0f, 1.0f, 1.0f};      ///< times the emission
-    bool unlit = false;              ///< emits its base colour and reflects nothing
+    float transmission = 0;          ///< share of the base that light passes straight, tinted by it
+    TextureSlot transmissionTexture;  ///< red times the transmission
+    bool unlit = false;               ///< emits its base colour and reflects nothing
 };
 
 /// How the triangles of a part look, and where they are holes.
@@ -59,17 +61,24 @@ struct Material {
     float opacity = 1.0f;  ///< times the texture's
     float cutoff = 0.5f;
     bool doubleSided = true;  ///< else the camera does not see its back; shadows it casts anyway
+
+    bool isPane() const { return finish.transmission > 0; }
+    /// Whether rays pass it, each by a chance of its own.
+    bool passesByChance() const { return blends || isPane(); }
+    /// Whether rays pass it anywhere.
+    bool isPierced() const { return cutOut || passesByChance(); }
 };
 
 /// Numbers of all its textures, -1 for none.
-inline std::array<int*, 6> texturesOf(Material& m) {
+inline std::array<int*, 7> texturesOf(Material& m) {
     Finish& finish = m.finish;
     return {&m.texture,
             &m.normal.texture,
             &finish.metallicRoughness.texture,
             &finish.specular.texture,
             &finish.specularColor.texture,
-            &finish.emissionTexture.texture};
+            &finish.emissionTexture.texture,
+            &finish.transmissionTexture.texture};
 }
 
 /// Linear colour at texture coordinates (s, t).

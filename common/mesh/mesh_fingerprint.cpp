@@ -32,6 +32,11 @@ std::uint64_t hashFloat(float value) {
 /// In place of the cutoff of a material that blends; no cutoff is below 0.
 constexpr float kBlends = -1;
 
+std::uint64_t hashSampling(const Texture& texture) {
+    return static_cast<std::uint64_t>(texture.wrapS) * 8 +
+           static_cast<std::uint64_t>(texture.wrapT) * 2 + (texture.smooth ? 1 : 0);
+}
+
 /// Of what decides where a material has holes; 0 if it has none.
 std::uint64_t hashCutOut(const TriangleMesh& mesh, const Material& material) {
     if (!material.cutOut && !material.blends) return 0;
@@ -39,23 +44,64 @@ std::uint64_t hashCutOut(const TriangleMesh& mesh, const Material& material) {
     std::uint64_t hash = hashWords(hashFloat(material.opacity), hashFloat(cutoff));
     if (material.texture < 0) return hash;
     const Texture& texture = mesh.textures[static_cast<std::size_t>(material.texture)];
-    hash = hashWords(hash, static_cast<std::uint64_t>(texture.width),
-                     static_cast<std::uint64_t>(texture.wrapS) * 8 +
-                         static_cast<std::uint64_t>(texture.wrapT) * 2 + (texture.smooth ? 1 : 0));
+    hash = hashWords(hash, static_cast<std::uint64_t>(texture.width), hashSampling(texture));
     for (std::size_t i = 3; i < texture.rgba.size(); i += 4)
         hash = hashWords(hash, texture.rgba[i]);
     return hash;
 }
 
-/// Of what decides which sides of a material are baked, and where it has holes; 0 for both sides
-/// without holes.
+std::uint64_t hashColor(const Rgb& c) {
+    return hashWords(hashFloat(c.x), hashFloat(c.y), hashFloat(c.z));
+}
+
+std::uint64_t hashSlot(const TriangleMesh& mesh, const TextureSlot& slot) {
+    if (slot.texture < 0) return 0;
+    const Texture& texture = mesh.textures[static_cast<std::size_t>(slot.texture)];
+    std::uint64_t hash = hashWords(static_cast<std::uint64_t>(texture.width),
+                                   static_cast<std::uint64_t>(slot.layer), hashSampling(texture));
+    for (const auto* bytes : {&texture.rgba, &texture.low})
+        for (const std::uint8_t byte : *bytes) hash = hashWords(hash, byte);
+    return hash;
+}
+
+/// Of what decides how much light a pane transmits; 0 if it is none.
+std::uint64_t hashPane(const TriangleMesh& mesh, const Material& material) {
+    if (!material.isPane()) return 0;
+    const Finish& finish = material.finish;
+    const Gloss gloss = finish.gloss.value_or(Gloss{.specular = 0});
+    std::uint64_t hash = hashWords(hashFloat(finish.transmission), hashColor(material.albedo),
+                                   hashColor(gloss.specularColor));
+    hash = hashWords(hash, hashFloat(gloss.metallic), hashFloat(gloss.ior));
+    hash = hashWords(hash, hashFloat(gloss.specular));
+    for (const TextureSlot& slot :
+         {TextureSlot{material.texture, 0}, finish.metallicRoughness, finish.specular,
+          finish.specularColor, finish.transmissionTexture})
+        hash = hashWords(hash, hashSlot(mesh, slot));
+    return hash;
+}
+
+/// Of what decides which sides of a material are baked, and where rays pass it; 0 for both sides
+/// that stop them.
 std::uint64_t hashLooks(const TriangleMesh& mesh, const Material& material) {
-    const std::uint64_t cutOut = hashCutOut(mesh, material);
-    return material.doubleSided ? cutOut : mixBits(~cutOut);
+    std::uint64_t pierced = hashCutOut(mesh, material);
+    if (material.isPane()) pierced = hashWords(pierced, hashPane(mesh, material));
+    return material.doubleSided ? pierced : mixBits(~pierced);
 }
 
 std::uint64_t hashTexcoord(const Vec3f& at) {
     return hashWords(hashFloat(at.x), hashFloat(at.y), hashFloat(at.z));
+}
+
+/// Of what a vertex has that decides where rays pass its material, with `hash`, of its position.
+std::uint64_t hashVertex(const TriangleMesh& mesh, const Material& material, std::size_t vertex,
+                         std::uint64_t hash) {
+    if (material.isPierced() && !mesh.texcoords.empty())
+        hash = hashWords(hash, hashTexcoord(mesh.texcoords[vertex]));
+    if (!material.isPane()) return hash;
+    for (const std::vector<Vec2f>& layer : mesh.moreTexcoords)
+        if (!layer.empty())
+            hash = hashWords(hash, hashFloat(layer[vertex].x), hashFloat(layer[vertex].y));
+    return mesh.colors.empty() ? hash : hashWords(hash, hashColor(mesh.colors[vertex]));
 }
 
 /// Of a triangle in the world, by the number that placed_mesh.h gives it.
@@ -69,12 +115,11 @@ std::uint64_t hashPlaced(const TriangleMesh& mesh, const std::vector<std::uint64
     const std::uint64_t look =
         material ? looks[static_cast<std::size_t>(material - mesh.materials.data())] : 0;
     if (look == 0) return hashTriangle(hash[0], hash[1], hash[2]);
-    if ((material->cutOut || material->blends) && !mesh.texcoords.empty())
-        for (int k = 0; k < 3; ++k)
-            hash[static_cast<std::size_t>(k)] = hashWords(
-                hash[static_cast<std::size_t>(k)],
-                hashTexcoord(
-                    mesh.texcoords[static_cast<std::size_t>(mesh.triangles[placed.triangle][k])]));
+    for (int k = 0; k < 3; ++k) {
+        std::uint64_t& corner = hash[static_cast<std::size_t>(k)];
+        const auto vertex = static_cast<std::size_t>(mesh.triangles[placed.triangle][k]);
+        corner = hashVertex(mesh, *material, vertex, corner);
+    }
     // A mirrored triangle has its corners the other way round, as seen from its front.
     const bool mirrored = placed.instance && placed.instance->toWorld.mirrors();
     return hashWords(hashTriangle(hash[0], hash[1], hash[2]), look, mirrored ? 1 : 0);

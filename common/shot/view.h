@@ -30,12 +30,18 @@ inline Vec3f startIn(const Scene& scene, const CameraRay& ray) {
     return Vec3f(ray.start - scene.mesh().origin);
 }
 
+/// What a ray meets up to a distance: nothing beyond, but panes.
+inline Hit hitWithin(const Hit& hit, double reach) {
+    if (static_cast<double>(hit.distance) <= reach) return hit;
+    Hit sky;
+    sky.tint = hit.tint;
+    return sky;
+}
+
 /// What a camera's ray meets: nothing beyond its reach.
 inline View lookAlong(const CameraRay& ray, const Scene& scene) {
     const Vec3f direction(ray.direction);
-    View view{direction, scene.intersect(startIn(scene, ray), direction)};
-    if (static_cast<double>(view.hit.distance) > ray.reach) view.hit = {};
-    return view;
+    return {direction, hitWithin(scene.intersect(startIn(scene, ray), direction), ray.reach)};
 }
 
 /// Where a hit of the scene lies in world space.

@@ -56,6 +56,23 @@ Surface glossy(const Rgb& baseColor, const Gloss& gloss) noexcept {
     return surface;
 }
 
+void transmit(float share, Surface& surface) noexcept {
+    surface.transmitted = surface.diffuse * share;
+    surface.diffuse *= 1 - share;
+}
+
+float mirroredShare(const Surface& surface, float cosine) noexcept {
+    return surface.loss0 + (surface.loss90 - surface.loss0) * schlickWeight(cosine);
+}
+
+Surface scaled(const Surface& surface, const Rgb& factor) noexcept {
+    Surface result = surface;
+    for (Rgb* part : {&result.baseColor, &result.diffuse, &result.transmitted, &result.f0,
+                      &result.f90, &result.emission})
+        *part *= factor;
+    return result;
+}
+
 Rgb diffuseAlbedo(const Surface& surface, float cosine) noexcept {
     if (!surface.glossy) return surface.diffuse;
     const float loss = surface.loss0 + (surface.loss90 - surface.loss0) * meanSchlickWeight(cosine);

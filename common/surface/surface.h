@@ -19,11 +19,12 @@ struct Gloss {
 /// How light leaves a place of a surface: what it emits, a diffuse part, and mirrors.
 struct Surface {
     Rgb baseColor{0.0f, 0.0f, 0.0f};
-    Rgb diffuse{0.0f, 0.0f, 0.0f};  ///< albedo of the base below the mirrors
-    Rgb f0{0.0f, 0.0f, 0.0f};       ///< reflectance of the mirrors at normal incidence
-    Rgb f90{0.0f, 0.0f, 0.0f};      ///< and at grazing incidence
-    float loss0 = 0;                ///< share of its light that the base loses to the mirrors, at
-    float loss90 = 0;               ///< normal and at grazing incidence
+    Rgb diffuse{0.0f, 0.0f, 0.0f};      ///< albedo of the base below the mirrors
+    Rgb transmitted{0.0f, 0.0f, 0.0f};  ///< share of light below the mirrors that passes straight
+    Rgb f0{0.0f, 0.0f, 0.0f};           ///< reflectance of the mirrors at normal incidence
+    Rgb f90{0.0f, 0.0f, 0.0f};          ///< and at grazing incidence
+    float loss0 = 0;   ///< share of its light that the base loses to the mirrors, at
+    float loss90 = 0;  ///< normal and at grazing incidence
     float roughness = 1;
     Rgb emission{0.0f, 0.0f, 0.0f};  ///< [radiance]
     bool glossy = false;             ///< has mirrors
@@ -35,6 +36,18 @@ Surface lambertian(const Rgb& albedo) noexcept;
 
 /// A surface of the metallic-roughness model.
 Surface glossy(const Rgb& baseColor, const Gloss& gloss) noexcept;
+
+/// The base of a surface with a share of it, 0 to 1, that transmits light instead of scattering it.
+/// [KHR_materials_transmission]
+void transmit(float share, Surface& surface) noexcept;
+
+/// Share of light that the mirrors take from the base in a direction.
+///
+/// @param cosine  between the normal and the direction
+float mirroredShare(const Surface& surface, float cosine) noexcept;
+
+/// A surface whose light counts times a factor on its way to the viewer.
+Surface scaled(const Surface& surface, const Rgb& factor) noexcept;
 
 /// Albedo of the diffuse part as the viewer sees it: without the share that the mirrors take on the
 /// mean over a hemisphere of light.

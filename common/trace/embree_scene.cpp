@@ -1,6 +1,8 @@
 #include "common/trace/embree_scene.h"
 
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <memory>
 
 #include "common/base/error.h"
@@ -41,7 +43,7 @@ void EmbreeScene::build() {
                              part.material < 0
                                  ? nullptr
                                  : &mesh_.materials[static_cast<std::size_t>(part.material)],
-                             part.firstTriangle});
+                             part.firstTriangle, this});
     for (std::size_t i = 0; i < direct; ++i) attachPart(root_, static_cast<unsigned>(i), parts_[i]);
     attachInstances(static_cast<unsigned>(direct));
     commit(root_);
@@ -93,9 +95,8 @@ void EmbreeScene::attachPart(RTCScene scene, unsigned id, const MeshPart& part) 
     Part& filtered = filtered_[static_cast<std::size_t>(&part - parts_.data())];
     if (const Material* material = filtered.material) {
         rtcSetGeometryUserData(geometry, &filtered);
-        const bool pierced = material->cutOut || material->blends;
-        if (pierced) rtcSetGeometryOccludedFilterFunction(geometry, filterHoles);
-        if (pierced || !material->doubleSided)
+        if (material->isPierced()) rtcSetGeometryOccludedFilterFunction(geometry, filterHoles);
+        if (material->isPierced() || !material->doubleSided)
             rtcSetGeometryIntersectFilterFunction(geometry, filterUnseen);
     }
     rtcCommitGeometry(geometry);
@@ -140,21 +141,48 @@ std::uint32_t EmbreeScene::placedNumber(const RTCHit& hit) const noexcept {
            parts_[instance.firstPart].firstTriangle + hit.primID;
 }
 
-bool EmbreeScene::inHole(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray) {
+float EmbreeScene::cosineAt(const RTCFilterFunctionNArguments& hits, unsigned ray,
+                            std::uint32_t triangle) const noexcept {
+    const Vec3i& t = mesh_.triangles[triangle];
+    const auto corner = [&](int k) { return mesh_.positions[static_cast<std::size_t>(t[k])]; };
+    std::array<Vec3f, 3> v{
+        corner(1) - corner(0), corner(2) - corner(0),
+        Vec3f(RTCRayN_dir_x(hits.ray, hits.N, ray), RTCRayN_dir_y(hits.ray, hits.N, ray),
+              RTCRayN_dir_z(hits.ray, hits.N, ray))};
+    const unsigned instance = RTCHitN_instID(hits.hit, hits.N, ray, 0);
+    if (instance != RTC_INVALID_GEOMETRY_ID) {
+        const Affine& a = mesh_.instances[instance - firstInstance_].toWorld;
+        for (Vec3f& x : v)
+            x = Vec3f(a.axis[0]) * x.x + Vec3f(a.axis[1]) * x.y + Vec3f(a.axis[2]) * x.z;
+    }
+    const Vec3f normal = v[0].cross(v[1]);
+    return normal.dot(v[2]) / std::sqrt(normal.length2() * v[2].length2());
+}
+
+/// Whether a ray passes the surface that it meets: a hole, or by chance.
+bool EmbreeScene::passes(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray) {
+    const Material& material = *part.material;
     const std::uint32_t triangle = part.firstTriangle + RTCHitN_primID(hits.hit, hits.N, ray);
     float chance = 0;
-    if (part.material->blends)
+    if (material.passesByChance())
         chance = toUnitFloat(
             static_cast<std::uint32_t>(hashWords(RTCRayN_id(hits.ray, hits.N, ray), triangle,
                                                  RTCHitN_instID(hits.hit, hits.N, ray, 0))));
-    return isHole(*part.mesh, *part.material, triangle, RTCHitN_u(hits.hit, hits.N, ray),
-                  RTCHitN_v(hits.hit, hits.N, ray), chance);
+    const float cosine = material.isPane() ? part.scene->cosineAt(hits, ray, triangle) : 1.0f;
+    const Passage passage =
+        passageAt(*part.mesh, material, triangle, RTCHitN_u(hits.hit, hits.N, ray),
+                  RTCHitN_v(hits.hit, hits.N, ray), cosine);
+    const bool passes = passage.stopped <= chance;
+    Rgb* tint = reinterpret_cast<const QueryContext*>(hits.context)->tint;
+    if (!tint) return passes;
+    if (passes) *tint *= passage.tint;
+    return true;
 }
 
 void EmbreeScene::filterHoles(const RTCFilterFunctionNArguments* hits) {
     const Part& part = *static_cast<const Part*>(hits->geometryUserPtr);
     for (unsigned i = 0; i < hits->N; ++i)
-        if (hits->valid[i] == -1 && inHole(part, *hits, i)) hits->valid[i] = 0;
+        if (hits->valid[i] == -1 && passes(part, *hits, i)) hits->valid[i] = 0;
 }
 
 void EmbreeScene::filterUnseen(const RTCFilterFunctionNArguments* hits) {
@@ -163,8 +191,7 @@ void EmbreeScene::filterUnseen(const RTCFilterFunctionNArguments* hits) {
                        reinterpret_cast<const QueryContext*>(hits->context)->fromCamera;
     for (unsigned i = 0; i < hits->N; ++i) {
         if (hits->valid[i] != -1) continue;
-        if ((part.material->cutOut || part.material->blends) && inHole(part, *hits, i))
-            hits->valid[i] = 0;
+        if (part.material->isPierced() && passes(part, *hits, i)) hits->valid[i] = 0;
         if (!culls) continue;
         // In the geometry's own space, so that a mirroring instance turns no side around.
         const Vec3i& t =

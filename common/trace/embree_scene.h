@@ -14,9 +14,10 @@ namespace shadowcache {
 /// What a query that may call the filters below hands to them.
 struct QueryContext {
     RTCIntersectContext base;
-    bool fromCamera;  ///< backs of surfaces that are not double-sided are not seen
+    bool fromCamera = false;  ///< backs of surfaces that are not double-sided are not seen
+    Rgb* tint = nullptr;      ///< of a single ray that passes all that is pierced: what it gathers
 
-    explicit QueryContext(bool camera) : fromCamera(camera) { rtcInitIntersectContext(&base); }
+    QueryContext() { rtcInitIntersectContext(&base); }
 };
 
 /// A mesh in Embree: a geometry for each part in the world, an instance for each of the mesh's.
@@ -40,11 +41,15 @@ private:
         const TriangleMesh* mesh;
         const Material* material;
         std::uint32_t firstTriangle;
+        const EmbreeScene* scene;
     };
 
     static void filterHoles(const RTCFilterFunctionNArguments* hits);
     static void filterUnseen(const RTCFilterFunctionNArguments* hits);
-    static bool inHole(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray);
+    static bool passes(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray);
+    /// Cosine, in the world, between a ray and the normal of the triangle that it meets.
+    float cosineAt(const RTCFilterFunctionNArguments& hits, unsigned ray,
+                   std::uint32_t triangle) const noexcept;
 
     void build();
     void release() noexcept;

@@ -9,6 +9,7 @@
 
 #include "common/base/hash.h"
 #include "common/base/tuned.h"
+#include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/trace/embree_scene.h"
 
@@ -26,8 +27,8 @@ SHADOWCACHE_TUNED(std::size_t, kManyTriangles, 300000);
 /// Moving sets of more instances are one ball: every ball costs every shading point a little.
 constexpr std::size_t kMostBalls = 16;
 
-/// Number of a ray, of which surfaces that blend make its chance to pass: the same ray, asked
-/// again, passes again.
+/// Number of a ray, of which surfaces that blend and panes make its chance to pass: the same ray,
+/// asked again, passes again.
 unsigned rayNumber(const Vec3f& origin, const Vec3f& direction) {
     const auto pair = [](float a, float b) {
         return std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 |
@@ -37,7 +38,7 @@ unsigned rayNumber(const Vec3f& origin, const Vec3f& direction) {
                                            pair(direction.y, direction.z)));
 }
 
-/// @param numbered  whether the set has surfaces that blend
+/// @param numbered  whether rays pass surfaces of the set by chance
 void fillRays(const RayPacket& rays, bool numbered, RTCRay8& out) {
     for (int i = 0; numbered && i < RayPacket::kSize; ++i)
         out.id[i] = rayNumber({rays.originX[i], rays.originY[i], rays.originZ[i]},
@@ -150,6 +151,33 @@ float roundingScale(const Affine& map, const Vec3f& p) {
     return static_cast<float>(2 * scale);
 }
 
+/// What a pane sends to a ray that it stops counts as much more as it stops fewer.
+float paneWeight(const TriangleMesh& mesh, const Hit& hit, const Vec3f& direction) {
+    const std::uint32_t triangle = placedTriangle(mesh, hit.triangle).triangle;
+    const Material* material = materialOf(mesh, triangle);
+    if (!material || !material->isPane()) return 1;
+    return passageAt(mesh, *material, triangle, hit.u, hit.v, hit.normal.dot(direction)).weight;
+}
+
+RTCRay rayOf(const Vec3f& origin, const Vec3f& direction, float reach, bool numbered) {
+    RTCRay ray{};
+    ray.org_x = origin.x;
+    ray.org_y = origin.y;
+    ray.org_z = origin.z;
+    ray.dir_x = direction.x;
+    ray.dir_y = direction.y;
+    ray.dir_z = direction.z;
+    ray.tfar = reach;
+    ray.mask = ~0u;
+    if (numbered) ray.id = rayNumber(origin, direction);
+    return ray;
+}
+
+/// How far a ray goes before what it hit, which is no pane on the way to itself, up to rounding.
+float beforeHit(const Hit& hit) {
+    return hit.found ? hit.distance * (1 - 0x1p-18f) : kInfinity;
+}
+
 Ball ballAround(const Box3d& box) {
     // Rounded up.
     return {Vec3f(box.center()), static_cast<float>(box.size().length() / 2 * 1.00001)};
@@ -159,8 +187,11 @@ Ball ballAround(const Box3d& box) {
 
 Scene::Scene(const TriangleMesh& mesh)
     : mesh_(mesh),
+      byChance_(std::ranges::any_of(mesh.materials, &Material::passesByChance)),
+      panes_(std::ranges::any_of(mesh.materials, &Material::isPane)),
+      tints_(
+          std::ranges::any_of(mesh.materials, [&](const Material& m) { return mayTint(mesh, m); })),
       // Embree 3.13 sometimes never returns from streams of coherent rays that meet instances.
-      blends_(std::ranges::any_of(mesh.materials, &Material::blends)),
       many_(placedCount(mesh) >= kManyTriangles || !mesh.instances.empty()),
       embree_(std::make_unique<EmbreeScene>(mesh)) {}
 
@@ -209,27 +240,55 @@ Hit Scene::hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t tria
     }
     hit.position = Vec3f(a + ab * static_cast<double>(hit.u) + ac * static_cast<double>(hit.v));
     hit.normal = placedNormal(mesh_, triangle, corners);
+    if (panes_) hit.weight = paneWeight(mesh_, hit, direction);
     return hit;
 }
 
 Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept {
-    QueryContext context(true);
+    Hit hit = nearest(origin, direction);
+    if (tints()) hit.tint = tint(origin, direction, beforeHit(hit));
+    return hit;
+}
+
+void Scene::intersect(const RayPacket& rays, int count, Hit* hits) const noexcept {
+    nearest(rays, count, true, hits);
+    if (tints()) addTints(rays, count, hits);
+}
+
+void Scene::meet(const RayPacket& rays, int count, Hit* hits) const noexcept {
+    nearest(rays, count, false, hits);
+    if (tints()) addTints(rays, count, hits);
+}
+
+void Scene::addTints(const RayPacket& rays, int count, Hit* hits) const noexcept {
+    for (int i = 0; i < count; ++i)
+        hits[i].tint =
+            tint({rays.originX[i], rays.originY[i], rays.originZ[i]},
+                 {rays.directionX[i], rays.directionY[i], rays.directionZ[i]}, beforeHit(hits[i]));
+}
+
+Rgb Scene::tint(const Vec3f& origin, const Vec3f& direction, float reach) const noexcept {
+    Rgb tint(1, 1, 1);
+    if (tints_) {
+        QueryContext context;
+        context.tint = &tint;
+        RTCRay query = rayOf(origin, direction, reach, byChance_);
+        rtcOccluded1(embree_->root(), &context.base, &query);
+    }
+    return moving_ ? tint * moving_->tint(origin, direction, reach) : tint;
+}
+
+Hit Scene::nearest(const Vec3f& origin, const Vec3f& direction) const noexcept {
+    QueryContext context;
+    context.fromCamera = true;
     RTCRayHit query{};
-    query.ray.org_x = origin.x;
-    query.ray.org_y = origin.y;
-    query.ray.org_z = origin.z;
-    query.ray.dir_x = direction.x;
-    query.ray.dir_y = direction.y;
-    query.ray.dir_z = direction.z;
-    query.ray.tfar = kInfinity;
-    query.ray.mask = ~0u;
-    if (blends_) query.ray.id = rayNumber(origin, direction);
+    query.ray = rayOf(origin, direction, kInfinity, byChance_);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(embree_->root(), &context.base, &query);
 
     Hit hit;
-    if (moving_) hit = moving_->intersect(origin, direction);
+    if (moving_) hit = moving_->nearest(origin, direction);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
     if (hit.found && hit.distance < query.ray.tfar) return hit;
     Hit found;
@@ -239,20 +298,13 @@ Hit Scene::intersect(const Vec3f& origin, const Vec3f& direction) const noexcept
     return hitAt(origin, direction, embree_->placedNumber(query.hit), found);
 }
 
-void Scene::intersect(const RayPacket& rays, int count, Hit* hits) const noexcept {
-    nearest(rays, count, true, hits);
-}
-
-void Scene::meet(const RayPacket& rays, int count, Hit* hits) const noexcept {
-    nearest(rays, count, false, hits);
-}
-
 void Scene::nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept {
-    QueryContext context(fromCamera);
+    QueryContext context;
+    context.fromCamera = fromCamera;
     // Of light's rays not even neighbours stay together.
     context.base.flags = fromCamera ? packetFlags(mesh_) : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     alignas(32) RTCRayHit8 query;
-    fillRays(rays, blends_, query.ray);
+    fillRays(rays, byChance_, query.ray);
     for (int i = 0; i < RayPacket::kSize; ++i)
         query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     const Lanes lanes(count);
@@ -278,30 +330,19 @@ void Scene::nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits
 }
 
 bool Scene::isFree(const Vec3f& origin, const Vec3f& way) const noexcept {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRay query{};
-    query.org_x = origin.x;
-    query.org_y = origin.y;
-    query.org_z = origin.z;
-    query.dir_x = way.x;
-    query.dir_y = way.y;
-    query.dir_z = way.z;
-    query.tfar = 1.0f;
-    query.mask = ~0u;
-    if (blends_) query.id = rayNumber(origin, way);
-    rtcOccluded1(embree_->root(), &context, &query);
+    QueryContext context;
+    RTCRay query = rayOf(origin, way, 1, byChance_);
+    rtcOccluded1(embree_->root(), &context.base, &query);
     return query.tfar >= 0.0f && (!moving_ || moving_->isFree(origin, way));
 }
 
 std::uint32_t Scene::visibility(const RayPacket& rays, int count) const noexcept {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = shadowFlags(many_);
+    QueryContext context;
+    context.base.flags = shadowFlags(many_);
     alignas(32) RTCRay8 query;
-    fillRays(rays, blends_, query);
+    fillRays(rays, byChance_, query);
     const Lanes lanes(count);
-    rtcOccluded8(lanes.valid, embree_->root(), &context, &query);
+    rtcOccluded8(lanes.valid, embree_->root(), &context.base, &query);
     std::uint32_t bits = 0;
     for (int i = 0; i < count; ++i)
         bits |= static_cast<std::uint32_t>(query.tfar[i] >= 0.0f) << i;  // -inf on a hit
@@ -320,20 +361,19 @@ void Scene::trace(RayStream& rays, std::size_t count) const noexcept {
     query.tnear = const_cast<float*>(kNearest);  // only read
     query.tfar = rays.reach;
     unsigned numbers[RayStream::kSize];
-    for (std::size_t i = 0; blends_ && i < count; ++i)
+    for (std::size_t i = 0; byChance_ && i < count; ++i)
         numbers[i] = rayNumber({rays.origin[0][i], rays.origin[1][i], rays.origin[2][i]},
                                {rays.direction[0][i], rays.direction[1][i], rays.direction[2][i]});
-    if (blends_) query.id = numbers;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = shadowFlags(many_);
-    rtcOccludedNp(embree_->root(), &context, &query, static_cast<unsigned>(count));
+    if (byChance_) query.id = numbers;
+    QueryContext context;
+    context.base.flags = shadowFlags(many_);
+    rtcOccludedNp(embree_->root(), &context.base, &query, static_cast<unsigned>(count));
 }
 
 void Scene::distances(const RayPacket& rays, int count, float* out) const noexcept {
-    QueryContext context(false);
+    QueryContext context;
     alignas(32) RTCRayHit8 query;
-    fillRays(rays, blends_, query.ray);
+    fillRays(rays, byChance_, query.ray);
     for (unsigned& id : query.hit.geomID) id = RTC_INVALID_GEOMETRY_ID;
     const Lanes lanes(count);
     rtcIntersect8(lanes.valid, embree_->root(), &context.base, &query);

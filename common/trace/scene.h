@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "common/mesh/mesh.h"
@@ -20,6 +21,8 @@ struct Hit {
     float distance = 0;            ///< along the ray
     std::uint32_t triangle = 0;    ///< its number in the world (placed_mesh.h)
     float u = 0, v = 0;            ///< barycentric coordinates of the second and third corner
+    float weight = 1;              ///< factor of what a pane sends to rays that it stops
+    Rgb tint{1.0f, 1.0f, 1.0f};    ///< by panes on the way; where nothing is found, to the sky
 };
 
 /// Eight rays, as arrays; origins relative to the mesh's origin, directions
@@ -54,8 +57,8 @@ struct Ball {
 };
 
 /// The set's triangles in an acceleration structure. A surface that blends stops a ray with the
-/// probability of its opacity there; the same ray meets the same in every query. Queries are
-/// thread-safe.
+/// probability of its opacity there, a pane with that of the light that it does not transmit; the
+/// same ray meets the same in every query. Queries are thread-safe.
 class Scene {
 public:
     /// Keeps a reference to `mesh`, which must outlive the scene.
@@ -88,6 +91,15 @@ public:
     /// they stop shadow rays.
     void meet(const RayPacket& rays, int count, Hit* hits) const noexcept;
 
+    /// Whether some pane is coloured.
+    bool tints() const { return tints_ || (moving_ && moving_->tints()); }
+
+    /// Factor by which panes tint what a ray carries that nothing stops before its end.
+    ///
+    /// @param reach  in lengths of the direction
+    Rgb tint(const Vec3f& origin, const Vec3f& direction,
+             float reach = std::numeric_limits<float>::infinity()) const noexcept;
+
     /// Whether nothing lies between a place and the one that is `way` from it.
     bool isFree(const Vec3f& origin, const Vec3f& way) const noexcept;
 
@@ -111,13 +123,18 @@ public:
                     const Vec3f& side) const noexcept;
 
 private:
+    /// Of a camera's ray, without tints; so is the next.
+    Hit nearest(const Vec3f& origin, const Vec3f& direction) const noexcept;
     /// @param fromCamera  backs of surfaces that are not double-sided are not seen
     void nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept;
+    void addTints(const RayPacket& rays, int count, Hit* hits) const noexcept;
     Hit hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t triangle,
               const Hit& byEmbree) const noexcept;
 
     const TriangleMesh& mesh_;
-    bool blends_;  ///< some surface does
+    bool byChance_;  ///< rays pass some surface by chance
+    bool panes_;     ///< some surface is a pane
+    bool tints_;     ///< and one of them coloured
     bool many_;
     std::unique_ptr<EmbreeScene> embree_;
     const Scene* moving_ = nullptr;

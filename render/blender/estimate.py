@@ -5,7 +5,7 @@ import threading
 
 import bpy
 
-from . import bake, folders, preferences, view
+from . import bake, folders, hybrid, preferences, view
 from .blender_export.render_depsgraph import with_render_depsgraph
 from .child import Cancelled, Failed
 from .programs import Missing
@@ -43,7 +43,7 @@ class SHADOWCACHE_OT_estimate(bpy.types.Operator):
         set_file, recipe = folders.set_file_of(scene, layer), bake.Recipe(scene.shadowcache)
 
         def export(depsgraph, set_frame):
-            set_file.update(depsgraph, set_frame, scene.shadowcache.use_motion)
+            set_file.update(depsgraph, set_frame, scene.shadowcache.use_motion, panes=not hybrid.is_on(scene))
             camera = view.view_of(scene.camera.evaluated_get(depsgraph), scene)
             return bake.Views({scene.frame_current: camera}, view.size_of(scene))
 

@@ -158,10 +158,13 @@ def current_places(depsgraph):
 
 class State:
     """What is shown in the current frame, and where it is; what of the objects is left out, which an export does not
-    change."""
+    change. panes: whether light is to pass glass."""
 
-    def __init__(self, depsgraph):
+    def __init__(self, depsgraph, panes=True):
         report = Report()
+        self.panes = panes
         self.content = content_digest(depsgraph, report)
+        if not panes:
+            self.content = digest_of(self.content, "without panes")
         self.left_out = report.entries()
         self.places = current_places(depsgraph)

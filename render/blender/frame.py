@@ -76,7 +76,9 @@ class Frame:
         name = self.set_file.path
         first = name not in self.job.exported
         self.job.exported.add(name)
-        state = self.set_file.update(self.depsgraph, self._set_frame if first else None, self.settings.use_motion)
+        # Cycles' shadow rays end at glass.
+        state = self.set_file.update(self.depsgraph, self._set_frame if first else None, self.settings.use_motion,
+                                     panes=not self.is_hybrid)
         if self.is_hybrid:  # Cycles has what the set has not
             hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out(state))
         else:

@@ -22,7 +22,7 @@ class SHADOWCACHE_OT_hybrid(bpy.types.Operator):
 
         def look(depsgraph, set_frame):
             set_file = folders.set_file_of(scene, layer.name)
-            state = set_file.update(depsgraph, set_frame, scene.shadowcache.use_motion)
+            state = set_file.update(depsgraph, set_frame, scene.shadowcache.use_motion, panes=False)
             return hybrid_check.needs_of(depsgraph, set_file.left_out(state))
 
         try:

@@ -62,11 +62,11 @@ class SetFile:
         found = dict.fromkeys(state.left_out + self.read_notes().get("left_out", []))
         return [entry for entry in found if not any(words in entry for words in OF_OTHER_FRAMES)]
 
-    def update(self, depsgraph, set_frame, motion=True):
+    def update(self, depsgraph, set_frame, motion=True, panes=True):
         """Exports the set unless the file holds it as it is in the current frame. set_frame(frame) as of
         blender_export.export; None: the export is of this frame alone. motion: whether a file in which things move
-        will do. Returns the state."""
-        state = fingerprint.State(depsgraph)
+        will do. panes: whether light is to pass glass. Returns the state."""
+        state = fingerprint.State(depsgraph, panes)
         if not self.holds(state, depsgraph.scene, motion):
             self.export(depsgraph, state, set_frame if motion else None)
         return state
@@ -77,7 +77,7 @@ class SetFile:
         notes = self.read_notes()
         report = Report()
         rows = fingerprint.mesh_rows(depsgraph)
-        export = GltfExport(depsgraph, report, with_cameras=False)
+        export = GltfExport(depsgraph, report, with_cameras=False, panes=state.panes)
         found = export.write(self.path + ".part.glb", set_frame)
         os.replace(self.path + ".part.glb", self.path)
         held = {"": state.places}

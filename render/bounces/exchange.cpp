@@ -45,9 +45,12 @@ public:
             const float sum = std::accumulate(column.begin(), column.end(), 0.0f);
             const VertexLight& light = next_.light[static_cast<std::size_t>(child)];
             const Rgb radiance = diffuseRadiance(vertexMet(child), light) * static_cast<float>(kPi);
-            for (std::size_t k = 0; k < n; ++k)
-                if (column[k] > 0) out_[members[k]] += radiance * (column[k] / sum);
-            out_[members[j]] += light.mirrored * static_cast<float>(kPi);
+            for (std::size_t k = 0; k < n; ++k) {
+                if (!(column[k] > 0)) continue;
+                out_[members[k]] +=
+                    radiance * tintOf(members[k], vertexMet(child), k == j) * (column[k] / sum);
+            }
+            out_[members[j]] += light.mirrored * vertexMet(child).tint * static_cast<float>(kPi);
         }
         return rays_;
     }
@@ -56,6 +59,14 @@ private:
     std::int32_t childOf(std::uint32_t member) const { return level_.children[member].diffuse; }
     const PathVertex& vertexMet(std::int32_t child) const {
         return next_.at.vertices[static_cast<std::size_t>(child)];
+    }
+
+    /// By panes between a member and what it met itself, or another.
+    Rgb tintOf(std::uint32_t member, const PathVertex& met, bool itself) const {
+        if (itself) return met.tint;
+        if (!scene_.tints()) return {1, 1, 1};
+        const Vec3f& origin = level_.at.vertices[member].origin;
+        return scene_.tint(origin, met.target - origin, 1);
     }
 
     /// density_[j n + k]: that of member k's rays at what j's ray met.

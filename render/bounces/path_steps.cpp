@@ -106,9 +106,11 @@ private:
         v.seed = v.pixelSeed = hashWords(
             from.seed, ray.ofLobe ? RenderSalt::bounceLobeChild : RenderSalt::bounceChild);
         v.errorScale = from.errorScale;
-        v.weight = from.weight * std::max(0.0f, ray.share.dot(weights_)) /
+        const Rgb share = ray.share * hit.tint;
+        v.weight = from.weight * std::max(0.0f, share.dot(weights_)) /
                    (ray.ofLobe ? choice.lobeChance : choice.diffuseChance);
-        if (ray.ofLobe) v.throughLobe = ray.share;
+        v.tint = hit.tint;
+        if (ray.ofLobe) v.throughLobe = share;
         if (surface.glossy) {
             v.lobe = static_cast<std::int32_t>(lobes.size());
             lobes.emplace_back(surface, v.normal, -ray.direction);

@@ -29,6 +29,7 @@ struct PathVertex {
     float weight = 1;             ///< by which its radiance counts in its pixel, about [luminance]
     float errorScale = 0;      ///< luminance that errors of its pixel are relative to; 0: unknown
     Rgb throughLobe{0, 0, 0};  ///< reflected share of its radiance, if a lobe's ray met it
+    Rgb tint{1, 1, 1};         ///< by panes on the way of the ray that met it
 
     bool isGlossy() const { return lobe != kNotGlossy; }
 };

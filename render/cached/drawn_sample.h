@@ -33,7 +33,7 @@ void traceSample(const RegionShares& shares, const DrawnSample& s, bool above, c
     // occluder takes away the integrand itself.
     if (!I::kFitIsExact && reuse < 0) run.add(s.point, visible);
     run.traceForReuse({s.light.direction, s.light.radiance, s.light.cell, s.lightDensity, s.point},
-                      reuse > 0);
+                      reuse > 0, light * value);
 }
 
 }  // namespace shadowcache

@@ -179,17 +179,22 @@ void NeighborReuse<I>::keepMispredicted(const Task& task) {
 template <Integrand I>
 void NeighborReuse<I>::contribute(const Task& task) {
     const double density = sumOfDensities(candidates_);
-    const auto received = [&](const Candidate& c) {
-        return task.received(c, c.visible ? density : -density);
-    };
-    for (const Candidate& c : candidates_) pixelReceived_[task.slot(c).pixel] = 0;
+    received_.clear();
     for (const Candidate& c : candidates_) {
-        const Rgb added = received(c);
-        task.receivers.estimates[c.point].irradiance += added;
-        pixelReceived_[task.slot(c).pixel] += environment_.luminance(added);
+        received_.push_back(task.received(c, c.visible ? density : -density));
+        if (c.visible && task.receivers.scene.tints())
+            received_.back() *= task.receivers.scene.tint(
+                task.receivers.batch.points[c.point].place.rayOrigin, task.found.direction);
     }
-    for (const Candidate& c : candidates_) {
-        const float own = environment_.luminance(received(c));
+    for (const Candidate& c : candidates_) pixelReceived_[task.slot(c).pixel] = 0;
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+        const Candidate& c = candidates_[i];
+        task.receivers.estimates[c.point].irradiance += received_[i];
+        pixelReceived_[task.slot(c).pixel] += environment_.luminance(received_[i]);
+    }
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+        const Candidate& c = candidates_[i];
+        const float own = environment_.luminance(received_[i]);
         Estimate& estimate = task.receivers.estimates[c.point];
         estimate.variance += own * own;
         estimate.covariance += own * (pixelReceived_[task.slot(c).pixel] - own);

@@ -83,6 +83,7 @@ private:
     Memo<std::uint32_t> groupSizes_;      ///< by cell, for a batch
     Memo<ClusterOffers::Offer> offered_;  ///< by cluster, for a misprediction
     std::vector<Candidate> candidates_, ownGroup_;
+    std::vector<Rgb> received_;         ///< by candidate
     std::vector<float> pixelReceived_;  ///< of one misprediction [luminance]
 };
 

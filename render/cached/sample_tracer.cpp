@@ -34,13 +34,16 @@ void SampleTracer::Run::trace(std::uint32_t point, const Vec3f& direction, const
     Pending& p = tracer_.pending_[tracer_.queued_];
     p.ifVisible = ifVisible;
     p.ifOccluded = ifOccluded;
+    p.predicted = Rgb(0, 0, 0);
     p.reuse = 0;
     queue(point, direction);
 }
 
-void SampleTracer::Run::traceForReuse(const Misprediction& found, bool ifVisible) {
+void SampleTracer::Run::traceForReuse(const Misprediction& found, bool ifVisible,
+                                      const Rgb& received) {
     Pending& p = tracer_.pending_[tracer_.queued_];
     p.ifVisible = p.ifOccluded = Rgb(0, 0, 0);
+    p.predicted = ifVisible ? Rgb(0, 0, 0) : received;
     p.reuse = ifVisible ? 1 : -1;
     p.found = found;
     queue(found.finder, found.direction);
@@ -59,9 +62,19 @@ void SampleTracer::Run::flush() {
         const bool isVisible = (visible >> k & 1u) != 0;
         ++estimates_[p.point].rays;
         if (p.reuse != 0 && isVisible == (p.reuse > 0)) found_.push_back(p.found);
-        add(p.point, isVisible ? p.ifVisible : p.ifOccluded);
+        const bool isTinted = isVisible && context_.scene.tints();
+        add(p.point, isTinted ? tintedValue(k) : isVisible ? p.ifVisible : p.ifOccluded);
     }
     tracer_.queued_ = 0;
+}
+
+Rgb SampleTracer::Run::tintedValue(int ray) const {
+    const RayPacket& rays = tracer_.packet_;
+    const Rgb tint =
+        context_.scene.tint({rays.originX[ray], rays.originY[ray], rays.originZ[ray]},
+                            {rays.directionX[ray], rays.directionY[ray], rays.directionZ[ray]});
+    const Pending& p = tracer_.pending_[ray];
+    return tinted(p.ifVisible, p.ifOccluded, tint) + p.predicted * (tint - Rgb(1, 1, 1));
 }
 
 void SampleTracer::Run::finish() {

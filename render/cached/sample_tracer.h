@@ -6,6 +6,7 @@
 
 #include "common/trace/scene.h"
 #include "render/estimators/estimator.h"
+#include "render/estimators/light_samples.h"
 
 namespace shadowcache {
 
@@ -32,7 +33,9 @@ public:
         void trace(std::uint32_t point, const Vec3f& direction, const Rgb& ifVisible,
                    const Rgb& ifOccluded);
         /// A sample that is a misprediction if the ray finds the sky (`ifVisible`), or an occluder.
-        void traceForReuse(const Misprediction& found, bool ifVisible);
+        ///
+        /// @param received  from the sky
+        void traceForReuse(const Misprediction& found, bool ifVisible, const Rgb& received);
         /// Traces what is still waiting.
         void finish();
 
@@ -47,6 +50,8 @@ public:
               estimates_(estimates) {}
         void queue(std::uint32_t point, const Vec3f& direction);
         void flush();
+        /// What a ray brings that found the sky behind panes.
+        Rgb tintedValue(int ray) const;
 
         SampleTracer& tracer_;
         const EstimatorContext& context_;
@@ -67,7 +72,8 @@ private:
     struct Pending {
         std::uint32_t point;
         Rgb ifVisible, ifOccluded;
-        int reuse;  ///< 1: a misprediction if visible, -1: if occluded, 0: neither
+        Rgb predicted;  ///< received from the sky, if that is no misprediction
+        int reuse;      ///< 1: a misprediction if visible, -1: if occluded, 0: neither
         Misprediction found;
     };
     /// Luminance of a point's last sample that has no partner yet.

@@ -146,7 +146,7 @@ Rgb EmitterLight::weighed(const Hit& hit, const Receiver& at, bool draws, float 
         const auto part = static_cast<std::size_t>(found);
         density += chanceOf(part, at, tools) * densityAt(emitters_.parts()[part], at, hit.position);
     }
-    return surfaceOf(hit, {}).emission * (1 / density);
+    return surfaceSeen(hit, {}).emission * (1 / density);
 }
 
 /// The same of the lamps that it met on its way, which do not stop it.
@@ -198,7 +198,11 @@ void EmitterLight::trace(Tools& tools) const {
         if (visible && moves)
             visible = passes(vector(tools.stream.origin), vector(tools.stream.direction),
                              tools.stream.reach[i]);
-        tools.samples[tools.queued[i]].visible = visible;
+        Tools::Sample& sample = tools.samples[tools.queued[i]];
+        sample.visible = visible;
+        if (visible && scene_.tints())
+            sample.value *= scene_.tint(vector(tools.stream.origin), vector(tools.stream.direction),
+                                        tools.stream.reach[i]);
     }
     tools.queued.clear();
 }

@@ -23,7 +23,13 @@ void LightSamples::trace(const Scene& scene, const SetPlace& place, const Enviro
     int queued = 0;
     const auto flush = [&] {
         const std::uint32_t visible = scene.visibility(packet, queued);
-        for (int i = 0; i < queued; ++i) visible_[sampleOf[i]] = (visible >> i) & 1;
+        for (int i = 0; i < queued; ++i) {
+            const std::size_t sample = sampleOf[i];
+            visible_[sample] = (visible >> i) & 1;
+            if (visible_[sample] && scene.tints())
+                ifVisible_[sample] = tinted(ifVisible_[sample], ifOccluded_[sample],
+                                            scene.tint(place.rayOrigin, direction_[sample]));
+        }
         estimate.rays += static_cast<std::uint32_t>(queued);
         queued = 0;
     };

@@ -11,6 +11,11 @@
 
 namespace shadowcache {
 
+/// What a sample brings whose ray passes panes that tint it.
+inline Rgb tinted(const Rgb& ifVisible, const Rgb& ifOccluded, const Rgb& tint) {
+    return ifOccluded + (ifVisible - ifOccluded) * tint;
+}
+
 /// Directions to test for occlusion, and what each adds to the irradiance if it is visible or
 /// occluded.
 class LightSamples {

@@ -7,7 +7,13 @@ namespace shadowcache {
 
 Surface surfaceOf(const Hit& hit, const PlainLook& plain) {
     const TriangleMesh& mesh = hit.scene->mesh();
-    return surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v, plain);
+    const Surface surface =
+        surfaceAt(mesh, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v, plain);
+    return hit.weight == 1 ? surface : scaled(surface, Rgb(hit.weight));
+}
+
+Surface surfaceSeen(const Hit& hit, const PlainLook& plain) {
+    return scaled(surfaceOf(hit, plain), hit.tint);
 }
 
 Vec3f rayStartOf(const Scene& scene, const View& view) {

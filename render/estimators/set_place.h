@@ -5,10 +5,13 @@
 
 namespace shadowcache {
 
-/// How light leaves the surface that was hit.
+/// How light leaves the surface that was hit, towards the ray: before panes tint it.
 ///
 /// @param plain  of what has no material and no vertex colours
 Surface surfaceOf(const Hit& hit, const PlainLook& plain);
+
+/// The same, as it is seen through the panes on the way.
+Surface surfaceSeen(const Hit& hit, const PlainLook& plain);
 
 /// Where the rays start that look for the light of a place: off the surface, on the viewer's side,
 /// and on the smooth surface that the facets stand for. Relative to the set's origin.

@@ -87,8 +87,7 @@ void FilmRays::intersect(std::span<FilmRay> rays) const {
         }
         scene_.intersect(packet, count, hits.data());
         for (std::size_t i = 0; i < some.size(); ++i)
-            if (static_cast<double>(hits[i].distance) <= some[i].ray.reach)
-                some[i].view.hit = hits[i];
+            some[i].view.hit = hitWithin(hits[i], some[i].ray.reach);
     }
 }
 

@@ -83,7 +83,7 @@ void addToFilm(const FrameRequest& frame, const SpreadRule& rule, const RayBatch
     for (const FilmRay& ray : batch.rays) {
         PixelSum& pixel = tile[batch.firstPixel + ray.pixel];
         if (!ray.view.hit.found) {
-            pixel.addSky(skyAlong(frame, ray.view.direction), rule);
+            pixel.addSky(skySeen(frame, ray.view), rule);
             continue;
         }
         const PlaceLight light = lightOf(frame, batch, met);

@@ -87,7 +87,7 @@ std::optional<ShadingPoint> pilotPoint(const FrameRequest& frame, const FilmRays
             predictSpreads(frame, film, std::span(&pixel, 1), kMostSpreadRays, tools)
                 .front()
                 .errorScale(*floor);
-        const Rgb albedo = diffuseAlbedo(surfaceOf(view.hit, options.plain),
+        const Rgb albedo = diffuseAlbedo(surfaceSeen(view.hit, options.plain),
                                          -point.place.normal.dot(view.direction));
         point.slot.errorScale = irradianceScale(context.environment, scale, albedo);
     }

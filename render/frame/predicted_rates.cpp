@@ -15,10 +15,10 @@ SHADOWCACHE_TUNED(int, kRaysOfSpreadRay, 8);
 
 /// Radiance that a camera ray is predicted to see.
 Rgb predictRadiance(const FrameRequest& frame, const View& view, Workspace& workspace) {
-    if (!view.hit.found) return skyAlong(frame, view.direction);
+    if (!view.hit.found) return skySeen(frame, view);
     const RenderOptions& options = frame.options;
     const EstimatorContext& context = frame.estimator.context();
-    const Surface surface = surfaceOf(view.hit, options.plain);
+    const Surface surface = surfaceSeen(view.hit, options.plain);
     if (surface.unlit) return surface.emission;
     // Gloss as if it were diffuse.
     const SetPlace at = placeOf(context.scene, view);

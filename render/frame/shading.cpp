@@ -12,9 +12,9 @@ SetPlace placeOf(const Scene& scene, const View& view) {
             view.geometricNormal()};
 }
 
-Rgb skyAlong(const FrameRequest& frame, const Vec3f& direction) {
-    return frame.options.transparent ? Rgb(0, 0, 0)
-                                     : frame.estimator.context().environment.radiance(direction);
+Rgb skySeen(const FrameRequest& frame, const View& view) {
+    if (frame.options.transparent) return {0, 0, 0};
+    return frame.estimator.context().environment.radiance(view.direction) * view.hit.tint;
 }
 
 float irradianceScale(const Environment& environment, double radiance, const Rgb& albedo) {
@@ -35,7 +35,7 @@ MetPlaces placesOf(const FrameRequest& frame, const BatchPixels& batch,
         const FilmPlace& pixel = batch.places[ray.pixel];
         const AdaptiveRate& rate = batch.rates[ray.pixel];
         const SetPlace at = placeOf(context.scene, ray.view);
-        const Surface surface = surfaceOf(ray.view.hit, options.plain);
+        const Surface surface = surfaceSeen(ray.view.hit, options.plain);
         const Rgb albedo = diffuseAlbedo(surface, -at.normal.dot(ray.view.direction));
         const BatchSlot slot{
             .seed = pixelSeed(options.seed, frame.number, pixel.x, pixel.y, 0),

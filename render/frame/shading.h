@@ -8,8 +8,8 @@ namespace shadowcache {
 /// The place of a frame's set that a camera ray met.
 SetPlace placeOf(const Scene& scene, const View& view);
 
-/// What a pixel shows of the sky along a direction.
-Rgb skyAlong(const FrameRequest& frame, const Vec3f& direction);
+/// What a pixel shows of the sky where a camera ray met nothing.
+Rgb skySeen(const FrameRequest& frame, const View& view);
 
 /// Irradiance by which a surface of such an albedo has a radiance.
 float irradianceScale(const Environment& environment, double radiance, const Rgb& albedo);

@@ -56,6 +56,8 @@ PROPERTIES = {
     "ShaderNodeOutputMaterial": of(READ, "is_active_output target"),
     "ShaderNodeOutputWorld": of(READ, "is_active_output target"),
     "ShaderNodeBsdfPrincipled": {"distribution": ("GGX",), "subsurface_method": Free("is of Subsurface, which is named")},
+    "ShaderNodeBsdfGlass": {"distribution": ("SHARP", "BECKMANN", "GGX", "MULTI_GGX")},
+    "ShaderNodeBsdfGlossy": {"distribution": ("SHARP", "GGX")},
     "ShaderNodeTexImage": {**of(READ, "image extension interpolation texture_mapping"), "projection": ("FLAT",),
                            "projection_blend": Free("is of box projections, which are named"),
                            **of(INSIDE, "image_user color_mapping")},
@@ -279,16 +281,22 @@ INPUTS = {
     "ShaderNodeBsdfDiffuse": {**inputs(READ, "Color|Normal"), "Roughness": NEUTRAL, "Weight": DERIVED},
     "ShaderNodeBsdfPrincipled": {
         **inputs(READ, "Base Color|Metallic|Specular|Specular IOR Level|Specular Tint|Roughness|IOR|Emission|Emission Color|"
-                       "Emission Strength|Alpha|Normal"),
-        **inputs(NEUTRAL, "Subsurface|Subsurface Weight|Anisotropic|Sheen|Sheen Weight|Clearcoat|Coat Weight|Transmission|"
-                          "Transmission Weight"),
+                       "Emission Strength|Alpha|Normal|Transmission|Transmission Weight"),
+        **inputs(NEUTRAL, "Subsurface|Subsurface Weight|Anisotropic|Sheen|Sheen Weight|Clearcoat|Coat Weight|"
+                          "Transmission Roughness"),
         **inputs(Free("is of Subsurface, which is named"), "Subsurface Radius|Subsurface Color|Subsurface IOR|"
                                                            "Subsurface Anisotropy|Subsurface Scale"),
         **inputs(Free("is of Anisotropic, which is named"), "Anisotropic Rotation|Tangent"),
         **inputs(Free("is of Sheen, which is named"), "Sheen Tint|Sheen Roughness"),
         **inputs(Free("is of Clearcoat, which is named"), "Clearcoat Roughness|Clearcoat Normal|Coat Roughness|Coat IOR|"
                                                           "Coat Tint|Coat Normal"),
-        "Transmission Roughness": Free("is of Transmission, which is named"), "Weight": DERIVED},
+        "Weight": DERIVED},
+    "ShaderNodeBsdfTransparent": {"Color": READ, "Weight": DERIVED},
+    "ShaderNodeBsdfGlass": {**inputs(READ, "Color|Roughness|IOR"), "Weight": DERIVED},
+    "ShaderNodeBsdfGlossy": {**inputs(READ, "Color|Roughness"), "Weight": DERIVED},
+    "ShaderNodeMixShader": inputs(READ, "Fac|Shader|Shader_001"),
+    "ShaderNodeFresnel": {"IOR": READ},
+    "ShaderNodeLightPath": {},
     "ShaderNodeTexImage": inputs(READ, "Vector"),
     "ShaderNodeTexEnvironment": inputs(READ, "Vector"),
     "ShaderNodeTexCoord": {},

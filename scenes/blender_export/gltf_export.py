@@ -14,12 +14,13 @@ from .shown import materials_of, walk
 class GltfExport:
     """Meshes, cameras, lamps and their places; animations of those that move, sampled in each frame of the scene."""
 
-    def __init__(self, depsgraph, report, with_cameras=True):
+    def __init__(self, depsgraph, report, with_cameras=True, panes=True):
         self.depsgraph = depsgraph
         self.report = report
         self.with_cameras = with_cameras
         self.file = GltfFile()
-        self.meshes = MeshWriter(self.file, Materials(self.file, Pictures(self.file, report), report), report)
+        materials = Materials(self.file, Pictures(self.file, report), report, panes)
+        self.meshes = MeshWriter(self.file, materials, report)
         self.by_data = {}
         self.channels, self.samplers = [], []
 

@@ -1,5 +1,5 @@
-"""Materials of a glTF document from Blender's: Principled, Diffuse and Emission, and the viewport's where a material
-has no nodes.
+"""Materials of a glTF document from Blender's: Principled, Diffuse and Emission, panes of glass (glass.py), and the
+viewport's where a material has no nodes.
 
 Opacity counts as in Cycles, whatever a material's blend mode is. The shader is read as the depsgraph evaluated it:
 drivers and keys have their values of the frame.
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy
 
-from . import versions
+from . import glass, versions
 from .coordinates import coordinates_of
 from .differences import differences, node_differences
 from .node_values import Reader, Value, link_of, source, surface_of
@@ -21,7 +21,7 @@ NOTHING = (0.8, 0.8, 0.8)  # albedo of Cycles where there is no material
 # Of all materials of a kind, in one entry.
 LOBES = "Principled BSDF: its lobes are those of glTF; where they are rough, light differs from Cycles by up to a tenth"
 TERMINATOR = "Normal Map: Cycles darkens what is lit from the side, where the map turns the normal to the light"
-SHARED = (LOBES, TERMINATOR)
+SHARED = (LOBES, TERMINATOR, glass.BEHIND)
 SHADERS = ("BSDF_PRINCIPLED", "BSDF_DIFFUSE", "EMISSION")
 
 
@@ -35,9 +35,10 @@ class Look:
 
 
 class Materials:
-    """Writes each material once."""
+    """Writes each material once. panes: whether light passes glass; else glass stops it, and is named."""
 
-    def __init__(self, file, pictures, report):
+    def __init__(self, file, pictures, report, panes=True):
+        self.panes = panes
         self.file = file
         self.pictures = pictures
         self.report = report
@@ -47,7 +48,7 @@ class Materials:
         """The look of a material, or of none."""
         name = material.name_full if material else None
         if name not in self.known:
-            writer = MaterialWriter(self.file, self.pictures, self.report, material)
+            writer = MaterialWriter(self.file, self.pictures, self.report, material, self.panes)
             self.known[name] = writer.write() if material else writer.write_nothing()
         return self.known[name]
 
@@ -55,7 +56,8 @@ class Materials:
 class MaterialWriter:
     """One material on its way into the document."""
 
-    def __init__(self, file, pictures, report, material):
+    def __init__(self, file, pictures, report, material, panes):
+        self.panes = panes
         self.file = file
         self.pictures = pictures
         self.report = report
@@ -65,8 +67,11 @@ class MaterialWriter:
         self.entry = {"name": material.name if material else "no material", "doubleSided": True}
 
     def write(self):
-        shader = self._shader()
-        if shader is None:
+        layers = self._layers()
+        shader = layers.shader
+        if layers.pane:
+            self._write_pane(layers.pane)
+        elif shader is None:
             pass  # its plain look is written
         elif shader.type == "BSDF_PRINCIPLED":
             self._write_principled(shader)
@@ -78,6 +83,13 @@ class MaterialWriter:
         else:
             self._write_plain((0, 0, 0))
             self._write_emission(shader.inputs["Color"], shader.inputs["Strength"])
+        if layers.cover < 1:
+            self._write_opacity(layers.cover * self.entry["pbrMetallicRoughness"]["baseColorFactor"][3])
+        for remark in layers.remarks:
+            if remark in SHARED:
+                self.report.share(remark, self.material.name)
+            else:
+                self.leave_out(remark)
         for text in differences(self.material):
             self.leave_out(text)
         for node in self.reader.seen.values():
@@ -94,11 +106,12 @@ class MaterialWriter:
     def leave_out(self, what):
         self.report.add("material %s: %s" % (self.material.name, what))
 
-    def _shader(self):
-        """The node that is written; None if a plain look was written in its place."""
+    def _layers(self):
+        """What is written, as glass.py has it; no shader and no pane if a plain look was written in its place."""
+        plain = glass.Layers()
         if not self.material.use_nodes:
             self._write_plain(self.material.diffuse_color)
-            return None
+            return plain
         socket, output = surface_of(self.material)
         if output:
             self.reader.see(output)
@@ -106,12 +119,16 @@ class MaterialWriter:
             self._write_plain((0, 0, 0))  # as in Cycles
             if output and link_of(output.inputs["Volume"]):
                 self._write_opacity(0)
-            return None
-        if socket.node.type in SHADERS:
-            return self.reader.see(socket.node)
+            return plain
+        layers = glass.layers_of(socket.node, self.reader)
+        refracts = layers and glass.STRAIGHT in layers.remarks
+        if layers and (self.panes or not refracts) and (layers.pane or layers.shader.type in SHADERS):
+            for node in (*layers.nodes, *filter(None, (layers.shader,))):
+                self.reader.see(node)
+            return layers
         self.leave_out(socket.node.bl_label + "; the viewport's colour is in its place")
         self._write_plain(self.material.diffuse_color)
-        return None
+        return plain
 
     def _write_plain(self, colour):
         """A Lambertian surface."""
@@ -128,16 +145,64 @@ class MaterialWriter:
         self._write_base(base, value(inputs["Alpha"]))
         self._write_gloss(value(inputs["Metallic"]), value(inputs["Roughness"]))
         self._write_specular(self._specular_of(shader), self._tint_of(shader, base))
+        if glass.transmits(shader, self.reader):
+            self.leave_out(glass.STRAIGHT)
+            if self.panes:
+                self._write_transmission(value(versions.principled_input(shader, "Transmission")))
         self._write_emission(versions.principled_input(shader, "Emission"), inputs["Emission Strength"])
         self._write_normal(shader)
         self.report.share(LOBES, self.material.name)
 
+    def _write_pane(self, pane):
+        self._write_base(pane.colour, Value((1,)))
+        self._write_gloss(Value((0,)), pane.roughness)
+        self._write_transmission(Value((1,)))
+        if pane.constant:
+            # A reflectance of 1 at normal incidence, times the share.
+            self._extend("KHR_materials_specular", {"specularFactor": pane.constant,
+                                                    "specularColorFactor": [1 / glass.STANDARD_REFLECTANCE] * 3})
+        elif not pane.specular:
+            self._write_specular(Value((0,)))
+        elif pane.index is None:
+            self.leave_out("IOR: more than a number")
+        else:
+            self._extend("KHR_materials_ior", {"ior": max(pane.index, 1 / max(pane.index, 1e-3))})
+
+    def _write_transmission(self, value):
+        self._known(value, "Transmission")
+        if value.colours is not None:
+            self.leave_out("Transmission: colours %s" % (value.colours or "of the mesh"))
+        extension = {"transmissionFactor": unit(value.factor)[0]}
+        if value.image:
+            info = self._texture(((value.image, value.channel), None, None, None), False, value.image)
+            if info:
+                extension["transmissionTexture"] = info
+        self._extend("KHR_materials_transmission", extension)
+
+    def _extend(self, name, extension):
+        self.file.use(name)
+        self.entry.setdefault("extensions", {})[name] = extension
+
     def _specular_of(self, shader):
         value = self.reader.value(versions.principled_input(shader, "Specular"))
+        if self.panes and not versions.has_own_index(shader) and glass.transmits(shader, self.reader):
+            return self._specular_of_glass(shader, value)
         if versions.has_own_index(shader) and source(shader.inputs["IOR"]):
             self.leave_out("IOR: node %s" % source(shader.inputs["IOR"]).node.bl_label)
         scale = versions.specular_scale(shader)
         return value if scale == 1 else replace(value, factor=(value.factor[0] * scale,))
+
+    def _specular_of_glass(self, shader, opaque):
+        """What Principled of 3.4 mirrors: glass by its index of refraction, the rest by Specular."""
+        share = unit(self.reader.value(versions.principled_input(shader, "Transmission")).factor)[0]
+        index = glass.index_of(shader, self.reader)
+        if index is None:
+            self.leave_out("IOR: more than a number")
+            return opaque
+        of_glass = glass.reflectance(index) / (2 * glass.STANDARD_REFLECTANCE)
+        if share < 1 and opaque.image:
+            self.leave_out("Specular: an image, beside Transmission")
+        return Value(((1 - share) * opaque.factor[0] + share * of_glass,))
 
     def _known(self, value, socket):
         if value.unknown:
@@ -252,8 +317,7 @@ class MaterialWriter:
             info = self._texture((*[(specular.image, specular.channel)] * 3, None), True, specular.image)
             if info:
                 extension["specularColorTexture"] = info
-        self.file.use("KHR_materials_specular")
-        self.entry.setdefault("extensions", {})["KHR_materials_specular"] = extension
+        self._extend("KHR_materials_specular", extension)
 
     def _write_emission(self, colour_socket, strength_socket):
         colour, strength = self.reader.value(colour_socket), self.reader.value(strength_socket)
@@ -269,8 +333,7 @@ class MaterialWriter:
             return
         if most > 1:
             light = [c / most for c in light]
-            self.file.use("KHR_materials_emissive_strength")
-            self.entry.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {"emissiveStrength": most}
+            self._extend("KHR_materials_emissive_strength", {"emissiveStrength": most})
         self.entry["emissiveFactor"] = light
         if colour.image:
             info = self._texture((*rgb_of(colour), None), True, colour.image)

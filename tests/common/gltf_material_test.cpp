@@ -291,20 +291,88 @@ TEST(GltfMaterial, SpecularGlossinessHasTextures) {
     EXPECT_EQ(at(load(file, false), 0.3f, 0.2f).diffuse, Rgb(0, 0, 1));
 }
 
+/// Smooth glass.
+Json pane(const Json& transmission, Json more = Json::object()) {
+    more["KHR_materials_transmission"] = transmission;
+    return {{"pbrMetallicRoughness",
+             {{"baseColorFactor", {0.5, 1, 1, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0}}},
+            {"extensions", more}};
+}
+
+TEST(GltfMaterial, TransmissionTintsWhatPasses) {
+    GltfBuilder file =
+        squareWith(pane({{"transmissionFactor", 0.8}, {"transmissionTexture", {{"index", 0}}}}));
+    addPicture(file, {1, 0, 0}, {0, 1, 1});
+    file.json["extensionsRequired"] = {"KHR_materials_transmission"};
+    const TriangleMesh mesh = load(file);
+    EXPECT_TRUE(mesh.report.leftOut.empty());
+    EXPECT_TRUE(mesh.materials[0].doubleSided);
+    const Surface left = at(mesh, 0.3f, 0.2f), right = at(mesh, 0.8f, 0.2f);
+    EXPECT_EQ(left.transmitted, Rgb(0.4f, 0.8f, 0.8f));
+    EXPECT_EQ(left.diffuse, Rgb(0.5f, 1, 1) * (1 - 0.8f));
+    EXPECT_EQ(right.transmitted, Rgb(0));
+    EXPECT_EQ(right.diffuse, Rgb(0.5f, 1, 1));
+    const Passage passage = passageAt(mesh, mesh.materials[0], 0, 0.1f, 0.2f, 1);
+    const float wanted = 0.96f * luminance(left.transmitted);
+    EXPECT_NEAR(1 - passage.stopped, wanted, 1e-5f);
+    EXPECT_NEAR(passage.tint.x * wanted, 0.96f * 0.4f, 1e-5f);
+    // Panes are panes where surfaces are diffuse, too.
+    EXPECT_EQ(at(load(file, false), 0.3f, 0.2f).transmitted, left.transmitted);
+}
+
+TEST(GltfMaterial, OpacityCoversWhatTransmits) {
+    Json material = pane({{"transmissionFactor", 1}});
+    material["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0.25};
+    material["alphaMode"] = "BLEND";
+    const TriangleMesh mesh = load(squareWith(material));
+    const Passage passage = passageAt(mesh, mesh.materials[0], 0, 0.1f, 0.2f, -1);
+    EXPECT_NEAR(passage.stopped, 0.25f * 0.04f, 1e-6f);
+    EXPECT_NEAR(passage.weight, 1 / 0.04f, 1e-2f);
+}
+
+TEST(GltfMaterial, TransmissionOutOfRangeIsClamped) {
+    for (const auto& [factor, wanted] : {std::pair(7.0, 1.0f), {-1.0, 0.0f}}) {
+        const TriangleMesh mesh = load(squareWith(pane({{"transmissionFactor", factor}})));
+        EXPECT_EQ(mesh.materials[0].finish.transmission, wanted);
+        EXPECT_EQ(mesh.report.remarks.size(), 1u);
+        EXPECT_EQ(mesh.materials[0].isPane(), wanted > 0);
+    }
+}
+
+TEST(GltfMaterial, WhatIsNoPaneIsNamed) {
+    using LeftOut = std::map<std::string, std::size_t>;
+    const Json clear{{"transmissionFactor", 1}};
+    EXPECT_EQ(
+        load(squareWith(pane(clear, {{"KHR_materials_volume", Json::object()}}))).report.leftOut,
+        (LeftOut{{"volume of glass (rendered as panes)", 1}}));
+    Json frosted = pane(clear);
+    frosted["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
+    EXPECT_EQ(load(squareWith(frosted)).report.leftOut,
+              (LeftOut{{"blur by rough glass (light passes straight)", 1}}));
+    EXPECT_EQ(
+        load(squareWith(pane({{"transmissionFactor", 1}, {"transmissionTexture", Json::object()}})))
+            .report.leftOut,
+        (LeftOut{{"transmissionTexture", 1}}));
+    EXPECT_EQ(
+        load(squareWith(pane(clear, {{"KHR_materials_pbrSpecularGlossiness", Json::object()}})))
+            .report.leftOut,
+        (LeftOut{{"KHR_materials_transmission", 1}}));
+}
+
 TEST(GltfMaterial, WhatIsLeftOutIsCounted) {
     const Json material{{"extensions",
                          {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}},
-                          {"KHR_materials_transmission", {{"transmissionFactor", 1}}}}}};
+                          {"KHR_materials_iridescence", {{"iridescenceFactor", 1}}}}}};
     GltfBuilder file = squareWith(material);
     file.append("materials", material);
     file.append("materials", material);  // which nothing has
     file.json["meshes"].push_back(file.json["meshes"][0]);
     file.json["meshes"][1]["primitives"][0]["material"] = 1;
     file.root({{"mesh", 1}, {"translation", {5, 0, 0}}});
-    file.json["extensionsRequired"] = {"KHR_materials_transmission"};
+    file.json["extensionsRequired"] = {"KHR_materials_iridescence"};
     const TriangleMesh mesh = load(file);
     const std::map<std::string, std::size_t> wanted{{"KHR_materials_clearcoat", 2},
-                                                    {"KHR_materials_transmission", 2}};
+                                                    {"KHR_materials_iridescence", 2}};
     EXPECT_EQ(mesh.report.leftOut, wanted);
     EXPECT_NE(describe(mesh.report)
                   .find("2 materials without their KHR_materials_clearcoat, which is left out"),

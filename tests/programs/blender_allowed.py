@@ -21,6 +21,7 @@ from blender_export.report import Report  # noqa: E402
 
 # Outputs that are read, by the types of their nodes. Of groups the nodes inside count.
 OUTPUTS = {"ShaderNodeBsdfPrincipled": "*", "ShaderNodeBsdfDiffuse": "*", "ShaderNodeEmission": "*", "ShaderNodeRGB": "*",
+           "ShaderNodeBsdfTransparent": "*",
            "ShaderNodeValue": "*", "ShaderNodeVertexColor": ("Color",), "ShaderNodeAttribute": ("Color",),
            "ShaderNodeTexImage": "*", "ShaderNodeSeparateColor": "*", "ShaderNodeSeparateRGB": "*"}
 # Cannot be added to a tree, or do nothing there.

@@ -433,6 +433,92 @@ def colour_to_world_strength():
 
 # What is named.
 
+# Panes.
+
+def mixed_shaders(factor, first, second):
+    """A material that mixes two shaders, each a type and its inputs, by a number or by a type of node."""
+    material, tree, _ = diffuse()
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    if isinstance(factor, str):
+        tree.links.new(tree.nodes.new(factor).outputs[0], mix.inputs[0])
+    else:
+        mix.inputs[0].default_value = factor
+    for k, (kind, inputs) in enumerate((first, second)):
+        node = tree.nodes.new(kind)
+        for name, value in inputs.items():
+            node.inputs[name].default_value = value
+        tree.links.new(node.outputs[0], mix.inputs[k + 1])
+    tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    return material
+
+
+def transparent(*colour):
+    return "ShaderNodeBsdfTransparent", {"Color": (*colour, 1)}
+
+
+MIRROR = "ShaderNodeBsdfGlossy", {"Color": (1, 1, 1, 1), "Roughness": 0}
+
+
+def above(material):
+    """A pane over the floor."""
+    plane(diffuse((0.8, 0.8, 0.8))[0])
+    plane(material, 2, "pane").location = 0, 0, 1
+
+
+def upright(material):
+    """A pane behind the floor, whose front is towards it and the camera."""
+    plane(diffuse((0.8, 0.8, 0.8))[0]).location = 0, -1, 0
+    pane = plane(material, 4, "pane")
+    pane.location, pane.rotation_euler = (0, 1, 2), (math.pi / 2, 0, 0)
+
+
+@shows
+def transparent_is_tinted():
+    material, tree, shader = diffuse()
+    node = tree.nodes.new("ShaderNodeBsdfTransparent")
+    node.inputs["Color"].default_value = 0.9, 0.5, 0.2, 1
+    tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    above(material)
+
+
+@shows
+def mix_with_transparent_by_a_number():
+    above(mixed_shaders(0.3, transparent(1, 1, 1), ("ShaderNodeBsdfDiffuse", {"Color": (0.1, 0.6, 0.2, 1)})))
+
+
+@shows
+def mix_of_transparent_and_mirror_by_a_number():
+    above(mixed_shaders(0.2, transparent(0.3, 0.6, 0.9), MIRROR))
+
+
+@shows
+def mix_of_transparent_and_mirror_by_fresnel():
+    upright(mixed_shaders("ShaderNodeFresnel", transparent(0.6, 0.8, 0.3), MIRROR))
+
+
+@names("glass: light passes straight")
+def glass():
+    above(mixed_shaders(1, transparent(1, 1, 1), ("ShaderNodeBsdfGlass", {"Roughness": 0})))
+
+
+@names("glass: light passes straight")
+def principled_transmission():
+    above(principled(Transmission=1, Roughness=0)[0])
+
+
+@names("Is Shadow Ray: here light to surfaces behind the glass")
+def glass_without_shadow():
+    material = mixed_shaders(0, ("ShaderNodeBsdfGlass", {"Roughness": 0}), transparent(1, 1, 1))
+    tree = material.node_tree
+    tree.links.new(tree.nodes.new("ShaderNodeLightPath").outputs["Is Shadow Ray"], tree.nodes["Mix Shader"].inputs[0])
+    above(material)
+
+
+@names("Mix Shader; the viewport's colour is in its place")
+def mix_of_two_surfaces():
+    above(mixed_shaders(0.5, ("ShaderNodeBsdfDiffuse", {}), ("ShaderNodeBsdfGlossy", {})))
+
+
 @names("Base Color below 0 or above 1")
 def bright():
     plane(diffuse((2, 0.5, 0.5))[0])
@@ -578,7 +664,7 @@ def compare():
         start()
         make()
         found, left_out = render("SHADOWCACHE")
-        left_out = [entry for entry in left_out if not entry.startswith("Principled BSDF: ")]
+        left_out = [entry for entry in left_out if not entry.startswith(("Principled BSDF: ", "Fresnel: "))]
         off = apart(found, values[name])
         print("case %s: %.4f %s" % (name, off, left_out))
         assert off < MOST, "%s: %s, expected %s" % (name, found.round(4).tolist(), values[name].tolist())

@@ -175,9 +175,29 @@ std::vector<std::pair<std::uint32_t, Material>> manyMaterials() {
     return {{0, red}, {2, oneSided}, {4, varnish}, {6, lamp}, {8, veil}, {10, brass}};
 }
 
+/// The same room with coloured glass in its window, and a lamp behind a smaller pane.
+std::vector<std::pair<std::uint32_t, Material>> glazedMaterials(TriangleMesh& mesh) {
+    Material plain, glass, lamp, shade;
+    plain.albedo = Rgb(0.6f);
+    glass.albedo = Rgb(0.3f, 0.8f, 0.6f);
+    glass.finish.gloss = Gloss{.metallic = 0, .roughness = 0.1f};
+    glass.finish.transmission = 0.9f;
+    shade = glass;
+    shade.albedo = Rgb(0.9f, 0.5f, 0.2f);
+    lamp.albedo = Rgb(0.4f);
+    lamp.finish.emission = Rgb(2);
+    const auto first = static_cast<std::uint32_t>(mesh.triangles.size());
+    test::addQuad(mesh, {2, 0, -0.5f}, {2, 2, -0.5f}, {2, 2, 2}, {2, 0, 2});
+    test::addFloor(mesh, 1.9f, -1.5f, -0.5f, -1.5f, -0.5f);
+    test::addFloor(mesh, 1.7f, -1.6f, -0.4f, -1.6f, -0.4f);
+    return {{0, plain}, {first, glass}, {first + 2, lamp}, {first + 4, shade}};
+}
+
+enum class Looks { plain, many, glazed };
+
 struct Set {
     std::string name;
-    bool materials;
+    Looks looks;
     std::string estimator;
     bool solved;
 };
@@ -186,7 +206,8 @@ class RoomBy : public Room, public testing::WithParamInterface<Set> {};
 
 TEST_P(RoomBy, HasTheLightOfBruteForce) {
     const Set& set = GetParam();
-    if (set.materials) setMaterials(manyMaterials());
+    if (set.looks == Looks::many) setMaterials(manyMaterials());
+    if (set.looks == Looks::glazed) setMaterials(glazedMaterials(mesh_));
     const test::World world(mesh_, sky(), {.spacing = 0.25});
     const PlainLook plain;
     constexpr int kBounces = 3;
@@ -203,10 +224,12 @@ TEST_P(RoomBy, HasTheLightOfBruteForce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sets, RoomBy,
-                         testing::Values(Set{"plainByMis", false, "mis", false},
-                                         Set{"plainByCache", false, "cache", true},
-                                         Set{"materialsByMis", true, "mis", false},
-                                         Set{"materialsByCache", true, "cache", true}),
+                         testing::Values(Set{"plainByMis", Looks::plain, "mis", false},
+                                         Set{"plainByCache", Looks::plain, "cache", true},
+                                         Set{"materialsByMis", Looks::many, "mis", false},
+                                         Set{"materialsByCache", Looks::many, "cache", true},
+                                         Set{"glazedByMis", Looks::glazed, "mis", false},
+                                         Set{"glazedByCache", Looks::glazed, "cache", true}),
                          [](const auto& set) { return set.param.name; });
 
 // Counts and hits of another set, and looks that are wrong, cost rays and change no mean.

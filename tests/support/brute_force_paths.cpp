@@ -54,9 +54,9 @@ Rgb pathRadiance(const Scene& scene, const Environment& environment, const Plain
     Numbers numbers(seed);
     Rgb sum(0, 0, 0), weight(1, 1, 1);
     View view{direction, scene.intersect(origin, direction)};
-    if (!view.hit.found) return environment.radiance(direction);
+    if (!view.hit.found) return environment.radiance(direction) * view.hit.tint;
     for (int left = bounces;; --left) {
-        const Surface surface = surfaceOf(view.hit, plain);
+        const Surface surface = surfaceSeen(view.hit, plain);
         sum += weight * surface.emission;
         if (surface.unlit) return sum;
         const Vec3f normal = view.shadingNormal();
@@ -67,10 +67,10 @@ Rgb pathRadiance(const Scene& scene, const Environment& environment, const Plain
         packet.set(0, rayStartOf(scene, view), next.direction);
         Hit hit;
         scene.meet(packet, 1, &hit);
-        if (!hit.found) return sum + weight * environment.radiance(next.direction);
+        if (!hit.found) return sum + weight * environment.radiance(next.direction) * hit.tint;
         if (isUnseenBack(hit, next.direction)) return sum;
         // What the last surface is lit by emits, and reflects nothing any more.
-        if (left == 0) return sum + weight * surfaceOf(hit, plain).emission;
+        if (left == 0) return sum + weight * surfaceSeen(hit, plain).emission;
         if (left < 0) {
             const float chance = std::min(0.95f, std::max({weight.x, weight.y, weight.z}));
             if (numbers.next() >= chance) return sum;
