@@ -74,15 +74,20 @@ class Frame:
     def _export(self):
         self._say("Export")
         name = self.set_file.path
-        first = name not in self.job.exported
+        records = name not in self.job.exported and self._is_among_frames()
         self.job.exported.add(name)
-        state = self.set_file.update(self.depsgraph, self._set_frame if first else None, self.settings.use_motion)
+        state = self.set_file.update(self.depsgraph, self._set_frame if records else None, self.settings.use_motion)
         if self.is_hybrid:  # Cycles has what the set has not
             hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out(state))
         else:
             self.left_out += self.set_file.left_out(state)
             self.left_out += scene_check.left_out(self.depsgraph, self._camera_object())
         self.left_out += passes.left_out(self.depsgraph.view_layer)
+
+    def _is_among_frames(self):
+        """Whether the frame is one of those in which motion is recorded; else the file is of this one alone."""
+        scene = self.scene
+        return scene.frame_start <= scene.frame_current <= scene.frame_end and not scene.frame_subframe
 
     def _camera_object(self):
         return self.engine.camera_override or self.scene.camera

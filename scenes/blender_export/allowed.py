@@ -190,7 +190,7 @@ PROPERTIES = {
         **of(READ, "use_pass_z use_pass_normal use_pass_position use_pass_diffuse_direct use_pass_diffuse_indirect "
                    "use_pass_diffuse_color use_pass_glossy_direct use_pass_glossy_indirect use_pass_glossy_color "
                    "use_pass_emit use_pass_environment")},
-    "CyclesRenderLayerSettings": of(OWN, "use_denoising"),
+    "CyclesRenderLayerSettings": {**of(OWN, "use_denoising"), **of(READ, "denoising_store_passes")},
     "RenderSettings": {
         **of(READ, "resolution_x resolution_y resolution_percentage pixel_aspect_x pixel_aspect_y use_border border_min_x "
                    "border_max_x border_min_y border_max_y use_crop_to_border film_transparent fps fps_base engine"),

@@ -10,6 +10,12 @@ from .triangles import MeshArrays, read, share
 from .versions import corner_normals
 
 
+# Of all meshes of a kind, in one entry.
+COARSE = "Smooth shading of coarse facets: rays start on the smooth surface; beside Cycles, light from the side differs"
+MOST_BENT = 0.01  # mean of (1 - cos) / 2 of the angles from facets to their corners' normals; 1 % of a white sky
+LOOKED_AT = 20000  # triangles
+
+
 def y_up(vectors):
     """Blender's +Z up to glTF's +Y up, of rows."""
     turned = numpy.empty_like(vectors)
@@ -35,6 +41,17 @@ def vertex_colours(mesh, look, vertex_of):
         if name is not None:
             result[:, columns] = layer_of(mesh, name or active, vertex_of)[:, columns]
     return result
+
+
+def bend_of(part, indices):
+    """How far the normals of corners are from those of their triangles, by MOST_BENT's measure, weighted by area."""
+    triangles = indices.reshape(-1, 3)
+    triangles = triangles[::max(len(triangles) // LOOKED_AT, 1)]
+    a, b, c = (part["POSITION"][triangles[:, k]].astype(float) for k in range(3))
+    across = numpy.cross(b - a, c - a)
+    cosines = numpy.einsum("ijk,ik->ij", part["NORMAL"][triangles].astype(float), across)
+    area = numpy.linalg.norm(across, axis=1).sum()
+    return (1 - numpy.abs(cosines).mean(axis=1).sum() / area) / 2 if area > 0 else 0
 
 
 class MeshWriter:
@@ -88,6 +105,8 @@ class MeshWriter:
         if "NORMAL" in part:
             part["NORMAL"] = y_up(part["NORMAL"])
         part["POSITION"] = y_up(arrays.places[vertices])
+        if "NORMAL" in part and bend_of(part, indices) > MOST_BENT:
+            self.report.share(COARSE, mesh.name)
         return part, indices, look.number
 
     def _once(self, name, parts):
