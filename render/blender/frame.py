@@ -7,6 +7,7 @@ from .folders import folder_of, set_file_of
 from .options import options_of
 from .set_file import fps
 
+MENDED = "texels not a number"  # of a note on a map; Cycles takes negative ones as they are
 PASS_RAYS = 16  # camera rays of a pixel after which a picture is shown, and a render can be stopped
 
 
@@ -143,7 +144,8 @@ class Frame:
         self.left_out += left_out
         if isinstance(light, world_map.Baking):
             light.prepare(self.scene.world)
-        self.session.light(world_map.keys_of(light, self._stopped, self._say), **self._calls("World"))
+        reply = self.session.light(world_map.keys_of(light, self._stopped, self._say), **self._calls("World"))
+        self.left_out += ["world %s: %s" % (self.scene.world.name, note) for note in reply["notes"] if MENDED in note]
 
     def _pixels(self, on_picture):
         aovs, of_centre = passes.aovs_of(self.wanted)
