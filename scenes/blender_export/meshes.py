@@ -4,7 +4,7 @@ import hashlib
 
 import numpy
 
-from .coordinates import layer_of, texture_places
+from .coordinates import layer_of, texture_places, unread_of
 from .differences import differences
 from .triangles import MeshArrays, read, share
 from .versions import corner_normals
@@ -90,6 +90,9 @@ class MeshWriter:
     def _part(self, mesh, arrays, corners, material, normals, smooth):
         """Arrays of a primitive by attribute, with its indices and the number of its material."""
         look = self.materials.find(material)
+        for name in filter(None, (look.tint, look.fade, *(where.name for where in look.maps))):
+            if unread_of(mesh, name):
+                self.report.add("mesh %s: %s" % (mesh.name, unread_of(mesh, name)))
         layers = {"TEXCOORD_%d" % i: texture_places(mesh, where, arrays.vertex_of) for i, where in enumerate(look.maps)}
         if (look.tint, look.fade) != (None, None):
             colours = layers["COLOR_0"] = vertex_colours(mesh, look, arrays.vertex_of)
