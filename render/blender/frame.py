@@ -7,7 +7,7 @@ from .folders import folder_of, set_file_of
 from .options import options_of
 from .set_file import fps
 
-MENDED = "texels not a number"  # of a note on a map; Cycles takes negative ones as they are
+MENDED = " % of the light"  # in a note on a map with light below 0, which Cycles has
 PASS_RAYS = 16  # camera rays of a pixel after which a picture is shown, and a render can be stopped
 
 
