@@ -51,9 +51,12 @@ float brightest(std::span<Rgb> texels) {
     return std::max(kGreatestHalf, std::ranges::max(greatest));
 }
 
+constexpr double kSeenShare = 1e-3;  // of a map's light that is told
+
 /// Texels that were mended.
 struct Mended {
     std::size_t notANumber = 0, negative = 0, infinite = 0;
+    double light = 0, below = 0;  ///< sums of what stays, and of what was below 0
 };
 
 void mend(Rgb& texel, float infinity, Mended& mended) {
@@ -65,26 +68,37 @@ void mend(Rgb& texel, float infinity, Mended& mended) {
     bool negative = false, infinite = false;
     for (int k = 0; k < 3; ++k) {
         negative = negative || texel[k] < 0.0f;
+        if (texel[k] < 0.0f) mended.below -= static_cast<double>(std::max(texel[k], -infinity));
         infinite = infinite || texel[k] > std::numeric_limits<float>::max();
         texel[k] = std::clamp(texel[k], 0.0f, infinity);
+        mended.light += static_cast<double>(texel[k]);
     }
     mended.negative += negative ? 1 : 0;
     mended.infinite += infinite ? 1 : 0;
+}
+
+/// How much of the light was below 0; empty where that cannot be seen.
+std::string shareText(double below, double all) {
+    return below > kSeenShare * all ? fmt::format(", {:.2g} % of the light", 100 * below / all) : "";
 }
 
 /// Makes every texel usable as radiance and counts what was not.
 void mend(RadianceImage& result) {
     const std::span<Rgb> texels = result.image.pixels;
     const float infinity = brightest(texels);
+    double light = 0, below = 0;
     for (const Mended& part : partsOf<Mended>(
              texels, [&](Rgb&texel, Mended&mended) { mend(texel, infinity, mended); })) {
         result.notANumber += part.notANumber;
         result.negative += part.negative;
         result.infinite += part.infinite;
+        light += part.light;
+        below += part.below;
     }
     if (result.notANumber + result.negative > 0)
-        result.notes.push_back(fmt::format("{} texels not a number and {} negative, set to 0",
-                                           result.notANumber, result.negative));
+        result.notes.push_back(fmt::format("{} texels not a number and {} negative, set to 0{}",
+                                           result.notANumber, result.negative,
+                                           shareText(below, light + below)));
     if (result.infinite > 0)
         result.notes.push_back(fmt::format("{} texels of +Inf, set to {}", result.infinite,
                                            numberText(static_cast<double>(infinity))));

@@ -7,6 +7,7 @@ from .folders import folder_of, set_file_of
 from .options import options_of
 from .set_file import fps
 
+MENDED = " % of the light"  # in a note on a map with light below 0, which Cycles has
 PASS_RAYS = 16  # camera rays of a pixel after which a picture is shown, and a render can be stopped
 
 
@@ -74,10 +75,10 @@ class Frame:
     def _export(self):
         self._say("Export")
         name = self.set_file.path
-        first = name not in self.job.exported
+        records = name not in self.job.exported and self._is_among_frames()
         self.job.exported.add(name)
         # Cycles' shadow rays end at glass.
-        state = self.set_file.update(self.depsgraph, self._set_frame if first else None, self.settings.use_motion,
+        state = self.set_file.update(self.depsgraph, self._set_frame if records else None, self.settings.use_motion,
                                      panes=not self.is_hybrid)
         if self.is_hybrid:  # Cycles has what the set has not
             hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out(state))
@@ -85,6 +86,11 @@ class Frame:
             self.left_out += self.set_file.left_out(state)
             self.left_out += scene_check.left_out(self.depsgraph, self._camera_object())
         self.left_out += passes.left_out(self.depsgraph.view_layer)
+
+    def _is_among_frames(self):
+        """Whether the frame is one of those in which motion is recorded; else the file is of this one alone."""
+        scene = self.scene
+        return scene.frame_start <= scene.frame_current <= scene.frame_end and not scene.frame_subframe
 
     def _camera_object(self):
         return self.engine.camera_override or self.scene.camera
@@ -140,7 +146,8 @@ class Frame:
         self.left_out += left_out
         if isinstance(light, world_map.Baking):
             light.prepare(self.scene.world)
-        self.session.light(world_map.keys_of(light, self._stopped, self._say), **self._calls("World"))
+        reply = self.session.light(world_map.keys_of(light, self._stopped, self._say), **self._calls("World"))
+        self.left_out += ["world %s: %s" % (self.scene.world.name, note) for note in reply["notes"] if MENDED in note]
 
     def _pixels(self, on_picture):
         aovs, of_centre = passes.aovs_of(self.wanted)

@@ -12,13 +12,14 @@ import bpy
 from . import world
 from .blender_export import versions
 from .blender_export.materials import SHARED
+from .blender_export.meshes import COARSE
 from .blender_export.node_values import source
 from .blender_export.shown import other_layers
 
 # Nodes through which light goes straight, which an exported stand-in would stop.
 SEE_THROUGH = {"BSDF_TRANSPARENT", "HOLDOUT", "SCRIPT"}
 # Entries that are no reason for Cycles: lamps are its own in any case.
-OF_NONE = ("light ", *SHARED)
+OF_NONE = ("light ", *SHARED, COARSE)
 
 
 @dataclass(frozen=True)

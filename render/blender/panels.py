@@ -135,6 +135,8 @@ class SHADOWCACHE_PT_passes(Panel, bpy.types.Panel):
                 row.prop(layer, "use_pass_%s_%s" % (kind, part), text=part.title(), toggle=True)
         column.prop(layer, "use_pass_emit", text="Emission")
         column.prop(layer, "use_pass_environment")
+        if hasattr(layer, "cycles"):
+            column.prop(layer.cycles, "denoising_store_passes")
 
 
 CLASSES = (SHADOWCACHE_PT_sampling, SHADOWCACHE_PT_bake, SHADOWCACHE_PT_film, SHADOWCACHE_PT_hybrid,

@@ -13,7 +13,7 @@ OF_CENTRE = ("axial_depth", "position")
 @dataclass(frozen=True)
 class Pass:
     name: str       # Blender's
-    flag: str       # of the view layer
+    flag: str       # of the view layer, or of an add-on's settings in it
     channels: str
     kind: str       # of its socket: COLOR, VECTOR or VALUE
     aovs: tuple     # that it is made of
@@ -59,6 +59,11 @@ def plain(name):
     return lambda picture: picture.planes(name)
 
 
+def albedo(picture):
+    return picture.planes("diffuse_color") + picture.planes("glossy_color")
+
+
+DENOISING = "cycles.denoising_store_passes"  # Cycles' Denoising Data, by whose names the compositor's nodes are made
 PASSES = (
     Pass("Depth", "use_pass_z", "Z", "VALUE", ("axial_depth",), depth),
     Pass("Normal", "use_pass_normal", "XYZ", "VECTOR", ("normal",), normal),
@@ -75,6 +80,10 @@ PASSES = (
     Pass("GlossCol", "use_pass_glossy_color", "RGB", "COLOR", ("glossy_color",), plain("glossy_color")),
     Pass("Emit", "use_pass_emit", "RGB", "COLOR", ("emission", "environment"), emission),
     Pass("Env", "use_pass_environment", "RGB", "COLOR", ("environment",), plain("environment")),
+    Pass("Noisy Image", DENOISING, "RGBA", "COLOR", (), lambda picture: picture.combined()),
+    Pass("Denoising Normal", DENOISING, "XYZ", "VECTOR", ("normal",), normal),
+    Pass("Denoising Albedo", DENOISING, "RGB", "COLOR", ("diffuse_color", "glossy_color"), albedo),
+    Pass("Denoising Depth", DENOISING, "Z", "VALUE", ("depth",), plain("depth")),
 )
 # Ours alone; its flag is in the view layer's own settings.
 VARIANCE = Pass("Noise Variance", "use_pass_variance", "Y", "VALUE", ("variance",), plain("variance"))
@@ -91,9 +100,16 @@ WITHOUT = {"use_pass_mist": "Mist", "use_pass_vector": "Vector", "use_pass_uv": 
            "use_pass_cryptomatte_asset": "Cryptomatte Asset"}
 
 
+def asks(layer, flag):
+    """Whether a flag is on; one of an add-on that is not there is off."""
+    for name in flag.split("."):
+        layer = getattr(layer, name, None)
+    return bool(layer)
+
+
 def wanted(layer):
     """Passes beside Combined of a view layer."""
-    found = [p for p in PASSES if getattr(layer, p.flag, False)]
+    found = [p for p in PASSES if asks(layer, p.flag)]
     return found + [VARIANCE] * layer.shadowcache.use_pass_variance
 
 

@@ -11,5 +11,5 @@ def left_out(depsgraph, camera):
     found = ["scene %s: %s" % (scene.name, text) for text in differences(scene)]
     found += ["view layer %s: %s" % (layer.name, text) for text in differences(layer)]
     if camera and camera.type == "CAMERA":
-        found += differences_of(camera.data)
+        found += differences_of(camera)
     return found

@@ -72,8 +72,16 @@ class Session:
         return self._ask("render", {"pixels": self.pixels, "frame": frame, "progressive": True}, calls)
 
     def _ask(self, request, fields, calls):
+        """The reply, with the texts that were logged before it as its "notes"."""
+        notes, tell = [], calls.get("on_reply", lambda reply: None)
+
+        def on_reply(reply):
+            if reply["reply"] == "log":
+                notes.append(reply["text"])
+            tell(reply)
+
         try:
-            return self.server.ask(request, **calls, **fields)
+            return {**self.server.ask(request, **{**calls, "on_reply": on_reply}, **fields), "notes": notes}
         except (Failed, Cancelled):
             if not self.server.is_alive():
                 self.close()

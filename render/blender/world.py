@@ -14,7 +14,8 @@ from mathutils import Euler
 from . import exr, fingerprint
 from .blender_export.differences import differences, node_differences
 from .blender_export.node_values import Reader, constant, link_of, source
-from .blender_export.texels import DATA, LINEAR, has_texels, linear_texels, unknown_of
+from .blender_export.texels import (DATA, LINEAR, MOST_APART, filter_gap, has_texels, is_encoded, linear_texels,
+                                    stored_texels, unknown_of)
 
 AXES = numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)    # of Blender to those of glTF
 MIDDLE = numpy.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], float)  # the image's, to +X
@@ -132,6 +133,8 @@ def file_of(image, folder):
     if not os.path.exists(written):
         if not has_texels(image):
             raise ValueError("image %s: it has no texels" % image.name)
+        if is_encoded(image) and filter_gap(stored_texels(image, True)) > MOST_APART:
+            raise NotPlain  # Cycles interpolates the texels as they are encoded
         os.makedirs(folder, exist_ok=True)
         exr.write(written, linear_texels(image))
     return written
@@ -157,9 +160,9 @@ def plain(world, folder):
     if any(text for seen in reader.seen.values() for text in node_differences(seen)):
         raise NotPlain
     gain = numpy.array(colour.factor) * strength.factor[0]
-    if node is None:
-        return {"radiance": numpy.maximum(gain, 0).tolist()}
     if gain.min() < 0:
         raise NotPlain
+    if node is None:
+        return {"radiance": gain.tolist()}
     rotate = AXES @ turn @ AXES.T @ MIDDLE
     return {"map": file_of(node.image, folder), "rotate": rotate.reshape(-1).tolist(), "gain": gain.tolist()}

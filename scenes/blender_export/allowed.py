@@ -208,7 +208,7 @@ PROPERTIES = {
         **of(READ, "use_pass_z use_pass_normal use_pass_position use_pass_diffuse_direct use_pass_diffuse_indirect "
                    "use_pass_diffuse_color use_pass_glossy_direct use_pass_glossy_indirect use_pass_glossy_color "
                    "use_pass_emit use_pass_environment")},
-    "CyclesRenderLayerSettings": of(OWN, "use_denoising"),
+    "CyclesRenderLayerSettings": {**of(OWN, "use_denoising"), **of(READ, "denoising_store_passes")},
     "RenderSettings": {
         **of(READ, "resolution_x resolution_y resolution_percentage pixel_aspect_x pixel_aspect_y use_border border_min_x "
                    "border_max_x border_min_y border_max_y use_crop_to_border film_transparent fps fps_base engine"),
@@ -250,8 +250,9 @@ PROPERTIES = {
                   "adaptive_threshold time_limit use_denoising denoiser denoising_input_passes denoising_prefilter "
                   "max_bounces diffuse_bounces glossy_bounces sample_clamp_direct sample_clamp_indirect pixel_filter_type "
                   "filter_width use_layer_samples"),
-        **of(METHOD, "ao_bounces ao_bounces_render auto_scrambling_distance scrambling_distance blur_glossy device "
-                     "direct_light_sampling_type fast_gi_method use_fast_gi light_sampling_threshold min_light_bounces "
+        **of(Free("is of Fast GI, which is named"), "ao_bounces ao_bounces_render fast_gi_method"),
+        **of(METHOD, "auto_scrambling_distance scrambling_distance blur_glossy device "
+                     "direct_light_sampling_type light_sampling_threshold min_light_bounces "
                      "min_transparent_bounces transparent_max_bounces sampling_pattern tile_size use_auto_tile "
                      "shading_system guiding_distribution_type guiding_training_samples surface_guiding_probability "
                      "use_guiding use_guiding_direct_light use_guiding_mis_weights use_deterministic_guiding "
@@ -326,5 +327,6 @@ WORDS = {
     ("CyclesVisibilitySettings", "diffuse"): "hidden from diffuse rays",
     ("CyclesVisibilitySettings", "glossy"): "hidden from glossy rays",
     ("RenderSettings", "use_motion_blur"): "motion blur: all is where it is at the frame",
+    ("RenderSettings", "use_freestyle"): "freestyle: its lines",
     ("RenderSettings", "use_multiview"): "stereoscopy: both eyes see what the camera sees",
 }

@@ -20,17 +20,24 @@ def picture_size(camera, scene):
     return tuple((max(c[k] for c in corners) - min(c[k] for c in corners)) / distance for k in (0, 1))
 
 
-def differences_of(camera):
-    """What of a camera is not rendered, as texts."""
-    return ["camera %s: %s" % (camera.name, text) for text in differences(camera)]
+def differences_of(thing):
+    """What of a camera, an object, is not rendered, as texts."""
+    axes = numpy.array(thing.matrix_world, float)[:3, :3]
+    found = list(differences(thing.data))
+    if numpy.linalg.det(axes) < 0:
+        found.append("it is mirrored, by a scale below 0")
+    if matrices.has_shear(axes):
+        found.append("its axes are sheared, by a parent's scale")
+    return ["camera %s: %s" % (thing.data.name, text) for text in found]
 
 
-def entry(camera, scene, report):
-    """A camera of a glTF document; None if it is a panorama."""
+def entry(thing, scene, report):
+    """A camera, an object, of a glTF document; None if it is a panorama."""
+    camera = thing.data
     if camera.type not in ("PERSP", "ORTHO"):
         report.add("camera %s: %s" % (camera.name, camera.type.lower()))
         return None
-    for text in differences_of(camera):
+    for text in differences_of(thing):
         report.add(text)
     if camera.shift_x or camera.shift_y:
         report.add("camera %s: shift, which only CAMERA.json holds" % camera.name)
@@ -95,7 +102,7 @@ def export_camera(depsgraph, path, set_frame, first=None):
     scene, report, frames = depsgraph.scene, Report(), []
     if not scene.camera or scene.camera.name == STAND_IN or scene.camera.data.type not in ("PERSP", "ORTHO"):
         raise ValueError("%s: the scene has no perspective or orthographic camera" % path)
-    for text in differences_of(scene.camera.data):
+    for text in differences_of(scene.camera):
         report.add(text)
     for frame in range(scene.frame_start if first is None else first, scene.frame_end + 1):
         set_frame(frame)

@@ -116,6 +116,22 @@ def generated(mesh):
 STORED = {"FLOAT2": ("vector", 2, numpy.float32), "FLOAT_VECTOR": ("vector", 3, numpy.float32),
           "FLOAT_COLOR": ("color", 4, numpy.float32), "BYTE_COLOR": ("color", 4, numpy.float32),
           "FLOAT": ("value", 1, numpy.float32), "INT": ("value", 1, numpy.int32), "BOOLEAN": ("value", 1, bool)}
+DOMAINS = ("POINT", "CORNER", "FACE")
+# Attributes that Cycles makes where a mesh has none of the name.
+OF_CYCLES = {"N", "Ng", "uv", "generated", "generated_transform", "tangent", "tangent_sign", "vertex_color", "undeformed",
+             "undisplaced", "motion_P", "motion_N", "particle", "pointiness", "random_per_island"}
+
+
+def unread_of(mesh, name):
+    """Why an attribute of a mesh is not read, as a text; empty if it is, or is not there, which is 0."""
+    if mesh.uv_layers.get(name) is not None:
+        return ""
+    attribute = mesh.attributes.get(name)
+    if attribute is None:
+        return "attribute %s, which Cycles makes" % name if name in OF_CYCLES else ""
+    if attribute.data_type in STORED and attribute.domain in DOMAINS:
+        return ""
+    return "attribute %s: %s of %s" % (name, attribute.data_type.lower(), attribute.domain.lower())
 
 
 def layer_of(mesh, name, vertex_of):
@@ -128,7 +144,7 @@ def layer_of(mesh, name, vertex_of):
         values[:, :2] = read(layer.data, "uv", 2, numpy.float32)
         return values
     attribute = mesh.attributes.get(name)
-    if attribute is None or attribute.data_type not in STORED or attribute.domain not in ("POINT", "CORNER", "FACE"):
+    if attribute is None or unread_of(mesh, name):
         values[:, 3] = 0
         return values
     stored, width, kind = STORED[attribute.data_type]

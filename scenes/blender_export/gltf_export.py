@@ -55,7 +55,7 @@ class GltfExport:
                 if not self.with_cameras:
                     continue
                 seen.add(shown.name)
-                camera = cameras.entry(shown.thing.data, scene, self.report)
+                camera = cameras.entry(shown.thing, scene, self.report)
                 if camera:
                     entries.append((shown.row, {"name": shown.name, "camera": self.file.add("cameras", camera)}))
                 continue

@@ -4,10 +4,16 @@ import hashlib
 
 import numpy
 
-from .coordinates import layer_of, texture_places
+from .coordinates import layer_of, texture_places, unread_of
 from .differences import differences
 from .triangles import MeshArrays, read, share
 from .versions import corner_normals
+
+
+# Of all meshes of a kind, in one entry.
+COARSE = "Smooth shading of coarse facets: rays start on the smooth surface; beside Cycles, light from the side differs"
+MOST_BENT = 0.01  # mean of (1 - cos) / 2 of the angles from facets to their corners' normals; 1 % of a white sky
+LOOKED_AT = 20000  # triangles
 
 
 def y_up(vectors):
@@ -35,6 +41,17 @@ def vertex_colours(mesh, look, vertex_of):
         if name is not None:
             result[:, columns] = layer_of(mesh, name or active, vertex_of)[:, columns]
     return result
+
+
+def bend_of(part, indices):
+    """How far the normals of corners are from those of their triangles, by MOST_BENT's measure, weighted by area."""
+    triangles = indices.reshape(-1, 3)
+    triangles = triangles[::max(len(triangles) // LOOKED_AT, 1)]
+    a, b, c = (part["POSITION"][triangles[:, k]].astype(float) for k in range(3))
+    across = numpy.cross(b - a, c - a)
+    cosines = numpy.einsum("ijk,ik->ij", part["NORMAL"][triangles].astype(float), across)
+    area = numpy.linalg.norm(across, axis=1).sum()
+    return (1 - numpy.abs(cosines).mean(axis=1).sum() / area) / 2 if area > 0 else 0
 
 
 class MeshWriter:
@@ -73,6 +90,9 @@ class MeshWriter:
     def _part(self, mesh, arrays, corners, material, normals, smooth):
         """Arrays of a primitive by attribute, with its indices and the number of its material."""
         look = self.materials.find(material)
+        for name in filter(None, (look.tint, look.fade, *(where.name for where in look.maps))):
+            if unread_of(mesh, name):
+                self.report.add("mesh %s: %s" % (mesh.name, unread_of(mesh, name)))
         layers = {"TEXCOORD_%d" % i: texture_places(mesh, where, arrays.vertex_of) for i, where in enumerate(look.maps)}
         if (look.tint, look.fade) != (None, None):
             colours = layers["COLOR_0"] = vertex_colours(mesh, look, arrays.vertex_of)
@@ -88,6 +108,8 @@ class MeshWriter:
         if "NORMAL" in part:
             part["NORMAL"] = y_up(part["NORMAL"])
         part["POSITION"] = y_up(arrays.places[vertices])
+        if "NORMAL" in part and bend_of(part, indices) > MOST_BENT:
+            self.report.share(COARSE, mesh.name)
         return part, indices, look.number
 
     def _once(self, name, parts):

@@ -86,6 +86,8 @@ class Pictures:
         unknown = unknown_of(image)
         if unknown:
             self.report.add("image %s: %s" % (image.name, unknown))
+        if image.is_dirty and image.source == "FILE" and not image.packed_file:
+            self.report.add("image %s: its changes are not saved; Cycles shows its file" % image.name)
         return True
 
     def _compose(self, channels, colour, found, change):

@@ -37,34 +37,45 @@ def walk(depsgraph, report):
             key, kind = (), thing.type
         else:
             key, kind = (owner.as_pointer(), 0), ""
-        if key not in looked_at:
-            looked_at.add(key)
-            look_at(thing, kind, depsgraph, report)
+        instancer = instance.parent if instance.is_instance else None
+        looked = *key, kind, instancer and instancer.as_pointer()
+        if looked not in looked_at:
+            looked_at.add(looked)
+            look_at(thing, kind, instancer, depsgraph, report)
         if kind:
             yield Shown(row, thing.name, kind, key, thing)
 
 
-def look_at(thing, kind, depsgraph, report):
-    """Adds to the report what an object has that is not exported."""
+def look_at(thing, kind, instancer, depsgraph, report):
+    """Adds to the report what an object has that is not exported; instancer: the object that shows it, or None."""
     if not kind and thing.type not in IGNORED and not has_mesh(thing):
         report.add("%s %s" % (thing.type.lower(), thing.name))
     if kind != "MESH":
         return
-    for text in differences(thing):
-        report.add("object %s: %s" % (thing.name, text))
+    for owner in (thing, instancer) if instancer else (thing,):
+        for text in unlike_others(owner, depsgraph.view_layer):
+            report.add("object %s: %s" % (owner.name, text))
     sizes = [axis.length for axis in thing.matrix_world.to_3x3().col]
     if min(sizes) == 0 < max(sizes):
         report.add("object %s: it is flat, by a scale of 0" % thing.name)
-    layer = depsgraph.view_layer
+    is_on = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
+    for modifier in thing.modifiers:
+        if modifier.type == "PARTICLE_SYSTEM" and getattr(modifier, is_on):
+            settings = modifier.particle_system.settings
+            if settings.type == "HAIR" and settings.render_type == "PATH":
+                report.add("object %s: hair %s" % (thing.name, modifier.particle_system.name))
+
+
+def unlike_others(thing, layer):
+    """As texts, how rays meet an object otherwise than a surface, and what of it is not understood. What an instancer
+    has so holds for all that it shows."""
+    yield from differences(thing)
     if thing.is_shadow_catcher:
-        report.add("object %s: shadow catcher" % thing.name)
+        yield "shadow catcher"
     if thing.is_holdout or thing.original.holdout_get(view_layer=layer):
-        report.add("object %s: holdout" % thing.name)
+        yield "holdout"
     if thing.original.indirect_only_get(view_layer=layer):
-        report.add("object %s: indirect only" % thing.name)
-    for system in thing.particle_systems:
-        if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
-            report.add("object %s: hair %s" % (thing.name, system.name))
+        yield "indirect only"
 
 
 def has_mesh(thing):

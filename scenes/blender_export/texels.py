@@ -49,7 +49,9 @@ def pixels_of(image):
 
 
 def is_encoded(image):
-    return image.colorspace_settings.name in ENCODED
+    """Whether Cycles filters an image's texels as they are encoded: floats that Blender hands over are linear."""
+    handed_over = image.is_float and (image.source == "GENERATED" or image.packed_file)
+    return image.colorspace_settings.name in ENCODED and not handed_over
 
 
 def has_texels(image):
@@ -60,7 +62,7 @@ def unknown_of(image):
     """What of an image's storage is not read as Cycles does; empty if all is, or nothing is there."""
     if not has_texels(image):
         return ""
-    if not image.is_float and image.colorspace_settings.name not in ENCODED + LINEAR + DATA:
+    if (not image.is_float or is_of_integers(image)) and image.colorspace_settings.name not in ENCODED + LINEAR + DATA:
         return "colour space %s" % image.colorspace_settings.name
     if image.alpha_mode == "PREMUL" and has_opacity(image) and is_of_integers(image):
         return "premultiplied alpha"
@@ -92,7 +94,7 @@ def stored_texels(image, is_alone):
                 colour = colour * alpha
         return numpy.dstack((colour, texels[..., 3]))
     if is_alone and has_opacity(image):
-        return numpy.dstack((texels[..., :3] * alpha, texels[..., 3]))
+        return numpy.dstack((numpy.floor(texels[..., :3] * alpha * 255 + 0.001) / 255, texels[..., 3]))
     return texels
 
 
@@ -183,10 +185,10 @@ def finer(stored, encoded, interpolation):
 
 
 def border_of(lookup):
-    """Texels of nothing that are put around an image that is clipped, as wide as a filter is."""
-    if lookup.extension != "CLIP":
-        return 0
-    return 1 if lookup.interpolation in ("Linear", "Closest") else 2
+    """Texels that are put around an image whose filter goes on where the image ends: of nothing where it is clipped, and
+    of its last ones where these extend."""
+    is_cubic = lookup.interpolation not in ("Linear", "Closest")
+    return {"CLIP": 2 if is_cubic else 1, "EXTEND": int(is_cubic)}.get(lookup.extension, 0)
 
 
 def border_matrix(image, lookup):
@@ -212,7 +214,10 @@ class Texels:
     def stored(self):
         """As Cycles filters them, with their border."""
         found = stored_texels(self.image, self.lookup.is_alone)
-        return numpy.pad(found, ((self.border,) * 2, (self.border,) * 2, (0, 0))) if self.border else found
+        if not self.border:
+            return found
+        kind = "edge" if self.lookup.extension == "EXTEND" else "constant"
+        return numpy.pad(found, ((self.border,) * 2, (self.border,) * 2, (0, 0)), kind)
 
     def is_own(self):
         """Whether the image's file has them."""

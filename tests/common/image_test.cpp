@@ -275,6 +275,15 @@ TEST(Radiance, MendsAndCountsBadTexels) {
                                         "1 texels of +Inf, set to 80000"}));
 }
 
+TEST(Radiance, TellsHowMuchOfTheLightWasBelowZero) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    writeExr(path, 2, 1, {{"R", {-1, 0}}, {"G", {1, 0}}, {"B", {2, 0}}}, {}, PixelType::full);
+    EXPECT_EQ(readRadiance(path).notes,
+              (std::vector<std::string>{
+                  "0 texels not a number and 1 negative, set to 0, 25 % of the light"}));
+}
+
 TEST(Png, EncodesSrgb) {
     const TemporaryFolder folder;
     const auto path = folder.path() / "a.png";

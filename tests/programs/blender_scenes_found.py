@@ -1,0 +1,215 @@
+"""More scenes of blender_scenes_cases.py: what was found beside Cycles by walking kinds of objects, images and frames."""
+
+import os
+import sys
+
+import bpy
+import numpy
+from blender_kit import cube, diffuse, image, link, names, plane, shows, textured
+from blender_scene import WORK
+
+
+def scene():
+    return bpy.context.scene
+
+
+# Frames in which no motion is recorded.
+
+def moving(last, frame, subframe=0.0):
+    """A cube on its way from frame 1 to frame `last`."""
+    plane(diffuse()[0], 6)
+    thing = cube(diffuse((0.3, 0.5, 0.7))[0])
+    for at, x in ((1, -1.5), (last, 1.5)):
+        thing.location.x = x
+        thing.keyframe_insert("location", frame=at)
+    scene().frame_set(frame, subframe=subframe)
+
+
+@shows
+def between_frames():
+    moving(3, 1, 0.5)
+
+
+@shows
+def after_the_last_frame():
+    moving(20, 15)
+
+
+@shows
+def before_the_first_frame():
+    moving(20, 5)
+    scene().frame_start, scene().frame_end = 18, 20
+
+
+# Images.
+
+@shows
+def dark_bytes_alone():
+    """Bytes times their opacity are bytes again, in Cycles."""
+    textured([[(0.1 + 0.02 * i, 0.2, 0.15, 0.5)] * 4 for i in range(4)], interpolation="Closest")
+
+
+@shows
+def cubic_extended():
+    _, _, node = textured(interpolation="Cubic", extension="EXTEND")
+    bpy.data.objects["plane"].data.uv_layers[0].data.foreach_set("uv", [-0.6, -0.4, 1.7, -0.4, 1.7, 1.5, -0.6, 1.5])
+
+
+@shows
+def floats_of_blender():
+    """Floats that are generated are filtered as they are, whatever their colour space."""
+    made = bpy.data.images.new("floats", 8, 8, float_buffer=True)
+    made.colorspace_settings.name = "sRGB"
+    texels = numpy.random.default_rng(1).random((8, 8, 4)).astype(numpy.float32)
+    texels[..., 3] = 1
+    made.pixels.foreach_set(texels.ravel())
+    textured()[2].image = made
+
+
+@names("colour space Linear ACEScg")
+def sixteen_bits_of_another_space():
+    path = os.path.join(WORK, "sixteen.png")
+    with open(path, "wb") as out:
+        out.write(sys.modules["shadowcache.blender_export.pictures"].write_png(numpy.full((2, 2, 3), 0.5), 65535))
+    made = textured()[2].image = bpy.data.images.load(path)
+    assert made.is_float
+    made.colorspace_settings.name = "Linear ACEScg"
+
+
+@names("its changes are not saved")
+def painted():
+    made = textured()[2].image
+    made.pixels[0] = 0.3
+    made.update()
+
+
+# Attributes and normals.
+
+def of_attribute(name, kind="FLOAT", domain="POINT"):
+    material, tree, shader = diffuse()
+    node = tree.nodes.new("ShaderNodeAttribute")
+    node.attribute_name = name
+    tree.links.new(node.outputs["Color"], shader.inputs["Color"])
+    plane(material).data.attributes.new("made", kind, domain)
+
+
+@names("attribute made: float of edge")
+def values_of_edges():
+    of_attribute("made", domain="EDGE")
+
+
+@names("attribute generated, which Cycles makes")
+def attribute_of_cycles():
+    of_attribute("generated")
+
+
+@names("Smooth shading of coarse facets")
+def smooth_cube():
+    thing = cube(diffuse()[0])
+    for polygon in thing.data.polygons:
+        polygon.use_smooth = True
+
+
+# What shows others.
+
+def instanced(collection="shown"):
+    """A cube that an Empty shows."""
+    plane(diffuse()[0], 6)
+    thing = cube(diffuse((0.3, 0.5, 0.7))[0])
+    made = bpy.data.collections.new(collection)
+    made.objects.link(thing)
+    scene().collection.objects.unlink(thing)
+    empty = link("empty", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", made
+    return empty
+
+
+@shows
+def instance_mirrored():
+    instanced().scale = (-1.2, 0.7, 1)
+
+
+@names("object empty: hidden from the camera")
+def instancer_is_hidden():
+    instanced().visible_camera = False
+
+
+@names("object empty: holdout")
+def instancer_is_holdout():
+    instanced().is_holdout = True
+
+
+@names("object empty: shadow catcher")
+def instancer_catches_shadows():
+    instanced().is_shadow_catcher = True
+
+
+@names("object empty: indirect only")
+def instancer_is_indirect():
+    empty = instanced()
+    made = bpy.data.collections.new("made")
+    scene().collection.children.link(made)
+    scene().collection.objects.unlink(empty)
+    made.objects.link(empty)
+    bpy.context.view_layer.layer_collection.children["made"].indirect_only = True
+
+
+@shows
+def hair_is_off():
+    thing = cube(diffuse((0.3, 0.5, 0.7))[0])
+    modifier = thing.modifiers.new("hair", "PARTICLE_SYSTEM")
+    thing.particle_systems[0].settings.type = "HAIR"
+    modifier.show_render = False
+
+
+# Cameras and scenes.
+
+@names("it is mirrored")
+def mirrored_camera():
+    scene().camera.scale.x = -1
+    plane(diffuse()[0])
+
+
+@names("its axes are sheared")
+def sheared_camera():
+    parent = link("parent", None)
+    parent.scale, parent.rotation_euler.z = (1, 2, 1), 0.5
+    scene().camera.parent = parent
+    plane(diffuse()[0])
+
+
+@names("Fast GI Approximation is on")
+def fast_gi():
+    scene().cycles.use_fast_gi = True
+    plane(diffuse()[0])
+
+
+# Worlds.
+
+def environment(texels, space, **settings):
+    tree = scene().world.node_tree
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = image(texels, space, **settings)
+    tree.links.new(node.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    return node
+
+
+def light():
+    return sys.modules["shadowcache.world_map"].light_of(scene(), bpy.context.view_layer, WORK)[0]
+
+
+def is_baked():
+    return not isinstance(light(), dict)
+
+
+def encoded_worlds():
+    """Cycles bakes a map whose texels it filters as they are encoded; others are read."""
+    texels = numpy.random.default_rng(1).random((4, 8, 4))
+    texels[..., 3] = 1
+    for space, baked in (("sRGB", True), ("Non-Color", False)):
+        environment(texels, space)
+        assert is_baked() == baked, space
+    environment(numpy.ones((4, 8, 4)), "sRGB")
+    assert not is_baked(), "even texels, encoded"
+    scene().world.node_tree.nodes["Background"].inputs["Strength"].default_value = -1
+    assert is_baked(), "strength below 0"
