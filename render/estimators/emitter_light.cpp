@@ -155,9 +155,12 @@ Rgb EmitterLight::lampsMet(const Vec3f& direction, float distance, const Receive
     Rgb sum(0, 0, 0);
     tools.met.clear();
     emitters_.meetLamps(at, direction, tools.met);
-    for (const auto& [part, hit] : tools.met)
-        if (hit.distance <= distance)
-            sum += hit.radiance * (1 / (density + chanceOf(part, at, tools) * hit.density));
+    for (const auto& [part, hit] : tools.met) {
+        if (hit.distance > distance) continue;
+        Rgb met = hit.radiance * (1 / (density + chanceOf(part, at, tools) * hit.density));
+        if (scene_.tints()) met *= scene_.tint(at.position, direction, hit.distance);
+        sum += met;
+    }
     return sum;
 }
 
