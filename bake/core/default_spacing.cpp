@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "bake/core/least_spacing.h"
 #include "bake/core/repeated_triangles.h"
 #include "bake/core/surface_count.h"
 #include "common/base/tuned.h"
@@ -56,7 +57,9 @@ double chooseSpacing(const TriangleMesh& mesh, SurfaceCount* count) {
     }
     const double bySurface = std::sqrt(surface / kPatches);
     const double byExtent = placedBounds(mesh).size().length() / 400;
-    double spacing = twoDigits(std::min(bySurface, byExtent));
+    // A set far from the origin, or of small things far apart, allows no finer one than this.
+    const double least = twoDigits(1.1 * leastSpacing(mesh));
+    double spacing = std::max(least, twoDigits(std::min(bySurface, byExtent)));
     // Foliage and clutter have many more items than their extent suggests.
     for (;;) {
         const SurfaceCount counted = countSurface(mesh, VoxelFrame(mesh, spacing));

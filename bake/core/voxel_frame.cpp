@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "bake/core/least_spacing.h"
 #include "common/base/error.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -22,24 +23,23 @@ Vec3i floorVector(const Vec3d& v) {
             static_cast<int>(std::floor(v.z))};
 }
 
-std::string refusal(double spacing, double least) {
-    return fmt::format("--spacing {:g}: too small for this set, expected at least {:g}", spacing,
-                       least);
-}
-
 }  // namespace
 
-VoxelFrame::VoxelFrame(const TriangleMesh& mesh, double spacing)
-    : spacing_(spacing), origin_(mesh.origin) {
+double leastSpacing(const TriangleMesh& mesh) {
     const Imath::Box3d box = placedBounds(mesh);
-    const Vec3d low = (box.min + origin_) / spacing, high = (box.max + origin_) / spacing;
-    const Vec3d size = high - low;
+    const Vec3d low = box.min + mesh.origin, high = box.max + mesh.origin, size = high - low;
     const double most = std::max({size.x, size.y, size.z});
     const double farthest = std::max({std::abs(low.x), std::abs(low.y), std::abs(low.z),
                                       std::abs(high.x), std::abs(high.y), std::abs(high.z)});
-    if (most > kMaxVoxels - 16 || farthest > 2e9)
-        throw Error(refusal(spacing, spacing * std::max(most / (kMaxVoxels - 16), farthest / 2e9)));
-    const Vec3i v = floorVector(low);
+    return std::max(most / (kMaxVoxels - 16), farthest / 2e9);
+}
+
+VoxelFrame::VoxelFrame(const TriangleMesh& mesh, double spacing)
+    : spacing_(spacing), origin_(mesh.origin) {
+    if (const double least = leastSpacing(mesh); spacing < least)
+        throw Error(fmt::format("--spacing {:g}: too small for this set, expected at least {:g}",
+                                spacing, least));
+    const Vec3i v = floorVector((placedBounds(mesh).min + origin_) / spacing);
     base_ = {(v.x & ~7) - 8, (v.y & ~7) - 8, (v.z & ~7) - 8};
 }
 

@@ -20,6 +20,14 @@ install(TARGETS shadowcache_render_component EXPORT shadowcache_render_targets
     ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
     FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/shadowcache")
 install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY docs/examples DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+# For builds without CMake. The prefix is where the files are, as they may be moved.
+file(RELATIVE_PATH PC_PREFIX "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/prefix")
+foreach(name shadowcache shadowcache-render)
+    configure_file("common/cmake/${name}.pc.in" "${PROJECT_BINARY_DIR}/${name}.pc" @ONLY)
+    install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+endforeach()
 
 install(EXPORT shadowcache_targets NAMESPACE shadowcache:: FILE shadowcacheTargets.cmake
     DESTINATION "${SHADOWCACHE_CONFIG_DIR}")

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "common/base/parallel.h"
@@ -22,6 +24,11 @@ constexpr double kLeastSize = 0x1p-19;
 constexpr double kChange = 0.02;
 /// Of height to length: narrower ones hardly count, and change by any rounding.
 constexpr double kNarrow = 1e-3;
+
+/// Blurred triangles are named where they are more than this of the set's surface, which is their
+/// part in its light and its pictures, or more than that of its triangles, as something small that
+/// was made to be seen from near. Less are the slivers that any set has some of.
+constexpr double kLeastSurface = 1e-4, kLeastTriangles = 0.01;
 
 double largest(const Vec3d& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -45,15 +52,55 @@ struct Triangle {
     }
 };
 
-struct Blurred {
+/// Triangles and their surface.
+struct Amount {
     std::size_t count = 0;
-    double reach = 0;  ///< largest coordinate of one
+    double surface = 0;
 
-    void add(std::size_t triangles, double coordinate) {
-        if (triangles == 0) return;
-        count += triangles;
+    void add(const Amount& other) {
+        count += other.count;
+        surface += other.surface;
+    }
+    Amount scaled(double scale) const { return {count, surface * scale * scale}; }
+};
+
+struct Blurred {
+    Amount all, blurred;
+    double reach = 0;  ///< largest coordinate of a blurred one
+
+    void add(const Amount& triangles, double coordinate) {
+        if (triangles.count == 0) return;
+        blurred.add(triangles);
         reach = std::max(reach, coordinate);
     }
+    bool isMuch() const {
+        return blurred.surface > kLeastSurface * all.surface ||
+               static_cast<double>(blurred.count) >
+                   kLeastTriangles * static_cast<double>(all.count);
+    }
+};
+
+/// The triangles of an instanced mesh by their sizes, in ascending order.
+class BySize {
+public:
+    void add(const Triangle& t) { triangles_.emplace_back(t.size(), t.area().length() / 2); }
+    /// Once all are added.
+    void sort() {
+        std::sort(triangles_.begin(), triangles_.end());
+        double sum = 0;
+        for (auto& [size, surface] : triangles_) sum = surface += sum;
+    }
+
+    Amount smallerThan(double size) const {
+        const auto end =
+            std::lower_bound(triangles_.begin(), triangles_.end(), std::pair(size, 0.0));
+        const auto count = static_cast<std::size_t>(end - triangles_.begin());
+        return {count, count > 0 ? std::prev(end)->second : 0};
+    }
+
+private:
+    /// Size, and surface; once they are sorted that of all up to it.
+    std::vector<std::pair<double, double>> triangles_;
 };
 
 Triangle triangleOf(const MeshSoup& soup, std::size_t i, const Vec3d& origin) {
@@ -70,35 +117,39 @@ void countBlurred(const Vec3d& origin, MeshSoup& soup) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const bool isLocal = soup.groupOf(i) != 0;
             const Triangle t = triangleOf(soup, i, isLocal ? Vec3d(0.0) : origin);
-            chunks[chunk.index].add(t.isBlurred() ? 1 : 0, t.reach());
+            const Amount amount{1, t.area().length() / 2};
+            chunks[chunk.index].all.add(amount);
+            if (t.isBlurred()) chunks[chunk.index].add(amount, t.reach());
         }
     });
     Blurred all;
-    for (const Blurred& chunk : chunks) all.add(chunk.count, chunk.reach);
+    for (const Blurred& chunk : chunks) {
+        all.all.add(chunk.all);
+        all.add(chunk.blurred, chunk.reach);
+    }
 
-    // Instances, by the sizes of their triangles in ascending order.
-    std::vector<std::vector<double>> sizes(static_cast<std::size_t>(soup.groups) + 1);
+    std::vector<BySize> sizes(static_cast<std::size_t>(soup.groups) + 1);
     for (std::size_t i = 0; soup.groups > 0 && i < count; ++i)
         if (const int group = soup.groupOf(i); group != 0)
-            sizes[static_cast<std::size_t>(group)].push_back(
-                triangleOf(soup, i, Vec3d(0.0)).size());
-    for (std::vector<double>& group : sizes) std::sort(group.begin(), group.end());
+            sizes[static_cast<std::size_t>(group)].add(triangleOf(soup, i, Vec3d(0.0)));
+    for (BySize& group : sizes) group.sort();
     for (const RawInstance& instance : soup.instances) {
-        const std::vector<double>& group = sizes[static_cast<std::size_t>(instance.group)];
+        const BySize& group = sizes[static_cast<std::size_t>(instance.group)];
         const double reach = largest(instance.toWorld.position - origin);
         double scale = 0;
         for (const Vec3d& axis : instance.toWorld.axis) scale = std::max(scale, axis.length());
         if (!(scale > 0)) continue;  // hidden
-        const auto end = std::lower_bound(group.begin(), group.end(), kLeastSize * reach / scale);
-        all.add(static_cast<std::size_t>(end - group.begin()), reach);
+        constexpr double kAny = std::numeric_limits<double>::infinity();
+        all.all.add(group.smallerThan(kAny).scaled(scale));
+        all.add(group.smallerThan(kLeastSize * reach / scale).scaled(scale), reach);
     }
-    if (all.count == 0) return;
+    if (!all.isMuch()) return;
     const auto reach = static_cast<float>(all.reach);
     const float step = std::nextafter(reach, std::numeric_limits<float>::infinity()) - reach;
     soup.report.remarks[fmt::format(
         "triangles blurred, so far are they from the middle of the set for their size: positions "
         "there have a precision of {:.3g}, in the set's unit",
-        step)] = all.count;
+        step)] = all.blurred.count;
 }
 
 }  // namespace shadowcache

@@ -107,6 +107,8 @@ public:
         for (std::size_t i = 0; i < out_.nodes.size(); ++i)
             if (out_.nodes[i].inScene) readNode(nodes_.objects[i], out_.nodes[i]);
         extensions_.addOthers(root_);
+        if (file_.isMended())
+            ++out_.leftOutOf[{"file", "texts are not UTF-8 (such bytes are replaced)"}];
         for (const GltfObject& animation : root_.objects("animations", "animation"))
             addAnimation(animation);
         out_.storage = file_.takeStorage();

@@ -12,6 +12,7 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
+#include "common/base/utf8.h"
 #include "common/import/gltf_extensions.h"
 #include "common/import/meshopt_decoder.h"
 
@@ -151,8 +152,10 @@ GltfFile::GltfFile(const std::filesystem::path& path, References references)
     const std::string_view text = gltfJson(bytes);
     if (!isShallowJson(text))
         throwFileError(path, "JSON nested deeper than 256 levels, expected fewer");
+    std::string mended;
+    isMended_ = mendUtf8(text, mended);
     try {
-        json_ = Json::parse(text);
+        json_ = Json::parse(isMended_ ? std::string_view(mended) : text);
     } catch (const Json::exception& e) {
         throwIncomplete(path, e.what());
     }

@@ -30,6 +30,9 @@ public:
     /// is required and unknown here, a file outside of its folder that it may not name
     GltfFile(const std::filesystem::path& path, References references);
 
+    /// Whether its texts are not UTF-8: bytes that are none are replaced.
+    bool isMended() const { return isMended_; }
+
     GltfObject root() const { return {path_, json_, ""}; }
 
     /// Bytes of a buffer view, decoded if they are compressed (EXT_meshopt_compression).
@@ -69,6 +72,7 @@ private:
     const std::filesystem::path& path_;
     References references_;
     nlohmann::json json_;
+    bool isMended_ = false;
     std::vector<GltfObject> views_, images_;
     std::vector<std::optional<View>> known_;  ///< by view
     std::deque<std::string> storage_;         ///< the buffers first

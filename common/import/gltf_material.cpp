@@ -189,15 +189,19 @@ private:
 
 }  // namespace
 
-void nameIfInvisible(const GltfMaterial& material, LeftOutOf& leftOut) {
+void nameOne(const std::string& kind, const std::string& cause, const std::string& name,
+             LeftOutOf& leftOut) {
     constexpr std::size_t kMostNamed = 20, kMostBytes = 60;
+    std::string named = cause + ": " + oneLine(name.substr(0, kMostBytes));
+    if (leftOut.size() >= kMostNamed && !leftOut.contains({kind, named}))
+        named = cause + ": others";
+    ++leftOut[{kind, named}];
+}
+
+void nameIfInvisible(const GltfMaterial& material, LeftOutOf& leftOut) {
     const Material& m = material.material;
     if (m.opacity > 0 || !(m.blends || (m.cutOut && m.cutoff > 0))) return;
-    const std::string cause = "opacity is 0, so that nothing of it is seen: ";
-    std::string named = cause + oneLine(material.name.substr(0, kMostBytes));
-    if (leftOut.size() >= kMostNamed && !leftOut.contains({"material", named}))
-        named = cause + "others";
-    ++leftOut[{"material", named}];
+    nameOne("material", "opacity is 0, so that nothing of it is seen", material.name, leftOut);
 }
 
 GltfMaterial gltfMaterial(const GltfObject& from, std::size_t textures) {

@@ -32,6 +32,10 @@ struct GltfMaterial {
     std::vector<std::string> leftOut;  ///< what the file asks for and this program has not
 };
 
+/// Counts a thing by its cause and name, up to a number of names for all.
+void nameOne(const std::string& kind, const std::string& cause, const std::string& name,
+             LeftOutOf& leftOut);
+
 /// Names a material of opacity 0, of which nothing is seen.
 void nameIfInvisible(const GltfMaterial& material, LeftOutOf& leftOut);
 

@@ -78,8 +78,7 @@ public:
             for (const std::string& name : document_.materials[i].leftOut) ++out_.leftOut[name];
             if (document_.materials[i].clamped) ++out_.remarks[kClampedMaterials];
             nameIfInvisible(document_.materials[i], out_.leftOutOf);
-            for (const int* texture : texturesOf(out_.materials[i]))
-                if (*texture >= 0 && pictures == GltfPictures::decode) decodePicture(*texture);
+            if (pictures == GltfPictures::decode) decodePictures(out_.materials[i]);
         }
         bringNearOrigin(out_);
         return std::move(out_);
@@ -314,20 +313,29 @@ private:
             for (std::size_t i = 0; i + 2 < corners.size(); ++i) face(i + 1, i + 2, 0);
     }
 
-    void decodePicture(int index) {
+    /// Leaves the textures out whose pictures cannot be read. Without its picture a surface would
+    /// shine all over: it does not emit.
+    void decodePictures(Material& material) {
+        for (int* texture : texturesOf(material)) {
+            if (*texture < 0 || decodePicture(*texture)) continue;
+            if (texture == &material.finish.emissionTexture.texture)
+                material.finish.emission = Rgb(0.0f);
+            *texture = -1;
+        }
+    }
+
+    /// @return whether it could be read
+    bool decodePicture(int index) {
         Texture& texture = out_.textures[static_cast<std::size_t>(index)];
-        if (!texture.rgba.empty()) return;
+        if (!texture.rgba.empty()) return true;
         const GltfTexture& from = document_.textures[static_cast<std::size_t>(index)];
-        if (from.encoded.empty())
-            throwFileError(document_.path,
-                           from.name.empty()
-                               ? fmt::format("texture {} has no image in PNG, JPEG or WebP", index)
-                               : from.name + " was not found");
-        std::string cause;
-        texture = decodeTexture(from.encoded, cause);
-        if (texture.rgba.empty())
-            throwFileError(document_.path,
-                           from.name + ": " + cause + ", expected PNG, JPEG or WebP");
+        std::string cause = from.name.empty() ? "in PNG, JPEG or WebP is missing" : "was not found";
+        if (!from.encoded.empty()) texture = decodeTexture(from.encoded, cause);
+        if (texture.rgba.empty()) {
+            nameOne("texture", "picture " + cause + " (left out)",
+                    from.name.empty() ? std::to_string(index) : from.name, out_.leftOutOf);
+            return false;
+        }
         // A picture that several textures show is kept for each.
         if (!decoded_.insert(from.encoded.data()).second)
             budget_.take((texture.rgba.size() + texture.low.size()) / 4);
@@ -335,6 +343,7 @@ private:
         texture.wrapS = from.sampler.wrapS;
         texture.wrapT = from.sampler.wrapT;
         texture.smooth = from.sampler.smooth;
+        return true;
     }
 
     const GltfDocument& document_;

@@ -181,9 +181,18 @@ TriangleMesh compact(const Vec3d& origin, MeshSoup& soup) {
     return mesh;
 }
 
+/// Leaves out what is too small to be seen.
+void dropTiny(MeshSoup& soup) {
+    const std::size_t dropped = std::erase_if(
+        soup.instances, [](const RawInstance& instance) { return isTooSmall(instance.toWorld); });
+    if (dropped > 0)
+        soup.report.leftOutOf[{"instance", "scale is below 2e-6 (left out)"}] += dropped;
+}
+
 /// What all files together make; nothing where no triangle is left.
 std::optional<TriangleMesh> finishIfAny(const std::filesystem::path& path,
                                         const MeshOptions& options, MeshSoup& soup) {
+    dropTiny(soup);
     const Vec3d origin = options.origin           ? *options.origin
                          : soup.triangles.empty() ? Vec3d(0.0)
                                                   : centreOf(soup);
@@ -192,6 +201,7 @@ std::optional<TriangleMesh> finishIfAny(const std::filesystem::path& path,
     if (soup.triangles.empty()) return std::nullopt;
     throwIfInterrupted();
     TriangleMesh mesh = compact(origin, soup);
+    if (mesh.report.placed == 0) return std::nullopt;
     soup = {};
     throwIfInterrupted();
     requireTraceable(mesh, path.string());

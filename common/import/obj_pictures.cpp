@@ -70,7 +70,7 @@ const Texture* ObjPictures::picture(const fs::path& library, const MtlMap* map, 
     const fs::path same = fs::weakly_canonical(*file, ignored);
     const Texture* texture = decoded(same.empty() ? *file : same);
     if (texture->rgba.empty()) {
-        ++mesh_.leftOut[map->file + " (no PNG, JPEG or WebP)"];
+        ++mesh_.leftOut[map->file + " (no whole PNG, JPEG or WebP)"];
         return nullptr;
     }
     key += same.string();
@@ -84,7 +84,6 @@ const Texture* ObjPictures::decoded(const fs::path& file) {
     if (!isPicture(bytes)) return &place->second;
     std::string cause;
     place->second = decodeTexture(bytes, cause);
-    if (place->second.rgba.empty()) throwFileError(file, cause);
     texelsRead_ += texelsOf(place->second);
     return &place->second;
 }

@@ -39,6 +39,10 @@ double inverseScale(const Affine& map) {
 
 }  // namespace
 
+bool isTooSmall(const Affine& toWorld) {
+    return toWorld.invertible() && inverseScale(toWorld) > kMostInverse;
+}
+
 void requireTraceable(const TriangleMesh& mesh, const std::string& owner) {
     std::map<std::uint32_t, Box3d> boxes;
     for (const MeshInstance& instance : mesh.instances) {
@@ -51,10 +55,9 @@ void requireTraceable(const TriangleMesh& mesh, const std::string& owner) {
         if (!staysInReach(instance.toWorld, found->second))
             fail(fmt::format("out of reach, expected coordinates within {:g} of the set",
                              kMostCoordinate));
-        if (!instance.toWorld.invertible()) continue;
-        const double inverse = inverseScale(instance.toWorld);
-        if (inverse <= kMostInverse) continue;
-        fail(fmt::format("scaled by {:g}, expected at least {:g}", 1 / inverse, 1 / kMostInverse));
+        if (isTooSmall(instance.toWorld))
+            fail(fmt::format("scaled by {:g}, expected at least {:g}",
+                             1 / inverseScale(instance.toWorld), 1 / kMostInverse));
     }
 }
 

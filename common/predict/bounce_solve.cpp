@@ -6,6 +6,7 @@
 #include "common/base/parallel.h"
 #include "common/base/progress.h"
 #include "common/predict/cache_preview.h"
+#include "common/predict/exposure.h"
 
 namespace shadowcache {
 
@@ -37,10 +38,9 @@ std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const auto number = static_cast<std::uint32_t>(i);
             if (!items.isFound(number)) continue;
-            const float exposure = items.exposure(number);
             direct[i] = preview.irradiance(reader.item(i), items.normal(number));
             if (!ofEmitters.empty()) direct[i] += ofEmitters[i];
-            direct[i] *= exposure < leastExposure ? 1 : 1 / exposure;
+            direct[i] *= exposedGain(items.exposure(number), leastExposure);
         }
         progress.add(chunk.end - chunk.begin);
     });
@@ -68,7 +68,7 @@ BounceSolve::BounceSolve(const ShadowCache& cache, const ItemTable& items,
                          const Transport& transport, const Environment& environment,
                          std::span<const ItemLook> looks, int bounces,
                          std::span<const Rgb> ofEmitters)
-    : items_(items), leastExposure_(1 / static_cast<float>(transport.raysPerItem + 1)) {
+    : items_(items), leastExposure_(leastExposureOf(transport)) {
     irradiance_.push_back(directOf(cache, items, environment, ofEmitters, leastExposure_));
     const bool emits = std::ranges::any_of(
         looks, [](const ItemLook& look) { return look.emission != Rgb(0, 0, 0); });
@@ -123,11 +123,7 @@ Rgb BounceSolve::indirect(std::span<const ItemView> items, int bounces) const {
 }
 
 float BounceSolve::exposure(std::span<const ItemView> items) const {
-    float sum = 0;
-    for (const ItemView& item : items)
-        sum += item.weight *
-               std::max(leastExposure_, items_.exposure(static_cast<std::uint32_t>(item.number)));
-    return items.empty() ? 1 : sum;
+    return exposureOf(items, items_, leastExposure_);
 }
 
 }  // namespace shadowcache

@@ -80,7 +80,8 @@ void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, const
     metadata.emplace_back("shadowcache:processor", instructionSet());
     metadata.emplace_back("shadowcache:camera-rays-done", std::to_string(progress.cameraRays));
     if (!progress.complete) metadata.emplace_back("shadowcache:incomplete", "true");
-    writeExr(path, film.width, film.height, channels(film, job.picture.aovs), metadata,
+    writeExr(path, film.width, film.height,
+             named(channels(film, job.picture.aovs), job.run.aovNames), metadata,
              job.run.half ? PixelType::half : PixelType::full,
              {film.x, film.y, film.frameWidth, film.frameHeight}, view);
     if (!job.run.png) return;

@@ -13,15 +13,16 @@ namespace {
 /// surface, in spacings: a mean point lies off a curved surface.
 constexpr double kAbove = 0.25, kReach = 1;
 
-/// Of all light that a surface reflects the share in each colour, about.
-ItemLook lookOf(const Surface& surface) {
+}  // namespace
+
+ItemLook lookOf(const Hit& hit, const PlainLook& plain) {
+    const Surface surface = surfaceOf(hit, plain);
     if (surface.unlit) return {Rgb(0, 0, 0), surface.emission};
+    // Of all light that it reflects the share in each colour, about.
     return {surface.glossy ? surface.diffuse + surface.f0 * (Rgb(1, 1, 1) - surface.diffuse)
                            : surface.diffuse,
             surface.emission};
 }
-
-}  // namespace
 
 std::vector<ItemLook> looksOf(const Scene& scene, const ItemTable& items, const PlainLook& plain) {
     std::vector<ItemLook> looks(items.size());
@@ -43,7 +44,7 @@ std::vector<ItemLook> looksOf(const Scene& scene, const ItemTable& items, const 
             for (std::size_t i = 0; i < count; ++i) {
                 const bool near = hits[i].found &&
                                   static_cast<double>(hits[i].distance) < kReach * items.spacing();
-                looks[first + i] = near ? lookOf(surfaceOf(hits[i], plain)) : fallback;
+                looks[first + i] = near ? lookOf(hits[i], plain) : fallback;
             }
         }
     });

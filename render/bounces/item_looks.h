@@ -8,8 +8,11 @@
 
 namespace shadowcache {
 
+/// How the surface that a ray met looks; what reflects glossily counts as diffuse.
+ItemLook lookOf(const Hit& hit, const PlainLook& plain);
+
 /// How the surfaces of a cache's items look, each where a ray from above meets the item's mean
-/// point; what reflects glossily counts as diffuse. Where none is met, the plain look.
+/// point. Where none is met, the plain look.
 std::vector<ItemLook> looksOf(const Scene& scene, const ItemTable& items, const PlainLook& plain);
 
 }  // namespace shadowcache

@@ -10,6 +10,7 @@
 
 #include "common/shot/camera_source.h"
 #include "common/shot/set_options.h"
+#include "render/frame/aov_naming.h"
 #include "render/library/picture_options.h"
 #include "render/shot/light_plan.h"
 
@@ -35,6 +36,7 @@ struct RunOptions {
     bool resume = false;       ///< keep frames that are done
     bool check = false;        ///< look whether all frames are done, write nothing
     bool half = false;
+    AovNaming aovNames = AovNaming::shadowcache;
     bool png = false;
     float exposure = 0;
     std::filesystem::path reference;

@@ -353,7 +353,12 @@ void addOutputs(Rows& rows, RunOptions& run) {
                  "Skip frames that are complete and were rendered from the same settings and files")
              .notCompared(),
          threadsRow(run.threads)});
-    add(rows, kPicture, {flagRow("half", run.half, "16-bit channels instead of 32-bit")});
+    add(rows, kPicture,
+        {flagRow("half", run.half, "16-bit channels instead of 32-bit"),
+         wordRow(
+             "aov-names", run.aovNames, kAovNamings,
+             "Names of the AOVs' channels: shadowcache, or arnold, by which its denoiser noice "
+             "finds normal (N), axial_depth (Z), diffuse_color (diffuse_albedo) and variance")});
 }
 
 OptionRow debugRow(std::optional<std::array<int, 2>>& pixel) {

@@ -7,6 +7,16 @@
 
 namespace shadowcache {
 
+namespace {
+
+bool sameGloss(const std::optional<Gloss>& a, const std::optional<Gloss>& b) {
+    if (!a || !b) return !a && !b;
+    return a->metallic == b->metallic && a->roughness == b->roughness && a->ior == b->ior &&
+           a->specular == b->specular && a->specularColor == b->specularColor;
+}
+
+}  // namespace
+
 std::string biasOf(const PictureSettings& settings) {
     const RenderOptions& options = settings.options;
     if (options.preview) return "preview: what rays add to the prediction is filtered";
@@ -38,6 +48,12 @@ PictureSettings resolve(const PictureOptions& asked, bool hasCache, bool gloss) 
 
 LightingOptions lightingOf(const PictureOptions& asked, const PictureSettings& settings) {
     return {asked.estimators, asked.sequence, settings.options.bounces, settings.options.plain};
+}
+
+bool isSame(const LightingOptions& a, const LightingOptions& b) {
+    return a.estimator.cache.adaptive == b.estimator.cache.adaptive && a.sequence == b.sequence &&
+           a.bounces == b.bounces && a.plain.albedo == b.plain.albedo &&
+           sameGloss(a.plain.gloss, b.plain.gloss);
 }
 
 }  // namespace shadowcache

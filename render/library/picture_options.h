@@ -38,4 +38,7 @@ PictureSettings resolve(const PictureOptions& asked, bool hasCache, bool gloss =
 /// How a stage is lit for such pictures.
 LightingOptions lightingOf(const PictureOptions& asked, const PictureSettings& settings);
 
+/// Whether a stage that is lit so looks the same, but for options of the paper's estimator.
+bool isSame(const LightingOptions& a, const LightingOptions& b);
+
 }  // namespace shadowcache

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "bake/library/bake_rows.h"
@@ -14,10 +13,7 @@
 #include "common/base/option_checks.h"
 #include "common/base/text_streams.h"
 #include "common/cache/cache_items.h"
-#include "common/cache/transport.h"
 #include "common/predict/many_places.h"
-#include "render/bounces/bounce_task.h"
-#include "render/bounces/item_looks.h"
 #include "render/library/option_table.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
@@ -45,7 +41,7 @@ std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, const py::objec
         [&] {
             const BakeResult result = bakeSet(*set, options);
             std::shared_ptr<const ShadowCache> cache = makeCache(result.header, result.items);
-            return std::make_shared<CacheObject>(CacheObject{std::move(cache), {}, {}});
+            return std::make_shared<CacheObject>(CacheObject{std::move(cache), {}, {}, {}});
         },
         threads);
 }
@@ -54,10 +50,26 @@ std::shared_ptr<CacheObject> openCache(const fs::path& path, const py::object& m
     RenderJob job;
     const std::vector<OptionRow> rows = optionRows(Part::cache, job);
     if (!memory.is_none()) readOption(*findRow(rows, "memory"), memory);
+    std::optional<std::string> budget;
+    if (!memory.is_none()) budget = py::str(memory);
     return longCall(py::none(), [&] {
-        return std::make_shared<CacheObject>(
-            CacheObject{std::make_shared<const ShadowCache>(path, job.stage.memory), path, {}});
+        return std::make_shared<CacheObject>(CacheObject{
+            std::make_shared<const ShadowCache>(path, job.stage.memory), path, budget, {}});
     });
+}
+
+py::tuple stateOf(const CacheObject& cache) {
+    return py::make_tuple(pickledPath(cache.path, "Cache"), cache.memory,
+                          cache.cache->header().fingerprint, cache.cache->itemCount());
+}
+
+std::shared_ptr<CacheObject> cacheOf(const py::tuple& state) {
+    const auto path = state[0].cast<std::string>();
+    auto cache = openCache(path, state[1]);
+    requireUnchanged(cache->cache->header().fingerprint == state[2].cast<std::uint64_t>() &&
+                         cache->cache->itemCount() == state[3].cast<std::size_t>(),
+                     path);
+    return cache;
 }
 
 std::uintmax_t saveCache(const CacheObject& cache, const fs::path& path) {
@@ -120,86 +132,6 @@ py::object visibility(const CacheObject& cache, const py::object& points, const 
     return numbersOrArray(out);
 }
 
-/// A number of bounces, or "unlimited".
-using Bounces = std::variant<int, std::string>;
-
-int bouncesOf(const Bounces& bounces) {
-    const auto* number = std::get_if<int>(&bounces);
-    if (number && *number >= 0 && *number <= kMostBounces) return *number;
-    if (!number && std::get<std::string>(bounces) == "unlimited") return kUnlimitedBounces;
-    throw py::value_error("bounces: expected 0 to " + std::to_string(kMostBounces) +
-                          ", or 'unlimited'");
-}
-
-/// Solves the light that bounces, unless that is `wanted` already. Needs no lock.
-void solveLight(const ShadowCache& cache, SolvedLight& wanted) {
-    if (wanted.solve) return;
-    if (!wanted.items) wanted.items = std::make_shared<const ItemTable>(cache);
-    const std::optional<Transport> transport = readTransport(cache, *wanted.items);
-    if (!transport)
-        throw Error(
-            "cache: holds no transport, by which bounces are predicted: bake with "
-            "transport=True");
-    const PlainLook plain{wanted.albedo};
-    const std::vector<ItemLook> looks =
-        wanted.set ? looksOf(wanted.set->scene, *wanted.items, plain)
-                   : std::vector<ItemLook>(wanted.items->size(), ItemLook{.albedo = plain.albedo});
-    wanted.solve = std::make_shared<const BounceSolve>(cache, *wanted.items, *transport,
-                                                       *wanted.light, looks, wanted.bounces);
-}
-
-/// What is asked for, with what the cache's last call has of it.
-SolvedLight wantedOf(const CacheObject& cache, const EnvironmentObject& environment,
-                     const SceneObject* scene, const Bounces& bounces, const py::object& albedo) {
-    SolvedLight wanted{environment.light,
-                       scene ? scene->set : nullptr,
-                       Rgb(colorOf(albedo, "albedo")),
-                       bouncesOf(bounces),
-                       cache.items,
-                       nullptr};
-    for (int k = 0; k < 3; ++k)
-        if (!(wanted.albedo[k] >= 0 && wanted.albedo[k] <= 1))
-            throw py::value_error("albedo: expected 0 to 1");
-    if (wanted.set && wanted.set->fingerprint != cache.cache->header().fingerprint)
-        throw Error("scene: not the one that the cache was baked for (its fingerprint differs)");
-    const SolvedLight& last = cache.solved;
-    if (last.light == wanted.light && last.set == wanted.set && last.albedo == wanted.albedo &&
-        last.bounces == wanted.bounces)
-        wanted = last;
-    return wanted;
-}
-
-py::array irradiance(CacheObject& cache, const py::object& points, const py::object& normals,
-                     const EnvironmentObject& environment, const Bounces& bounces,
-                     const SceneObject* scene, const py::object& albedo, const py::object& progress,
-                     int threads) {
-    const Broadcast all({{"points", points}, {"normals", normals}});
-    const auto kept = cache.cache;
-    SolvedLight wanted = wantedOf(cache, environment, scene, bounces, albedo);
-    py::array_t<float> out = newArray<float>(all.shape({3}));
-    const std::span<Rgb> values = valuesOf<Rgb>(out);
-    runLong(
-        progress,
-        [&] {
-            if (wanted.bounces != 0) solveLight(*kept, wanted);
-            const CachePreview preview(*wanted.light, kept->header().tiers());
-            forEachPart(all, kMostOfPart, [&](std::size_t first, const auto& vectors) {
-                const Places places{vectors[0], vectors[1]};
-                const auto part = values.subspan(first, places.size());
-                if (wanted.bounces == 0)
-                    irradianceAt(*kept, preview, places, part);
-                else
-                    irradianceAt(*kept, preview, *wanted.solve, wanted.bounces, places, part);
-            });
-        },
-        threads);
-    if (wanted.bounces != 0) {
-        cache.items = wanted.items;
-        cache.solved = std::move(wanted);
-    }
-    return out;
-}
-
 py::dict headerOf(const CacheObject& cache) {
     const CacheHeader& header = cache.cache->header();
     using namespace py::literals;
@@ -223,7 +155,8 @@ std::string reprOf(const CacheObject& cache) {
 void defineCache(py::module_& module) {
     py::class_<CacheObject, std::shared_ptr<CacheObject>>(
         module, "Cache",
-        "Which directions reach the sky, for every place near the surfaces of a set.")
+        "Which directions reach the sky, for every place near the surfaces of a set. Pickled by\n"
+        "its file.")
         .def_static(
             "open", openCache, py::arg("path"), py::kw_only(), py::arg("memory") = py::none(),
             "Reads a cache file (.vdb) into memory; with memory='4G' page by page as it is\n"
@@ -258,24 +191,7 @@ void defineCache(py::module_& module) {
             "    (..., 3) each, broadcast; normals and directions of any length.\n"
             "Returns float32 in [0, 1] of the common shape (...); NaN where the cache has no item\n"
             "or an input is not finite or a zero vector.")
-        .def(
-            "irradiance", irradiance, py::arg("points"), py::arg("normals"), py::arg("environment"),
-            py::kw_only(), py::arg("bounces") = 0, py::arg("scene").none(true) = py::none(),
-            py::arg("albedo") = 0.5, py::arg("progress") = py::none(), py::arg("threads") = 0,
-            "Irradiance of an Environment, as the cache predicts it without rays: free of noise,\n"
-            "and biased where its counts are wrong.\n\n"
-            "points: places on the set [m], normals: towards the side that is lit; (..., 3) each,\n"
-            "    broadcast; normals of any length.\n"
-            "bounces: surfaces that light may meet before, or 'unlimited', by the transport that "
-            "the\n"
-            "    cache holds; of the last call's environment, scene, albedo and number it is "
-            "kept.\n"
-            "scene: that was baked, whose colours and lamps light meets; None: all of it has\n"
-            "    `albedo`, as what has no material does.\n"
-            "Returns float32 (..., 3), linear RGB [radiance sr]; NaN where the cache has no item\n"
-            "or an input is not finite or a zero vector. Times albedo / pi it is the radiance "
-            "that\n"
-            "a Lambertian surface reflects.")
+        .def(py::pickle(&stateOf, &cacheOf))
         .def("__repr__", reprOf);
     BakeOptions standard;
     std::optional<double> none;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "common/light/environment.h"
 #include "common/predict/bounce_solve.h"
 #include "common/shot/loaded_set.h"
+#include "render/library/lit_stage.h"
 
 namespace shadowcache::python {
 
@@ -23,6 +25,7 @@ namespace shadowcache::python {
 struct SceneObject {
     std::shared_ptr<const LoadedSet> set;
     std::vector<std::filesystem::path> files;  ///< none of arrays
+    pybind11::dict options = {};               ///< that it was loaded with
 };
 
 /// The light that bounces under an environment, with what it is of.
@@ -32,15 +35,27 @@ struct SolvedLight {
     Rgb albedo{0, 0, 0};                   ///< of what has no material
     int bounces = 0;
     std::shared_ptr<const ItemTable> items;
+    std::shared_ptr<const std::vector<ItemLook>> looks;
     std::shared_ptr<const BounceSolve> solve;
+};
+
+/// A stage that is lit for pictures, with what it refers to: what render() predicts of a set and
+/// its light whatever the camera.
+struct LitShot {
+    std::shared_ptr<const LoadedSet> set;
+    std::shared_ptr<const ShadowCache> cache;
+    std::shared_ptr<const Environment> light;
+    std::shared_ptr<const LitStage> stage;
 };
 
 /// Cache.
 struct CacheObject {
     std::shared_ptr<const ShadowCache> cache;
     std::filesystem::path path;              ///< empty: baked, in no file
+    std::optional<std::string> memory = {};  ///< its budget, as open() takes it
     std::shared_ptr<const ItemTable> items;  ///< null until it is wanted
-    SolvedLight solved = {};                 ///< that was wanted last
+    SolvedLight solved = {};                 ///< that irradiance() wanted last
+    LitShot lit = {};                        ///< that render() wanted last
 };
 
 /// Environment.
@@ -50,13 +65,26 @@ struct EnvironmentObject {
     std::shared_ptr<const EnvironmentMap> tables;  ///< of `map`; turned, they are still its
     double rotation = 0;                           ///< [degrees]
     std::shared_ptr<const Environment> light;
+    std::filesystem::path path = {};  ///< empty: of no file
 };
 
-void defineScene(pybind11::module_& module);
+/// The state of an object of a file: what another process opens again.
+///
+/// @param what  of the object in messages
+/// @throws Error for one that is in no file
+std::string pickledPath(const std::filesystem::path& path, const char* what);
+/// Whether an object that was opened again is still the one that was pickled.
+/// @throws Error naming its file
+void requireUnchanged(bool same, const std::string& path);
+
+// Help and messages have Python's names of classes that are there already.
+void defineCamera(pybind11::module_& module);
+void defineScene(pybind11::module_& module);  ///< after Camera
 void defineCache(pybind11::module_& module);
 void defineEnvironment(pybind11::module_& module);
-void defineSampler(pybind11::module_& module);  ///< after the two
-void defineRays(pybind11::module_& module);     ///< after Scene
+void defineIrradiance(pybind11::module_& module);  ///< after the two
+void defineSampler(pybind11::module_& module);     ///< after the two
+void defineRays(pybind11::module_& module);        ///< after Scene
 void defineRender(pybind11::module_& module);
 
 }  // namespace shadowcache::python

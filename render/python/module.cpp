@@ -3,6 +3,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,17 +45,22 @@ constexpr const char* kModuleDoc =
     "(0: those of set_threads()), and end on Ctrl-C. Refused inputs raise Error, or ValueError\n"
     "and TypeError for arrays.";
 
+bool isPath(const py::handle& value) {
+    return py::isinstance<py::str>(value) || py::hasattr(value, "__fspath__");
+}
+
 /// Set files as a path, or several.
 std::vector<fs::path> pathsOf(const py::object& set) {
-    if (py::isinstance<py::list>(set) || py::isinstance<py::tuple>(set))
-        return set.cast<std::vector<fs::path>>();
-    return {set.cast<fs::path>()};
+    if (isPath(set)) return {set.cast<fs::path>()};
+    std::vector<fs::path> files;
+    for (const py::handle file : set) {
+        if (!isPath(file)) throw py::type_error("set: expected the paths of files");
+        files.push_back(file.cast<fs::path>());
+    }
+    return files;
 }
 
 bool namesFiles(const py::object& set) {
-    const auto isPath = [](const py::handle& value) {
-        return py::isinstance<py::str>(value) || py::hasattr(value, "__fspath__");
-    };
     if (py::isinstance<py::list>(set) || py::isinstance<py::tuple>(set))
         return py::len(set) > 0 && isPath(*set.begin());
     return isPath(set);
@@ -183,7 +189,24 @@ SceneObject loadScene(const py::object& set, const py::object& triangles, const 
         longCall(
             progress, [&] { return std::shared_ptr(loadSet(files, options)); }, threads),
         files};
+    scene.options = py::dict(**keywords);
     warnOfMoving(files, options, job.stage.set.fps);
+    return scene;
+}
+
+py::tuple stateOf(const SceneObject& scene) {
+    py::list files;
+    for (const fs::path& file : scene.files) files.append(pickledPath(file, "Scene"));
+    if (scene.files.empty()) pickledPath({}, "Scene");
+    return py::make_tuple(files, scene.options, scene.set->fingerprint);
+}
+
+SceneObject sceneOf(const py::tuple& state) {
+    const auto scene = py::module_::import("shadowcache")
+                           .attr("load_set")(state[0], **py::dict(state[1]))
+                           .cast<SceneObject>();
+    requireUnchanged(scene.set->fingerprint == state[2].cast<std::uint64_t>(),
+                     scene.files.front().string());
     return scene;
 }
 
@@ -204,8 +227,21 @@ std::string reprOf(const SceneObject& scene) {
 
 }  // namespace
 
+std::string pickledPath(const fs::path& path, const char* what) {
+    if (path.empty())
+        throw Error(std::string(what) +
+                    ": of no file, by whose path it would be pickled; save it and open that, or "
+                    "make it anew in each process");
+    return fs::absolute(path).string();
+}
+
+void requireUnchanged(bool same, const std::string& path) {
+    if (!same) throwFileError(path, "has changed since the object was pickled");
+}
+
 void defineScene(py::module_& module) {
-    py::class_<SceneObject>(module, "Scene", "A set in memory, ready to be baked and rendered.")
+    py::class_<SceneObject>(
+        module, "Scene", "A set in memory, ready to be baked and rendered. Pickled by its files.")
         .def_property_readonly(
             "triangles", [](const SceneObject& s) { return s.set->mesh.report.placed; },
             "Number of triangles in the world, each copy of an instance counted.")
@@ -228,6 +264,7 @@ void defineScene(py::module_& module) {
             py::arg("name"), py::kw_only(), py::arg("frame") = 1, py::arg("fps") = 24.0,
             "The Camera of a frame: one of the set's glTF cameras by its name, or a camera file\n"
             "(.json).")
+        .def(py::pickle(&stateOf, &sceneOf))
         .def("__repr__", reprOf);
     RenderJob standard;
     static const std::string kLoadHelp =
@@ -262,6 +299,8 @@ static void define(pybind11::module_& module) {
             std::rethrow_exception(thrown);
         } catch (const shadowcache::Error& e) {
             error(shadowcache::python::inPythonsWords(e.what()).c_str());
+        } catch (const std::filesystem::filesystem_error& e) {  // as the size of a device
+            error((e.path1().string() + ": " + e.code().message()).c_str());
         }
     });
     module.def(
@@ -271,10 +310,12 @@ static void define(pybind11::module_& module) {
             shadowcache::setThreadCount(threads);
         },
         py::arg("threads"), "Limits all later calls together to so many threads; 0: every core.");
+    shadowcache::python::defineCamera(module);
     shadowcache::python::defineScene(module);
     shadowcache::python::defineRays(module);
     shadowcache::python::defineCache(module);
     shadowcache::python::defineEnvironment(module);
+    shadowcache::python::defineIrradiance(module);
     shadowcache::python::defineSampler(module);
     shadowcache::python::defineRender(module);
 }

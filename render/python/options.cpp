@@ -157,6 +157,14 @@ std::string wrapped(const std::string& text) {
     return out + "\n";
 }
 
+/// Words of which any may be given.
+std::string choicesOf(const OptionRow& row) {
+    std::string all;
+    if (row.form == OptionForm::words)
+        for (const std::string& choice : row.choices) all += (all.empty() ? ": " : ", ") + choice;
+    return all;
+}
+
 }  // namespace
 
 void readOption(const OptionRow& row, const py::handle& value) {
@@ -194,7 +202,8 @@ std::string helpOf(std::span<const OptionRow> rows) {
     for (const OptionRow& row : rows) {
         if (!row.isAt(Door::python) || row.isPositional) continue;
         const std::string standard = row.standard.empty() ? "" : " [" + row.standard + "]";
-        text += wrapped(row.nameAt(Door::python) + ": " + inPythonsWords(row.help) + standard);
+        text += wrapped(row.nameAt(Door::python) + ": " + inPythonsWords(row.help) +
+                        choicesOf(row) + standard);
     }
     return text;
 }

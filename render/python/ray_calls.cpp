@@ -12,6 +12,7 @@
 #include "common/base/parallel.h"
 #include "common/predict/places.h"
 #include "common/shot/view.h"
+#include "render/bounces/item_looks.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
@@ -53,13 +54,14 @@ void forEachBundle(const Broadcast& all, const Begin& begin, const Trace& trace)
 
 /// What rays meet, as arrays.
 struct MetArrays {
-    py::array_t<float> distance, normal;
+    py::array_t<float> distance, normal, albedo;
     py::array_t<double> position, start;
     py::array_t<std::int64_t> triangle;
 
     explicit MetArrays(const Broadcast& all)
         : distance(newArray<float>(all.shape())),
           normal(newArray<float>(all.shape({3}))),
+          albedo(newArray<float>(all.shape({3}))),
           position(newArray<double>(all.shape({3}))),
           start(newArray<double>(all.shape({3}))),
           triangle(newArray<std::int64_t>(all.shape())) {}
@@ -71,6 +73,7 @@ py::dict intersect(const SceneObject& scene, const py::object& origins,
     MetArrays arrays(all);
     const auto distances = valuesOf<float>(arrays.distance);
     const auto normals = valuesOf<Vec3f>(arrays.normal);
+    const auto albedos = valuesOf<Rgb>(arrays.albedo);
     const auto positions = valuesOf<Vec3d>(arrays.position);
     const auto starts = valuesOf<Vec3d>(arrays.start);
     const auto triangles = valuesOf<std::int64_t>(arrays.triangle);
@@ -83,6 +86,7 @@ py::dict intersect(const SceneObject& scene, const py::object& origins,
             const auto begin = [&](std::size_t first, std::size_t count) {
                 std::ranges::fill(distances.subspan(first, count), kNone);
                 std::ranges::fill(normals.subspan(first, count), Vec3f(kNone));
+                std::ranges::fill(albedos.subspan(first, count), Rgb(kNone));
                 std::ranges::fill(positions.subspan(first, count), Vec3d(kNaN));
                 std::ranges::fill(starts.subspan(first, count), Vec3d(kNaN));
                 std::ranges::fill(triangles.subspan(first, count), -1);
@@ -109,6 +113,7 @@ py::dict intersect(const SceneObject& scene, const py::object& origins,
                         if (!hit.found) continue;
                         const Vec3f normal = View{along[k], hit}.geometricNormal();
                         normals[at] = normal;
+                        albedos[at] = lookOf(hit, {}).albedo;
                         positions[at] = worldPosition(set->scene, hit);
                         starts[at] = origin + Vec3d(set->scene.rayOrigin(hit.position, hit.triangle,
                                                                          normal));
@@ -119,8 +124,8 @@ py::dict intersect(const SceneObject& scene, const py::object& origins,
         threads);
     using namespace py::literals;
     return py::dict("distance"_a = arrays.distance, "position"_a = arrays.position,
-                    "normal"_a = arrays.normal, "start"_a = arrays.start,
-                    "triangle"_a = arrays.triangle);
+                    "normal"_a = arrays.normal, "albedo"_a = arrays.albedo,
+                    "start"_a = arrays.start, "triangle"_a = arrays.triangle);
 }
 
 py::object occluded(const SceneObject& scene, const py::object& origins,
@@ -174,9 +179,11 @@ void defineRays(py::module_& module) {
             "origins: places [m], directions: of any length; (..., 3) each, broadcast.\n"
             "Returns a dict: 'distance' (...) float32 [m], infinite where nothing is met;\n"
             "'position' (..., 3) float64; 'normal' (..., 3) float32, unit, of the triangle on the\n"
-            "ray's side; 'start' (..., 3) float64, where rays that leave the place start: off the\n"
-            "surface by its rounding; 'triangle' (...) int64, its number, -1 for none. NaN where\n"
-            "there is no such thing, or an input is not finite or a zero vector.")
+            "ray's side; 'albedo' (..., 3) float32, linear, gloss included, .5 without a "
+            "material;\n"
+            "'start' (..., 3) float64, where rays that leave the place start: off the surface by\n"
+            "its rounding; 'triangle' (...) int64, its number, -1 for none. NaN where there is no\n"
+            "such thing, or an input is not finite or a zero vector.")
         .def(
             "occluded", occluded, py::arg("origins"), py::arg("directions"), py::kw_only(),
             py::arg("reach") = std::numeric_limits<double>::infinity(),

@@ -56,6 +56,18 @@ class Cache:
         progress: _Progress = ...,
         threads: int = ...,
     ) -> NDArray[np.float32]: ...
+    def operator(
+        self,
+        points: ArrayLike,
+        normals: ArrayLike,
+        *,
+        level: int = ...,
+        bounces: int | str = ...,
+        scene: Scene | None = ...,
+        albedo: ArrayLike = ...,
+        progress: _Progress = ...,
+        threads: int = ...,
+    ) -> NDArray[np.float32]: ...
     def sampler(self, environment: Environment) -> LightSampler: ...
 
 class LightSampler:
@@ -96,6 +108,7 @@ class Environment:
     def look_up(
         self, directions: ArrayLike, *, progress: _Progress = ..., threads: int = ...
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
+    def patches(self, level: int = ..., *, progress: _Progress = ..., threads: int = ...) -> NDArray[np.float64]: ...
     @property
     def rotation(self) -> float: ...
     @property
@@ -107,11 +120,12 @@ class Camera:
         eye: ArrayLike,
         look_at: ArrayLike,
         *,
-        fov: float = ...,
+        fov: float | None = ...,
         lens_radius: float = ...,
         focus: float | None = ...,
         blades: int = ...,
         blade_rotation: float = ...,
+        height: float | None = ...,
     ) -> None: ...
     @staticmethod
     def load(path: _Path, *, frame: int = ...) -> Camera: ...
@@ -124,8 +138,11 @@ class Camera:
     @property
     def fov(self) -> float | None: ...
     @property
+    def height(self) -> float | None: ...
+    @property
     def lens_radius(self) -> float: ...
 
+def patch_directions(level: int = ...) -> NDArray[np.float64]: ...
 def set_threads(threads: int) -> None: ...
 def load_set(
     set: Union[_Path, Sequence[_Path], ArrayLike],

@@ -24,6 +24,7 @@ PixelFile::PixelFile(std::filesystem::path path) : path_(std::move(path)) {
     const bool empty = regular && state.st_size == 0;
     const bool known = regular && pread(file_, &found, sizeof found, 0) == sizeof found &&
                        std::memcmp(found.name, ours.name, sizeof found.name) == 0;
+    isNew_ = empty;
     if (empty) return;
     if (!known) {
         close(file_);
@@ -48,7 +49,16 @@ std::uint64_t PixelFile::write(PixelHeader header, std::span<const Channel> plan
     }
     sequence_ += 2;
     put(&sequence_, sizeof sequence_, offsetof(PixelHeader, sequence));
+    requireInPlace();
     return sequence_;
+}
+
+void PixelFile::requireInPlace() const {
+    struct stat ours {
+    }, named{};
+    if (fstat(file_, &ours) != 0 || lstat(path_.c_str(), &named) != 0 ||
+        ours.st_dev != named.st_dev || ours.st_ino != named.st_ino)
+        throwFileError(path_, "was removed or replaced during the render");
 }
 
 void PixelFile::put(const void* bytes, std::size_t count, std::size_t place) {

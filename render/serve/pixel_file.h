@@ -37,20 +37,25 @@ public:
     PixelFile& operator=(const PixelFile&) = delete;
 
     const std::filesystem::path& path() const { return path_; }
+    /// Whether it was made now, or was empty: nobody else's.
+    bool isNew() const { return isNew_; }
 
     /// Writes a picture.
     ///
     /// @param header  all but sequence and planes
     /// @param planes  each of width x height values
     /// @return its sequence number
-    /// @throws Error if the disk refuses; the sequence number then stays odd
+    /// @throws Error if the disk refuses; the sequence number then stays odd. If the file is no
+    /// longer what stands under its name, where nobody would find the picture
     std::uint64_t write(PixelHeader header, std::span<const Channel> planes);
 
 private:
+    void requireInPlace() const;
     void put(const void* bytes, std::size_t count, std::size_t place);
 
     std::filesystem::path path_;
     int file_ = -1;
+    bool isNew_ = false;
     std::uint64_t sequence_ = 0;
 };
 

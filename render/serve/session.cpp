@@ -24,19 +24,6 @@ struct Overloaded : Cases... {
 template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;  // clang 14 does not find it by itself
 
-bool sameGloss(const std::optional<Gloss>& a, const std::optional<Gloss>& b) {
-    if (!a || !b) return !a && !b;
-    return a->metallic == b->metallic && a->roughness == b->roughness && a->ior == b->ior &&
-           a->specular == b->specular && a->specularColor == b->specularColor;
-}
-
-/// Whether a stage that is lit so looks the same. Estimators have no other options here.
-bool isSame(const LightingOptions& a, const LightingOptions& b) {
-    return a.estimator.cache.adaptive == b.estimator.cache.adaptive && a.sequence == b.sequence &&
-           a.bounces == b.bounces && a.plain.albedo == b.plain.albedo &&
-           sameGloss(a.plain.gloss, b.plain.gloss);
-}
-
 PixelHeader headerOf(std::uint64_t number, const Film& film) {
     const auto whole = [](int value) { return static_cast<std::uint32_t>(value); };
     PixelHeader header;
@@ -162,7 +149,7 @@ Session::Reply Session::render(std::uint64_t number, const RenderRequest& reques
         resolve(asked, stage_->cache() != nullptr, stageOptions_.set.mesh.gloss);
     const CameraMove camera = cameraAt(request.frame);
     PixelFile pixels(request.pixels);
-    pixelFiles_.insert(request.pixels);
+    if (pixels.isNew()) pixelFiles_.insert(request.pixels);
     const double start = secondsNow();
     makeLit(settings);
     stage_->pose(request.frame);

@@ -396,8 +396,58 @@ TEST(GltfMaterial, MissingTexturesAreRefused) {
         squareWith({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", {{"index", 0}}}});
     file.append("images", {{"uri", "lamp.png"}});
     file.append("textures", {{"source", 0}});
-    const auto path = folder.write("b.glb", file.glb());
-    expectError([&] { loadMesh({&path, 1}, {}); }, "b.glb", "lamp.png");
+    // Without its picture it would shine all over.
+    const TriangleMesh dark = load(file);
+    EXPECT_EQ(dark.report.leftOutOf.at(
+                  {"texture", "picture was not found (left out): image 0 (lamp.png)"}),
+              1u);
+    EXPECT_EQ(at(dark, 0.3f, 0.2f).emission, Rgb(0.0f));
+}
+
+TEST(GltfMaterial, ADamagedPictureLeavesItsTextureOut) {
+    const auto square = [](const std::string& picture) {
+        GltfBuilder file = squareWith(
+            {{"pbrMetallicRoughness",
+              {{"baseColorFactor", {0.5, 1, 0.25, 1}}, {"baseColorTexture", {{"index", 0}}}}}});
+        const int image =
+            file.append("images", {{"bufferView", file.view(picture)}, {"mimeType", "image/png"}});
+        file.append("textures", {{"source", image}});
+        return load(file);
+    };
+    const std::string whole = pngWithOpacity();
+    for (const std::string& damaged : {whole.substr(0, 40), std::string("no picture at all")}) {
+        const TriangleMesh mesh = square(damaged);
+        ASSERT_EQ(mesh.report.leftOutOf.size(), 1u);
+        EXPECT_NE(describe(mesh.report).find("1 texture whose picture "), std::string::npos)
+            << describe(mesh.report);
+        EXPECT_EQ(at(mesh, 0.3f, 0.2f).baseColor, Rgb(0.5f, 1, 0.25f));
+    }
+    // The control: the whole one counts.
+    EXPECT_TRUE(square(whole).report.leftOutOf.empty());
+    EXPECT_EQ(at(square(whole), 0.25f, 0.2f).baseColor, Rgb(0.5f, 0, 0));
+}
+
+TEST(GltfMaterial, TextsThatAreNoUtf8AreMended) {
+    GltfBuilder file = squareWith({{"name", "NAME"}});
+    std::string bytes = file.glb();
+    const TemporaryFolder folder;
+    const auto load = [&](const char* name) {
+        std::string changed = bytes;
+        changed.replace(changed.find("NAME"), 4, name, 4);
+        const auto path = folder.write("a.glb", changed);
+        return loadMesh({&path, 1}, {});
+    };
+    const std::pair<std::string, std::string> mended{
+        "file", "texts are not UTF-8 (such bytes are replaced)"};
+    // Latin-1, cut short, longer than need be, a surrogate, beyond Unicode.
+    for (const char* name :
+         {"caf\xe9", "abc\xc3", "ab\xc0\xaf", "a\xed\xa0\x80", "\xf4\x90\x80\x80"}) {
+        const TriangleMesh mesh = load(name);
+        EXPECT_EQ(mesh.report.triangles, 2u);
+        EXPECT_EQ(mesh.report.leftOutOf.count(mended), 1u) << name;
+    }
+    for (const char* name : {"ab\xc3\xa9", "\xf0\x9f\x8e\xa5", "a\xe2\x82\xac"})
+        EXPECT_TRUE(load(name).report.leftOutOf.empty()) << name;
 }
 
 }  // namespace

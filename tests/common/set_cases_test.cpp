@@ -1,5 +1,6 @@
 // The zoo: small sets that programs read wrongly, with their right values.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -10,6 +11,7 @@
 #include "common/mesh/mesh_fingerprint.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/trace/scene.h"
+#include "tests/support/gltf_builder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
@@ -173,6 +175,54 @@ TEST(SetCases, FacesThatAreDroppedMoveNoOrigin) {
     EXPECT_NE(text.find("positions there have a precision of 0.125, in the set's unit"),
               std::string::npos)
         << text;
+}
+
+/// A floor of 800 triangles, and some of a few micrometres at its corner.
+std::string floorWithSpecks(int specks) {
+    std::string obj;
+    for (int i = 0; i <= 20; ++i)
+        for (int k = 0; k <= 20; ++k) obj += fmt::format("v {} 0 {}\n", 0.5 * i, 0.5 * k);
+    for (int i = 0; i < 20; ++i)
+        for (int k = 0; k < 20; ++k) {
+            const int a = 21 * i + k + 1;
+            obj += fmt::format("f {} {} {} {}\n", a, a + 1, a + 22, a + 21);
+        }
+    for (int i = 0; i < specks; ++i)
+        obj += fmt::format("v {0} 0 9\nv {0} 0.000005 9\nv {0} 0 9.000005\nf -3 -2 -1\n",
+                           8 + 0.05 * i);
+    return obj;
+}
+
+TEST(SetCases, AFewBlurredSpecksAreNotNamed) {
+    const TemporaryFolder folder;
+    const auto report = [&](const std::string& obj) {
+        const auto path = folder.write("a.obj", obj);
+        return describe(loadMesh({&path, 1}, {}).report);
+    };
+    EXPECT_EQ(report(floorWithSpecks(3)).find("blurred"), std::string::npos);
+    // Many are, as something small that is to be seen.
+    EXPECT_NE(report(floorWithSpecks(20)).find("20 triangles blurred"), std::string::npos);
+}
+
+/// A triangle, and two copies of another scale.
+TEST(SetCases, InstancesThatAreTooSmallAreLeftOutByName) {
+    const TemporaryFolder folder;
+    const auto loaded = [&](double scale) {
+        GltfBuilder file;
+        file.mesh({{"attributes", {{"POSITION", file.vectors({0, 0, 0, 1, 0, 0, 0, 0, 1})}}}});
+        file.root({{"mesh", 0}});
+        for (const double x : {3.0, 5.0})
+            file.root({{"mesh", 0}, {"translation", {x, 0, 0}}, {"scale", {scale, scale, scale}}});
+        const auto path = folder.write("a.glb", file.glb());
+        return loadMesh({&path, 1}, {});
+    };
+    const TriangleMesh whole = loaded(1e-5), without = loaded(1e-6);
+    EXPECT_EQ(placedCount(whole), 3u);
+    EXPECT_EQ(placedCount(without), 1u);
+    EXPECT_EQ(describe(whole.report).find("scale is below"), std::string::npos);
+    EXPECT_NE(describe(without.report).find("2 instances whose scale is below 2e-6 (left out)"),
+              std::string::npos)
+        << describe(without.report);
 }
 
 }  // namespace

@@ -231,6 +231,32 @@ TEST_F(Cli, PictureHoldsItsChannelsAndItsOrigin) {
         EXPECT_TRUE(file.metadata.contains(std::string("shadowcache:") + key)) << key;
 }
 
+TEST_F(Cli, AovsHaveTheNamesOfArnold) {
+    bake();
+    const std::string aovs =
+        "--cache set.vdb --aov normal axial_depth diffuse_color variance depth -o ";
+    runWell("render", still(aovs + "ours.exr"));
+    runWell("render", still(aovs + "theirs.exr --aov-names arnold"));
+    const ExrFile ours = readExr(path("ours.exr")), theirs = readExr(path("theirs.exr"));
+    EXPECT_EQ(channelNames(theirs),
+              (std::vector<std::string>{"B", "G", "N.X", "N.Y", "N.Z", "R", "Z", "depth.Z",
+                                        "diffuse_albedo.B", "diffuse_albedo.G", "diffuse_albedo.R",
+                                        "variance.B", "variance.G", "variance.R"}));
+    const auto valuesOf = [](const ExrFile& file, const std::string& name) {
+        return std::ranges::find(file.channels, name, &Channel::name)->values;
+    };
+    for (const auto& [from, to] :
+         std::map<std::string, std::string>{{"normal.X", "N.X"},
+                                            {"normal.Y", "N.Y"},
+                                            {"axial_depth.Z", "Z"},
+                                            {"depth.Z", "depth.Z"},
+                                            {"diffuse_color.G", "diffuse_albedo.G"},
+                                            {"variance.Y", "variance.B"}})
+        EXPECT_EQ(valuesOf(ours, from), valuesOf(theirs, to)) << from;
+    EXPECT_NE(valuesOf(theirs, "Z"), valuesOf(theirs, "depth.Z"));  // the control
+    EXPECT_EQ(run("render", still("--aov-names noice -o bad.exr")).status, 2);
+}
+
 TEST_F(Cli, ThreadsChangeNoBit) {
     runWell("bake", "set.obj -o one.vdb --spacing 0.1 --threads 1");
     runWell("bake", "set.obj -o two.vdb --spacing 0.1 --threads 2");

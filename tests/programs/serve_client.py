@@ -200,6 +200,44 @@ def ends_with_its_input(server):
     assert not (WORK / "pixels").exists(), "the file of pixels is left"
 
 
+def small_server():
+    server = Server()
+    server.ask("load", set=["set.glb"], cache="set.vdb")
+    server.ask("environment", radiance=1)
+    server.ask("camera", name="camera.json")
+    server.ask("size", width=96, height=54)
+    server.ask("options", spp=1, bounces=0)
+    return server
+
+
+def pixels_that_are_removed():
+    """A picture that nobody can find is none; a server removes what it has made, and nothing of another one."""
+    first, second = small_server(), small_server()
+    first.ask("options", spp=256, bounces=0)
+    number = first.send("render", pixels="shared")
+    deadline = time.monotonic() + 10
+    while not (WORK / "shared").exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    (WORK / "shared").unlink()
+    reply = first.wait(number)
+    assert reply["reply"] == "error" and "shared: was removed or replaced" in reply["error"], reply
+    first.ask("options", spp=1, bounces=0)
+    first.ask("render", pixels="shared")
+    second.ask("render", pixels="shared")
+    second.ask("render", pixels="own")
+    for server, left in ((second, {"shared"}), (first, set())):
+        server.process.stdin.close()
+        assert server.process.wait(10) == 0
+        assert {name for name in ("shared", "own") if (WORK / name).exists()} == left
+
+
+def begins_with_a_byte_order_mark():
+    lines = b'\xef\xbb\xbf{"id": 1, "request": "size", "width": 8, "height": 8}\n{"id": 2, "request": "quit"}\n'
+    told = subprocess.run([RENDER, "--serve"], input=lines, capture_output=True, timeout=60, check=True)
+    assert json.loads(told.stdout.splitlines()[0]) == {"id": 1, "reply": "done"}, told.stdout
+
+
 def ends_with_its_client():
     lines = [{"request": "load", "set": ["set.glb"]}, {"request": "environment", "radiance": 1},
              {"request": "camera", "name": "camera.json"}, {"request": "options", "spp": 65536},
@@ -270,6 +308,8 @@ def main():
     progress(server)
     passes(server)
     ends_with_its_input(server)
+    pixels_that_are_removed()
+    begins_with_a_byte_order_mark()
     ends_with_its_client()
 
 

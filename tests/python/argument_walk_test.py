@@ -44,6 +44,8 @@ CALLS = {
     "visibility directions": (lambda a: CACHE.visibility(POINTS, NORMALS, a), "directions", DIRECTIONS),
     "irradiance points": (lambda a: CACHE.irradiance(a, NORMALS, SKY), "points", POINTS),
     "irradiance normals": (lambda a: CACHE.irradiance(POINTS, a, SKY), "normals", NORMALS),
+    "operator points": (lambda a: CACHE.operator(a, NORMALS, level=1), "points", POINTS),
+    "operator normals": (lambda a: CACHE.operator(POINTS, a, level=1), "normals", NORMALS),
     "sample points": (lambda a: SAMPLER.sample(a, NORMALS, count=2), "points", POINTS),
     "sample normals": (lambda a: SAMPLER.sample(POINTS, a, count=2), "normals", NORMALS),
     "look_up points": (lambda a: SAMPLER.look_up(a, NORMALS, DIRECTIONS), "points", POINTS),
@@ -116,6 +118,8 @@ def expected_of(name):
 def whole_of(name):
     """Plain values that integers without a sign can hold."""
     plain = CALLS[name][2]
+    if name in ("irradiance points", "operator points"):
+        return np.abs(np.round(plain))  # on the floor
     whole = np.round(plain - min(0, plain.min()))
     if name in ("eye", "look_at"):
         whole += (1, 0, 0)

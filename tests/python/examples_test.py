@@ -63,6 +63,24 @@ def test_synthetic_data(folder):
     assert np.isclose(color[0], color[1], rtol=0.01).mean() < 0.3
 
 
+def test_year_of_sensors(folder):
+    text = run(sys.executable, EXAMPLES / "year_of_sensors.py", "courtyard.glb", "courtyard.vdb", "year.npz", 20, 2, cwd=folder)
+    assert "8760 hours on 20 sensors" in text and "by brute force" in text
+    data = np.load(folder / "year.npz")
+    assert data["irradiance"].shape == (8760, 20, 3)
+    found, truth = data["irradiance"][data["checked"]], data["truth"]
+    assert len(truth) >= 3 and (truth > 0).all()
+
+    def deviation(values):
+        return np.abs(values - truth).mean() / truth.mean()
+
+    assert deviation(found) < 0.1
+    # The controls: a quarter less, and the sensors in another order.
+    assert deviation(0.75 * found) > 0.1 and deviation(found[:, ::-1]) > 0.1
+    night = np.cos(2 * np.pi * (data["hours"] % 24) / 24) > 0.95
+    assert data["irradiance"][night].max() == 0
+
+
 def test_beside_pyopenvdb(folder):
     # Modules that Debian does not have everywhere; both in one process is what is tested.
     if not os.environ.get("SHADOWCACHE_NO_SKIP"):

@@ -48,7 +48,17 @@ def test_installed_module_works_in_another_folder(environment, tmp_path):
 
     shown = run(environment / "bin/pip", "show", "--files", "shadowcache", cwd=tmp_path).stdout
     assert "Requires: numpy" in shown
+    metadata = next(environment.glob("lib/*/site-packages/shadowcache-*.dist-info/METADATA")).read_text(encoding="utf-8")
+    assert "Requires-Dist: numpy>=1.20,<2\n" in metadata
     assert "shadowcache-stubs/__init__.pyi" in shown and "shadowcache_trade/__main__.py" in shown
+    # Type checkers find the hints. [PEP 561]
+    (tmp_path / "right.py").write_text("import shadowcache\nshadowcache.Environment.constant(1).rotate(30)\n", encoding="utf-8")
+    (tmp_path / "wrong.py").write_text("import shadowcache\nshadowcache.Environment.constant(1).rotate('far')\n", encoding="utf-8")
+    mypy = [environment / "bin/python", "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache"]
+    right, wrong = (run(*mypy, name, cwd=tmp_path) for name in ("right.py", "wrong.py"))
+    assert right.returncode == 0, right.stdout
+    assert wrong.returncode == 1 and 'incompatible type "str"' in wrong.stdout, wrong.stdout
+
     removed = run(environment / "bin/pip", "uninstall", "--yes", "shadowcache", cwd=tmp_path)
     assert removed.returncode == 0, removed.stdout
     assert not Path(file).exists()

@@ -1,35 +1,22 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <memory>
 #include <numeric>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "common/base/error.h"
-#include "common/base/option_checks.h"
 #include "common/base/parallel.h"
 #include "common/base/text_streams.h"
-#include "common/image/exr.h"
 #include "common/image/radiance.h"
 #include "common/predict/places.h"
 #include "common/random/sequence.h"
-#include "common/shot/camera_file.h"
-#include "common/shot/camera_source.h"
-#include "render/frame/aov_channels.h"
-#include "render/library/cache_of_set.h"
-#include "render/library/lit_stage.h"
-#include "render/library/option_table.h"
-#include "render/library/picture_options.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
-#include "render/python/options.h"
 
 namespace shadowcache::python {
 
@@ -62,9 +49,23 @@ std::shared_ptr<EnvironmentObject> loadEnvironment(const fs::path& path, double 
                                                    const py::object& progress) {
     requireRotation(rotate);
     return longCall(progress, [&] {
-        return lit(path.string(), std::make_shared<const RadianceImage>(readRadiance(path)),
-                   rotate);
+        auto environment =
+            lit(path.string(), std::make_shared<const RadianceImage>(readRadiance(path)), rotate);
+        environment->path = path;
+        return environment;
     });
+}
+
+py::tuple stateOf(const EnvironmentObject& environment) {
+    return py::make_tuple(pickledPath(environment.path, "Environment"), environment.rotation,
+                          environment.light->luminanceIntegral());
+}
+
+std::shared_ptr<EnvironmentObject> environmentOfState(const py::tuple& state) {
+    const auto path = state[0].cast<std::string>();
+    auto environment = loadEnvironment(path, state[1].cast<double>(), py::none());
+    requireUnchanged(environment->light->luminanceIntegral() == state[2].cast<double>(), path);
+    return environment;
 }
 
 /// @throws ValueError
@@ -228,152 +229,26 @@ std::string reprOf(const EnvironmentObject& environment) {
     return text.str();
 }
 
-/// @throws ValueError
-void requireLens(const Lens& lens) {
-    if (!(lens.radius >= 0 && lens.radius < 1e9))
-        throw py::value_error("lens_radius: expected metres of at least 0, below 1e9");
-    if (!(lens.focus > 0 && lens.focus < 1e9))
-        throw py::value_error("focus: expected metres above 0, below 1e9");
-    if (lens.blades != 0 && (lens.blades < 3 || lens.blades > kMostBlades))
-        throw py::value_error("blades: expected 3 to " + std::to_string(kMostBlades) +
-                              ", or 0 for a round aperture");
-    if (!std::isfinite(lens.rotation))
-        throw py::value_error("blade_rotation: expected a finite number of degrees");
-}
-
-Camera cameraOf(const py::object& eye, const py::object& lookAt, double fov, double lensRadius,
-                std::optional<double> focus, int blades, double bladeRotation) {
-    CameraOptions options;
-    options.eye = vectorOf(eye, "eye");
-    options.lookAt = vectorOf(lookAt, "look_at");
-    options.fovYDegrees = fov;
-    requireRange("fov-y", fov, 0.01, 179.0);
-    Camera camera = CameraSource(options, {}).at(1);
-    camera.lens = {lensRadius, focus.value_or((*options.lookAt - *options.eye).length()), blades,
-                   bladeRotation * kPi / 180};
-    if (lensRadius != 0 || focus || blades != 0) requireLens(camera.lens);
-    return camera;
-}
-
-std::string reprOf(const Camera& camera) {
-    TextWriter text;
-    text << "<shadowcache.Camera: at (" << camera.origin.x << ", " << camera.origin.y << ", "
-         << camera.origin.z << "), along (" << camera.forward.x << ", " << camera.forward.y << ", "
-         << camera.forward.z << "), ";
-    if (camera.height > 0)
-        text << "orthographic, " << camera.height << " m high>";
-    else
-        text << camera.fovY * 180 / kPi << " degrees high>";
-    return text.str();
-}
-
-/// The channels of one name.
-struct Layer {
-    std::string name;
-    std::vector<const Channel*> parts;
-};
-
-/// Channels by the names before their last dots, in the order of their letters' meaning.
-std::vector<Layer> layersOf(const std::vector<Channel>& channels) {
-    std::vector<Layer> layers;
-    for (const Channel& channel : channels) {
-        const std::size_t dot = channel.name.rfind('.');
-        const std::string name = dot == std::string::npos ? "color" : channel.name.substr(0, dot);
-        auto found = std::ranges::find(layers, name, &Layer::name);
-        if (found == layers.end()) found = layers.insert(found, {name, {}});
-        found->parts.push_back(&channel);
-    }
-    const auto rank = [](const Channel* channel) {
-        return std::string("RGBAXYZ").find(channel->name.back());
-    };
-    for (Layer& layer : layers) std::ranges::sort(layer.parts, {}, rank);
-    return layers;
-}
-
-py::dict picturesOf(const std::vector<Channel>& channels, int width, int height) {
-    py::dict pictures;
-    for (const Layer& layer : layersOf(channels)) {
-        const std::size_t count = layer.parts.size();
-        std::vector<float> values(layer.parts.front()->values.size() * count);
-        for (std::size_t k = 0; k < count; ++k)
-            for (std::size_t i = 0; i < layer.parts[k]->values.size(); ++i)
-                values[i * count + k] = layer.parts[k]->values[i];
-        Shape shape{height, width};
-        if (count > 1) shape.push_back(static_cast<py::ssize_t>(count));
-        pictures[py::str(layer.name)] = arrayOf<float>(shape, std::move(values));
-    }
-    return pictures;
-}
-
-py::dict readPicture(const fs::path& path) {
-    const ExrFile file = longCall(py::none(), [&] { return readExr(path); });
-    return picturesOf(file.channels, file.width, file.height);
-}
-
-/// The options of render(), written to a job.
-std::vector<OptionRow> pictureRows(RenderJob& job) {
-    std::vector<OptionRow> rows = optionRows(Part::size, job);
-    for (const Part part : {Part::picture, Part::cache})
-        for (const OptionRow& row : optionRows(part, job))
-            if (part == Part::picture || row.name == "stale-ok") rows.push_back(row);
-    return rows;
-}
-
-/// What is said of a picture, for people. To be called with the interpreter's lock.
-void warn(const std::vector<std::string>& notes) {
-    for (const std::string& note : notes)
-        if (PyErr_WarnEx(PyExc_UserWarning, note.c_str(), 1) != 0) throw py::error_already_set();
-}
-
-/// The picture's channels. To be called without the interpreter's lock.
-std::vector<Channel> renderChannels(const LoadedSet& set, const ShadowCache* cache,
-                                    const Environment& environment, const Camera& camera, int frame,
-                                    const PictureOptions& asked, std::vector<std::string>& notes) {
-    const PictureSettings settings = resolve(asked, cache != nullptr, set.options.gloss);
-    LitStage lit(set.scene, cache, settings.estimator, lightingOf(asked, settings));
-    lit.requirePrediction(settings.options);
-    if (!lit.note().empty()) notes.push_back(lit.note());
-    lit.setEnvironment(environment);
-    RenderStats stats;
-    const Picture picture =
-        lit.plan(camera, frame, settings.options, stats, asked.rays.targetError.value_or(0));
-    return channels(picture.film(stats), asked.aovs);
-}
-
-py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject>& cache,
-                     const EnvironmentObject& environment, const Camera& camera, int frame,
-                     const py::object& progress, int threads, const py::kwargs& options) {
-    RenderJob job;
-    readKeywords("render", options, pictureRows(job));
-    const auto set = scene.set;
-    const auto light = environment.light;
-    const auto kept = cache ? cache->cache : nullptr;
-    std::vector<std::string> notes;
-    if (kept)
-        isStale(kept->header(), set->fingerprint, "cache", job.stage.staleOk,
-                [&](const std::string& text, NoteKind) { notes.push_back(text); });
-    const std::vector<Channel> all = longCall(
-        progress,
-        [&] { return renderChannels(*set, kept.get(), *light, camera, frame, job.picture, notes); },
-        threads);
-    warn(notes);
-    const FilmRectangle region = job.picture.options.region();
-    return picturesOf(all, region.width, region.height);
-}
-
 }  // namespace
 
 void defineEnvironment(py::module_& module) {
     py::class_<EnvironmentObject, std::shared_ptr<EnvironmentObject>>(
         module, "Environment",
-        "Distant light from a lat-long map: row 0 is +Y, the middle looks to +Z.")
+        "Distant light from a lat-long map: row 0 is +Y, the middle looks to +Z, and the column a\n"
+        "quarter of the width left of it to +X, right of it to -X: the sky as seen from within,\n"
+        "+Y up. Pickled by its file.")
         .def_static("load", loadEnvironment, py::arg("path"), py::kw_only(),
                     py::arg("rotate") = 0.0, py::arg("progress") = py::none(),
                     "Reads OpenEXR or Radiance HDR. rotate: degrees about +Y, counter-clockwise\n"
                     "seen from above.")
-        .def_static("from_array", environmentOf, py::arg("texels"), py::kw_only(),
-                    py::arg("rotate") = 0.0, py::arg("progress") = py::none(),
-                    "Of a map in memory, (height, width, 3), linear radiance of at least 0.")
+        .def_static(
+            "from_array", environmentOf, py::arg("texels"), py::kw_only(), py::arg("rotate") = 0.0,
+            py::arg("progress") = py::none(),
+            "Of a map in memory, (height, width, 3), linear radiance of at least 0. With x in\n"
+            "(0, 1) from the left and y from the top, texels look to the longitude\n"
+            "a = pi - 2 pi x and the latitude b = pi / 2 - pi y, which is the direction\n"
+            "(cos b sin a, sin b, cos b cos a): a map that is mirrored turns the sun to the\n"
+            "other side.")
         .def_static("constant", constantEnvironment, py::arg("radiance"),
                     "The same radiance from everywhere: a number, or linear RGB (3,).")
         .def("rotate", rotated, py::arg("degrees"), py::kw_only(), py::arg("progress") = py::none(),
@@ -395,60 +270,8 @@ void defineEnvironment(py::module_& module) {
         .def_property_readonly(
             "notes", [](const EnvironmentObject& e) { return e.map->notes; },
             "What reading the map chose or mended, in lines for people.")
+        .def(py::pickle(&stateOf, &environmentOfState))
         .def("__repr__", [](const EnvironmentObject& e) { return reprOf(e); });
-}
-
-void defineRender(py::module_& module) {
-    py::class_<Camera>(module, "Camera", "A camera in world space.")
-        .def(py::init(&cameraOf), py::arg("eye"), py::arg("look_at"), py::kw_only(),
-             py::arg("fov") = 45.0, py::arg("lens_radius") = 0.0, py::arg("focus") = py::none(),
-             py::arg("blades") = 0, py::arg("blade_rotation") = 0.0,
-             "eye, look_at: where it stands, and what is in the middle of the picture [m].\n"
-             "fov: vertical angle of view [degrees].\n"
-             "lens_radius: of the aperture [m]; 0: all is sharp. focus: distance along the view\n"
-             "    of what is sharp [m]; None: that of look_at. blades: corners of the aperture;\n"
-             "    0: it is round. blade_rotation: counter-clockwise as the camera looks [degrees].")
-        .def_static(
-            "load",
-            [](const fs::path& path, int frame) {
-                return CameraSource({path.string(), {}, {}}, {}).at(frame);
-            },
-            py::arg("path"), py::kw_only(), py::arg("frame") = 1,
-            "The camera of a frame of a camera file (.json). Scene.camera() has those of glTF.")
-        .def_property_readonly(
-            "origin", [](const Camera& c) { return arrayOf<double>({3}, std::vector{c.origin}); },
-            "Where it stands [m], (3,) float64.")
-        .def_property_readonly(
-            "forward", [](const Camera& c) { return arrayOf<double>({3}, std::vector{c.forward}); },
-            "Along the view, unit, (3,) float64.")
-        .def_property_readonly(
-            "up", [](const Camera& c) { return arrayOf<double>({3}, std::vector{c.up}); },
-            "Upwards in the picture, unit, at right angles to `forward`, (3,) float64.")
-        .def_property_readonly(
-            "fov",
-            [](const Camera& c) {
-                return c.height > 0 ? std::nullopt : std::optional(c.fovY * 180 / kPi);
-            },
-            "Vertical angle of view [degrees]; None: orthographic.")
-        .def_property_readonly(
-            "lens_radius", [](const Camera& c) { return c.lens.radius; },
-            "Of the aperture [m]; 0: all is sharp.")
-        .def("__repr__", [](const Camera& camera) { return reprOf(camera); });
-    RenderJob standard;
-    static const std::string kRenderHelp =
-        "Renders a Scene as a Camera sees it: the pixels of shadowcache-render.\n\n"
-        "cache: of the scene; None: rendered without one. frame: number of the frame, which\n"
-        "    chooses its random numbers with the seed.\n"
-        "Returns a dict of float32 arrays: 'color' (height, width, 3), linear radiance, with\n"
-        "transparent=True (height, width, 4), and each of the aovs, (height, width, 3) or\n"
-        "(height, width).\n\n"
-        "Options, with their standard values:\n" +
-        helpOf(pictureRows(standard));
-    module.def("render", renderScene, py::arg("scene"), py::arg("cache").none(true),
-               py::arg("environment"), py::arg("camera"), py::kw_only(), py::arg("frame") = 1,
-               py::arg("progress") = py::none(), py::arg("threads") = 0, kRenderHelp.c_str());
-    module.def("read_exr", readPicture, py::arg("path"),
-               "The pictures of an EXR file of shadowcache-render, named as render() names them.");
 }
 
 }  // namespace shadowcache::python

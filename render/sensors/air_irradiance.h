@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "common/predict/bounce_solve.h"
+#include "common/predict/places.h"
+#include "common/trace/scene.h"
+
+namespace shadowcache {
+
+/// Whether a place lies on a surface of the set that looks along its normal: up to a tenth of a
+/// voxel above it, or a quarter below, as the mean points of items of curved surfaces. A cache has
+/// items for others near one, too, which know nothing of their light.
+///
+/// @param spacing   of the cache
+/// @param position  world space
+/// @param normal    unit
+bool isOnSurface(const Scene& scene, double spacing, const Vec3d& position, const Vec3f& normal);
+
+/// Places that a cache predicts nothing for: it has no item, or they are not isOnSurface().
+///
+/// @param scene      null: items are all that is known
+/// @param predicted  of irradianceAt(), which leaves those without an item NaN
+std::vector<std::size_t> placesInAir(const Scene* scene, double spacing, const Places& places,
+                                     std::span<const Rgb> predicted);
+
+/// Refuses a place in the air where no set is at hand to trace its rays in.
+/// @throws Error
+[[noreturn]] void refuseInAir(const Vec3d& position);
+
+/// Light that bounces in a set, for places that see its surfaces.
+struct BouncingLight {
+    const BounceSolve& solve;
+    std::span<const ItemLook> looks;  ///< by item
+    int bounces;                      ///< below 0: all
+};
+
+/// Irradiance of places in the air: of the sky where a ray through the middle of each cell of
+/// Environment::kLevel reaches it, and of the surfaces that the others meet [radiance sr].
+///
+/// @param bouncing  null: of the sky alone
+/// @param which     of the places, whose values of `out` are written
+void irradianceInAir(const Scene& scene, const Environment& environment,
+                     const BouncingLight* bouncing, const Places& places,
+                     std::span<const std::size_t> which, std::span<Rgb> out);
+
+}  // namespace shadowcache
