@@ -11,8 +11,6 @@ from . import child, programs
 from .fingerprint import digest_of
 from .set_file import fps
 
-# Finest level of directions, rays for each region of mixed visibility, and spacing where none is stated.
-QUALITIES = {"DRAFT": (3, 4, "2x"), "GOOD": (4, 8, "1x"), "FINE": (5, 16, "1x")}
 MARGIN = 1  # voxels around those that a shot looks up
 
 
@@ -20,16 +18,12 @@ class Recipe:
     """What a bake is asked for, by the settings of a scene."""
 
     def __init__(self, settings):
-        self.level, self.rays, self.spacing = QUALITIES[settings.bake_quality]
-        if settings.bake_spacing:
-            self.spacing = "%.9g" % settings.bake_spacing
+        self.quality = settings.bake_quality.lower()
+        self.spacing = settings.bake_spacing
         self.whole = settings.bake_scope == "SET"
 
-    def sampling(self):
-        return ["--level", str(self.level), "--rays", str(self.rays)]
-
     def options(self):
-        return [*self.sampling(), "--spacing", self.spacing]
+        return ["--spacing", "%.9g" % self.spacing] if self.spacing else ["--quality", self.quality]
 
 
 class Views:
@@ -74,8 +68,8 @@ def bake(set_file, recipe, views, scene, folder, should_stop, on_progress):
     extend = (os.path.exists(set_file.cache) and before.get("options") == recipe.options()
               and before.get("set") == notes["id"] and not before.get("whole"))
     whole = recipe.whole or not views.serves()
-    # What is extended has its own spacing.
-    options = [*recipe.sampling(), "--extend", set_file.cache] if extend else recipe.options()
+    # What is extended has its own spacing and level.
+    options = ["--extend", set_file.cache] if extend else recipe.options()
     if not whole:
         options += shot_options(set_file, views, fps(scene))
     command = [programs.find("shadowcache-bake", folder), set_file.path, "-o", set_file.cache, *options,

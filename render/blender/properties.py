@@ -20,13 +20,13 @@ class ShadowcacheSettings(bpy.types.PropertyGroup):
             ("SHOT", "This Shot", "What the pictures look up, of the frame or the animation that is rendered"),
             ("SET", "Whole Set", "Every surface: takes longer, once for all cameras")))
     bake_quality: bpy.props.EnumProperty(
-        name="Quality", default="DRAFT", items=(
-            ("DRAFT", "Draft", "Fast to bake: voxels of twice the chosen side; pictures are free of bias as well, with a little more noise"),
-            ("GOOD", "Good", "Twice the rays of a draft, directions at half the angle, voxels of half the side"),
-            ("FINE", "Fine", "For long shots, as shadowcache-bake by default: four times the rays of a draft")))
+        name="Quality", default="GOOD", items=(
+            ("DRAFT", "Draft", "An eighth of the rays: pictures are free of bias as well, with a little more noise"),
+            ("GOOD", "Good", "The least time for bake and pictures together: as fine as number and size of the frames are worth"),
+            ("FINE", "Fine", "Eight times the rays, for a cache that more frames will use than are rendered now")))
     bake_spacing: bpy.props.FloatProperty(
         name="Spacing", subtype="DISTANCE", min=0, soft_max=10, default=0,
-        description="Side of a voxel: smaller ones take longer to bake, and pictures are less noisy. 0: chosen from the size of the set and the quality")
+        description="Side of a voxel: smaller ones take longer to bake, and pictures are less noisy. 0: chosen from the size of the set, the frames and the quality")
     stale: bpy.props.EnumProperty(
         name="Stale Cache", default="BAKE", items=(
             ("BAKE", "Bake Again", "Where the set is not what was baked"),
