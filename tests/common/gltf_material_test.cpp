@@ -388,6 +388,8 @@ TEST(GltfMaterial, MissingTexturesAreRefused) {
     refuse({{"name", "brass"},
             {"pbrMetallicRoughness", {{"metallicRoughnessTexture", {{"index", 3}}}}}},
            "material 0 (brass): pbrMetallicRoughness: metallicRoughnessTexture: texture 3");
+    refuse(pane({{"transmissionFactor", 1}, {"transmissionTexture", {{"index", 3}}}}),
+           "KHR_materials_transmission: transmissionTexture: texture 3");
     // One without a number is left out.
     const TriangleMesh bare = load(squareWith(
         {{"extensions", {{"KHR_materials_specular", {{"specularTexture", {{"texCoord", 1}}}}}}}}));
