@@ -14,7 +14,7 @@
 namespace shadowcache {
 
 /// What is left out of other things than materials, or read in one of several ways: kind and text,
-/// {"node", "KHR_lights_punctual is left out"}, and the number of nodes.
+/// {"node", "MSFT_lod is left out"}, and the number of nodes.
 using LeftOutOf = std::map<std::pair<std::string, std::string>, std::size_t>;
 
 /// What loading a set found and did; every face of the files is accounted for.
