@@ -79,7 +79,8 @@ void mend(Rgb& texel, float infinity, Mended& mended) {
 
 /// How much of the light was below 0; empty where that cannot be seen.
 std::string shareText(double below, double all) {
-    return below > kSeenShare * all ? fmt::format(", {:.2g} % of the light", 100 * below / all) : "";
+    return below > kSeenShare * all ? fmt::format(", {:.2g} % of the light", 100 * below / all)
+                                    : "";
 }
 
 /// Makes every texel usable as radiance and counts what was not.
