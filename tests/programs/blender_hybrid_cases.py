@@ -215,9 +215,9 @@ def refusals():
     expect("object Cube.001: hidden from glossy rays")
     thing.visible_glossy = True
     tree = thing.active_material.node_tree
-    clear = tree.nodes.new("ShaderNodeBsdfTransparent")
+    clear = tree.nodes.new("ShaderNodeHoldout")
     tree.links.new(clear.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-    expect("material Cube.001: Transparent BSDF")
+    expect("material Cube.001: Holdout")
     tree.nodes.remove(clear)
     fog = tree.nodes.new("ShaderNodeVolumePrincipled")
     tree.links.new(fog.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
