@@ -11,6 +11,7 @@ from .node_values import Value, feed_of, source
 STRAIGHT = "glass: light passes straight, as through a thin pane; Cycles refracts it, and its shadow rays end there"
 BEHIND = "Fresnel: from behind a face, Cycles mirrors as from inside the glass; here both sides mirror alike"
 SHADOW_TRICK = "Is Shadow Ray: here light to surfaces behind the glass loses what the glass mirrors"
+CONSTANT = "Mix of Transparent and Glossy by a number: seen from the side, the glass mirrors more here"
 GLOSSY = "ShaderNodeBsdfGlossy"  # from 4.0 on it is another node, with anisotropy
 STANDARD_REFLECTANCE = 0.04  # of glTF, at normal incidence, where no index is stated
 
@@ -114,6 +115,7 @@ def mixed_by_number(share, first, second, layers, reader):
     if first.type == "BSDF_TRANSPARENT" and mirrors_white(second, reader):
         layers.pane = Pane(reader.value(first.inputs["Color"]), constant=share, roughness=roughness_of(second, reader))
         layers.nodes += [first, second]
+        layers.remarks.append(CONSTANT)
     return None
 
 
@@ -150,7 +152,6 @@ def is_glass(node, reader):
 def transmits(principled, reader):
     value = reader.value(versions.principled_input(principled, "Transmission"))
     return bool(value.image or value.colours is not None or value.unknown or value.factor[0] > 0)
-
 
 
 def roughness_of(node, reader):

@@ -5,6 +5,8 @@ Strengths are those of Cycles: watts of a lamp that shines to all sides alike, o
 
 import math
 
+import bpy
+
 from . import versions
 from .differences import differences, node_differences
 from .node_values import Reader, source
@@ -87,7 +89,7 @@ def of_spot(thing, power):
     inner = outer + (1 - outer) * lamp.spot_blend
     return {"type": "spot", "intensity": power / (4 * math.pi),
             "spot": {"innerConeAngle": math.acos(min(inner, 1)), "outerConeAngle": min(lamp.spot_size / 2, math.pi / 2)},
-            "extras": {"radius": lamp.shadow_soft_size, "falloff": versions.falloff_of_spots()}}
+            "extras": {"radius": lamp.shadow_soft_size, "falloff": versions.falloff_of_spots(bpy.app.version)}}
 
 
 def of_area(thing, power):

@@ -1,6 +1,5 @@
 """What Blender 4.0 to 4.2 name otherwise than 3.4. The names of 3.4 are asked for; what is there tells them apart."""
 
-import bpy
 import numpy
 
 from .triangles import read
@@ -63,6 +62,6 @@ def add_socket(tree, kind, name, is_output=False):
     return (tree.outputs if is_output else tree.inputs).new(kind, name)
 
 
-def falloff_of_spots():
-    """Up to 3.6 a spot is a flat disc, which gives less to the side."""
-    return "smoothstep times cosine" if bpy.app.version < (4, 0) else "smoothstep"
+def falloff_of_spots(blender):
+    """Up to 3.6 a spot is a flat disc, which gives less to the side. blender: its version."""
+    return "smoothstep times cosine" if tuple(blender) < (4, 0) else "smoothstep"

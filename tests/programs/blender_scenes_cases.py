@@ -353,7 +353,7 @@ def mix_with_transparent_by_a_number():
     above(mixed_shaders(0.3, transparent(1, 1, 1), ("ShaderNodeBsdfDiffuse", {"Color": (0.1, 0.6, 0.2, 1)})))
 
 
-@shows
+@names("Mix of Transparent and Glossy by a number")
 def mix_of_transparent_and_mirror_by_a_number():
     above(mixed_shaders(0.2, transparent(0.3, 0.6, 0.9), MIRROR))
 

@@ -117,6 +117,8 @@ def stand_ins(versions):
         assert versions.setting_of(material, "use_transparent_shadow") is False
     assert versions.setting_of(types.SimpleNamespace(), "use_transparent_shadow") is None
 
+    assert versions.falloff_of_spots((3, 6, 5)) != versions.falloff_of_spots((4, 0, 0))
+
     sockets = Sockets()
     versions.add_socket(types.SimpleNamespace(inputs=Sockets(), outputs=sockets), "NodeSocketColor", "Image", is_output=True)
     made = []
