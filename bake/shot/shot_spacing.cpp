@@ -12,8 +12,7 @@ namespace shadowcache {
 
 namespace {
 
-/// Rays of a bake that are worth a pixel, at the samples a pixel of the programs' defaults: an
-/// eighth of the time that the pixel takes.
+/// Rays of a bake that a pixel is worth, at 64 samples and four bounces.
 SHADOWCACHE_TUNED(double, kRaysOfPixel, 600);
 /// Rays of a bake of the finest level for each side of a voxel that lookups see.
 SHADOWCACHE_TUNED(double, kRaysOfSide, 20000);
@@ -74,11 +73,13 @@ LookupPlaces inVoxelsOf(const VoxelFrame& coarser, const LookupPlaces& places,
 
 ShotResolution resolutionOfShot(const LookupPlaces& places, const VoxelFrame& frame,
                                 double pixels) {
+    const auto isWorth = [&](double factor, double raysOfSide) {
+        const auto sides = static_cast<double>(countSides(places, frame, factor));
+        return raysOfSide * sides <= kRaysOfPixel * pixels;
+    };
     const auto factorFor = [&](double raysOfSide) {
-        const double most = kRaysOfPixel * pixels / raysOfSide;
         double factor = 1;
-        while (factor<kMostFactor&& static_cast<double>(countSides(places, frame, factor))> most)
-            factor *= kStep;
+        while (factor < kMostFactor && !isWorth(factor, raysOfSide)) factor *= kStep;
         return factor;
     };
     const double factor = factorFor(kRaysOfSide);
