@@ -152,16 +152,17 @@ struct Task {
         if (shot) {
             selection.lookups = found ? std::move(found->places) : shot->lookups(scene, frame);
             selection.margin = job.shot.margin;
-            if (isSpacingFree(job)) fitTo(*shot, scene.mesh(), job.isLevelGiven);
+            if (isSpacingFree(job)) fitTo(job, *shot, scene.mesh());
         }
     }
 
     /// Makes spacing and level as coarse as the shot's pictures are worth.
-    void fitTo(const ShotSource& shot, const TriangleMesh& mesh, bool isLevelGiven) {
+    void fitTo(const BakeJob& job, const ShotSource& shot, const TriangleMesh& mesh) {
+        const double pixels = rayFactor(options.quality) * static_cast<double>(shot.pixels());
         const ShotResolution found =
-            resolutionOfShot(*selection.lookups, frame,
-                             rayFactor(options.quality) * static_cast<double>(shot.pixels()));
-        if (!isLevelGiven) options.level = found.level;
+            resolutionOfShot(*selection.lookups, frame, pixels,
+                             job.isLevelGiven ? std::optional(options.level) : std::nullopt);
+        options.level = found.level;
         if (found.factor == 1) return;
         options.spacing *= found.factor;
         const VoxelFrame finest = std::exchange(frame, VoxelFrame(mesh, options.spacing));

@@ -71,8 +71,8 @@ LookupPlaces inVoxelsOf(const VoxelFrame& coarser, const LookupPlaces& places,
     return out;
 }
 
-ShotResolution resolutionOfShot(const LookupPlaces& places, const VoxelFrame& frame,
-                                double pixels) {
+ShotResolution resolutionOfShot(const LookupPlaces& places, const VoxelFrame& frame, double pixels,
+                                std::optional<int> level) {
     const auto isWorth = [&](double factor, double raysOfSide) {
         const auto sides = static_cast<double>(countSides(places, frame, factor));
         return raysOfSide * sides <= kRaysOfPixel * pixels;
@@ -82,6 +82,8 @@ ShotResolution resolutionOfShot(const LookupPlaces& places, const VoxelFrame& fr
         while (factor < kMostFactor && !isWorth(factor, raysOfSide)) factor *= kStep;
         return factor;
     };
+    if (level)
+        return {factorFor(*level == kMaxCacheLevel ? kRaysOfSide : kRaysOfCoarseSide), *level};
     const double factor = factorFor(kRaysOfSide);
     if (factor <= kCoarseFactor) return {factor, kMaxCacheLevel};
     return {factorFor(kRaysOfCoarseSide), kMaxCacheLevel - 1};

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "bake/core/voxel_selection.h"
 
 namespace shadowcache {
@@ -21,6 +23,8 @@ struct ShotResolution {
 ///
 /// @param places  lookups of the shot in voxels of the set's own spacing
 /// @param pixels  of all pictures of the shot, times rayFactor()
-ShotResolution resolutionOfShot(const LookupPlaces& places, const VoxelFrame& frame, double pixels);
+/// @param level   none: it is chosen, too
+ShotResolution resolutionOfShot(const LookupPlaces& places, const VoxelFrame& frame, double pixels,
+                                std::optional<int> level = {});
 
 }  // namespace shadowcache

@@ -62,6 +62,15 @@ TEST_F(ShotSpacing, FollowsThePixelsByTheSquareRoot) {
     EXPECT_EQ(resolutionOfShot(places_, frame_, 500).level, 4);
 }
 
+TEST_F(ShotSpacing, IsThatOfTheLevelGiven) {
+    const ShotResolution finest = resolutionOfShot(places_, frame_, 4000, 5),
+                         coarse = resolutionOfShot(places_, frame_, 4000, 4);
+    EXPECT_EQ(finest.level, 5);
+    EXPECT_EQ(coarse.level, 4);
+    // Four times the rays.
+    EXPECT_NEAR(finest.factor / coarse.factor, 2, 0.6);
+}
+
 TEST_F(ShotSpacing, HasALimit) {
     EXPECT_LE(factorFor(1), 16.01);
     EXPECT_GT(factorFor(1), 15.9);
