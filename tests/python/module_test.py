@@ -758,14 +758,20 @@ def test_bits_do_not_depend_on_threads(scene, cache, white, camera):
     assert np.array_equal(*pictures)
 
 
-def test_progress(scene, cache, white, camera, capfd):
-    seen = []
-    shadowcache.render(scene, cache, white, camera, size=(320, 180), spp=64,
-                       progress=lambda task, done, total: seen.append((task, done, total)))
-    assert {task for task, _, _ in seen} == {"predict light", "frame 1"}
-    assert all(0 <= done <= total for _, done, total in seen)
-    assert seen == sorted(seen, key=lambda step: (step[0] == "frame 1", step[1]))
-    assert seen[-1][1] == seen[-1][2]
+def test_progress(scene, cache, camera, capfd):
+    sky = shadowcache.Environment.constant(1)  # no other test has lit the set by it
+
+    def steps():
+        seen = []
+        shadowcache.render(scene, cache, sky, camera, size=(320, 180), spp=64,
+                           progress=lambda task, done, total: seen.append((task, done, total)))
+        assert all(0 <= done <= total for _, done, total in seen)
+        assert seen == sorted(seen, key=lambda step: (step[0] == "frame 1", step[1]))
+        assert seen[-1][1] == seen[-1][2]
+        return {task for task, _, _ in seen}
+
+    assert steps() == {"predict light", "frame 1"}
+    assert steps() == {"frame 1"}  # the lit set is kept
     assert capfd.readouterr() == ("", "")  # nothing is printed
 
 
