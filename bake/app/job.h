@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "bake/core/options.h"
+#include "bake/core/partial_cache.h"
 #include "bake/shot/shot_source.h"
 #include "common/import/mesh_options.h"
+#include "common/mesh/mesh.h"
 
 namespace shadowcache {
 
@@ -37,7 +39,13 @@ struct BakeJob {
 /// Refuses invalid options before the long work starts. @throws Error
 void validate(const BakeJob& job);
 
+/// What a program that does more than the bake has in common with it.
+struct BakeCompany {
+    const TriangleMesh* mesh = nullptr;  ///< the job's set, if it is loaded; null: it is read
+    PartialCache* partial = nullptr;     ///< gets what is finished so far; null: nobody wants it
+};
+
 /// Runs the job. @throws Error
-void run(const BakeJob& job);
+void run(const BakeJob& job, const BakeCompany& company = {});
 
 }  // namespace shadowcache

@@ -177,7 +177,9 @@ struct Task {
 
 /// Bakes what the job asks for and the cache that it extends does not hold.
 BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, const Scene& scene,
-                    Task& task, Checkpoint& checkpoint) {
+                    Task& task, Checkpoint& checkpoint, PartialCache* partial) {
+    const PartialCache::Source source(
+        partial, partial ? headerOf(scene.mesh(), task.options) : CacheHeader(), checkpoint);
     BakeResult result = bakeOrKeep(scene, task.options, task.selection, checkpoint);
     recordFiles(job.mesh, result.header);
     const std::size_t baked = result.items.size();
@@ -216,7 +218,7 @@ void finishLookups(const BakeJob& job, const TriangleMesh& mesh, Task& task,
 
 }  // namespace
 
-void run(const BakeJob& job) {
+void run(const BakeJob& job, const BakeCompany& company) {
     validate(job);
     setThreadCount(job.threads);
     installInterruptHandler();
@@ -231,8 +233,12 @@ void run(const BakeJob& job) {
         job.estimate || job.lookupsOnly ? nullptr : startCheckpoint(job, identity);
     std::optional<ShotSource> shot;
     if (!job.shot.camera.name.empty()) shot.emplace(job.shot, job.files, job.mesh);
-    const TriangleMesh mesh = loadMesh(job.files, job.mesh);
-    std::printf("set: %s\n", describe(mesh.report).c_str());
+    std::optional<TriangleMesh> read;
+    if (!company.mesh) {
+        read.emplace(loadMesh(job.files, job.mesh));
+        std::printf("set: %s\n", describe(read->report).c_str());
+    }
+    const TriangleMesh& mesh = company.mesh ? *company.mesh : *read;
     throwIfInterrupted();
     times.loaded = secondsNow();
     Scene scene(mesh);
@@ -246,7 +252,7 @@ void run(const BakeJob& job) {
         report(estimate, job.stats);
         return;
     }
-    const BakeResult result = bakeTask(job, shot, scene, task, *checkpoint);
+    const BakeResult result = bakeTask(job, shot, scene, task, *checkpoint, company.partial);
     times.baked = secondsNow();
     const std::uintmax_t bytes = writeCache(job.output, result.header, result.items);
     checkpoint->remove();

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cstdio>
 #include <fstream>
 
@@ -100,19 +99,34 @@ std::size_t Checkpoint::discardOthers() {
 }
 
 std::optional<std::string> Checkpoint::read(Pass pass, std::size_t number) const {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     const auto found = places_.find({static_cast<std::uint32_t>(pass), number});
     if (found == places_.end()) return std::nullopt;
     const Place& place = found->second;
-    if (place.file == kPending) {
-        assert(!writing_);
-        return pending_.substr(place.offset, place.size);
-    }
+    // What is being written is neither in memory nor in the file.
+    if (place.file == kPending) written_.wait(lock, [this] { return !writing_; });
+    if (place.file == kPending) return pending_.substr(place.offset, place.size);
     std::string bytes(place.size, '\0');
     std::ifstream file(files_[place.file], std::ios::binary);
     file.seekg(static_cast<std::streamoff>(place.offset));
     if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return std::nullopt;
     return bytes;
+}
+
+std::vector<std::string> Checkpoint::finished(Pass pass) {
+    flush();
+    std::vector<std::size_t> numbers;
+    {
+        const std::lock_guard lock(mutex_);
+        const auto wanted = static_cast<std::uint32_t>(pass);
+        for (auto at = places_.lower_bound({wanted, 0});
+             at != places_.end() && at->first.first == wanted; ++at)
+            if (at->second.file != kPending) numbers.push_back(at->first.second);
+    }
+    std::vector<std::string> regions;
+    for (const std::size_t number : numbers)
+        if (auto bytes = read(pass, number)) regions.push_back(std::move(*bytes));
+    return regions;
 }
 
 bool Checkpoint::mayKeep(std::uint64_t bytes) {
@@ -138,7 +152,8 @@ void Checkpoint::add(Pass pass, std::size_t number, const std::string& bytes) {
 
 bool Checkpoint::flush() {
     std::unique_lock lock(mutex_);
-    return pendingRegions_.empty() || (!writing_ && writePending(lock));
+    written_.wait(lock, [this] { return !writing_; });
+    return pendingRegions_.empty() || writePending(lock);
 }
 
 /// Other threads go on while one writes.
@@ -167,11 +182,12 @@ bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
         AtomicFile file(path);
         file.write(content.data(), content.size());
         file.commit();
-    } catch (const Error& e) {
+    } catch (const std::exception& e) {
         cause = e.what();
     }
     lock.lock();
     writing_ = false;
+    written_.notify_all();
     due_ = Clock::now() + interval_;
     if (cause.empty()) {
         regions_ += regions.size();

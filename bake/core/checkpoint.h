@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -42,6 +43,10 @@ public:
     /// file is gone: another bake to the same output removes what it read once it is finished.
     std::optional<std::string> read(Pass pass, std::size_t number) const;
 
+    /// All regions of a pass that are finished, in their order; puts them on the disk first. Where
+    /// that is full, only those that it has.
+    std::vector<std::string> finished(Pass pass);
+
     /// Whether a region of so many bytes may stay in memory. If not, it is read again later.
     bool mayKeep(std::uint64_t bytes);
 
@@ -79,6 +84,7 @@ private:
     Clock::duration interval_;
 
     mutable std::mutex mutex_;
+    mutable std::condition_variable written_;  ///< writing_ has become false
     std::map<Key, Place> places_;
     std::string pending_;              ///< records to write
     std::vector<Key> pendingRegions_;  ///< of them, in their order

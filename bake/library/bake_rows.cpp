@@ -69,7 +69,7 @@ std::vector<OptionRow> bakeRows(BakeOptions& bake, std::optional<double>& chosen
         wordRow("quality", bake.quality, kQualities,
                 "Of the spacing that is chosen. good: the least time for bake and pictures "
                 "together; draft, fine: an eighth of its rays, eight times as many")
-            .excluding("spacing"),
+            .excluding("spacing extend"),
         wholeRow(
             "level", bake.level, 0, kMaxCacheLevel,
             "Finest direction level, 0 to 5: 20 * 4^level regions over the sphere; 4 for a shot "

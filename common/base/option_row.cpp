@@ -252,6 +252,23 @@ const OptionRow* findRow(std::span<const OptionRow> rows, const std::string& nam
     return found == rows.end() ? nullptr : &*found;
 }
 
+namespace {
+
+/// @param names  joined by |; those that have no row do not count
+void requireOneOf(std::span<const OptionRow> rows, const OptionRow& row, const std::string& names,
+                  const std::function<bool(const std::string&)>& isGiven) {
+    std::string wanted;
+    TextReader all(names);
+    for (std::string name; std::getline(all, name, '|');) {
+        if (!findRow(rows, name)) continue;
+        if (isGiven(name)) return;
+        wanted += (wanted.empty() ? "--" : " or --") + name;
+    }
+    if (!wanted.empty()) throw FormError("--" + row.name + " requires " + wanted);
+}
+
+}  // namespace
+
 void requireTogether(std::span<const OptionRow> rows, const std::vector<std::string>& given) {
     const auto isGiven = [&](const std::string& name) {
         return std::ranges::find(given, name) != given.end();
@@ -261,9 +278,7 @@ void requireTogether(std::span<const OptionRow> rows, const std::vector<std::str
         for (const std::string& other : wordsIn(row.excludes))
             if (isGiven(other))
                 throw FormError("--" + row.name + " cannot be combined with --" + other);
-        for (const std::string& other : wordsIn(row.needs))
-            if (findRow(rows, other) && !isGiven(other))
-                throw FormError("--" + row.name + " requires --" + other);
+        for (const std::string& other : wordsIn(row.needs)) requireOneOf(rows, row, other, isGiven);
     }
 }
 

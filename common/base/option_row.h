@@ -67,7 +67,8 @@ struct OptionRow {
     std::string type{};      ///< what help calls the value; empty: by the form
 
     std::string group{};              ///< of the help
-    std::string needs{}, excludes{};  ///< names, joined by spaces: wanted, or refused, beside it
+    /// Names, joined by spaces: wanted, or refused, beside it; a|b: one of two is wanted.
+    std::string needs{}, excludes{};
     unsigned doors = 7;               ///< that have it: bits of Door
     bool isCompared = true;           ///< whether a picture of another value is another picture
     bool isKept = true;               ///< whether settings files hold it

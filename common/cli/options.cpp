@@ -38,11 +38,11 @@ void addRow(CLI::App& app, const OptionRow& row) {
     option->configurable(row.isKept)->group(row.group);
 }
 
-/// The option of another row. Rows may name what another program does not have.
+/// The option of another row. CLI11 has no needs of one of two, which readRows() looks at.
 void relate(CLI::App& app, const OptionRow& row) {
     CLI::Option* option = app.get_option(row.isPositional ? row.name : "--" + row.name);
     for (const std::string& name : CLI::detail::split(row.needs, ' '))
-        if (!name.empty()) option->needs("--" + name);
+        if (!name.empty() && name.find('|') == name.npos) option->needs("--" + name);
     for (const std::string& name : CLI::detail::split(row.excludes, ' '))
         if (!name.empty()) option->excludes("--" + name);
 }
@@ -55,15 +55,18 @@ void addRows(CLI::App& app, std::span<const OptionRow> rows) {
 }
 
 void readRows(const CLI::App& app, std::span<const OptionRow> rows) {
+    std::vector<std::string> given;
     for (const OptionRow& row : rows) {
         const CLI::Option* option = app.get_option(row.isPositional ? row.name : "--" + row.name);
         if (option->count() == 0) continue;
+        given.push_back(row.name);
         std::vector<std::string> texts = option->reduced_results();
         bool flag = false;
         if (row.form == OptionForm::flag && CLI::detail::lexical_cast(texts.back(), flag))
             texts = {flag ? "true" : "false"};
         row.read(texts);
     }
+    requireTogether(rows, given);
 }
 
 }  // namespace shadowcache

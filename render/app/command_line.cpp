@@ -63,6 +63,9 @@ std::optional<int> parseArguments(int argc, char** argv, RenderJob& job) {
     };
     if (const auto status = parseCommandLine(app, argc, argv, rows, check)) return status;
     job.run.settings = settingsOf(app);
+    // Pictures are those of the cache, whoever bakes it.
+    for (auto& [name, value] : job.run.settings)
+        if (name == "bake") name = "cache";
     return std::nullopt;
 }
 

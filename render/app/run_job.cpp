@@ -17,7 +17,9 @@
 #include "common/import/mesh_reader.h"
 #include "common/shot/gltf_shot.h"
 #include "common/shot/picture_view.h"
+#include "render/app/bake_of_shot.h"
 #include "render/app/explain.h"
+#include "render/app/first_passes.h"
 #include "render/app/frame_check.h"
 #include "render/app/frame_metadata.h"
 #include "render/app/job_output.h"
@@ -104,20 +106,100 @@ public:
 private:
     /// Loads all but the light. What takes no time is refused before what does.
     void load(double start) {
-        stage_.emplace(job_.stage, printNote);
+        std::optional<BakeJob> bake;
+        if (mustBake()) bake = bakeOfShot(job_);
+        else if (run_.bakes) useBaked();
+        StageOptions options = job_.stage;
+        if (bake) options.cache.clear();
+        stage_.emplace(options, printNote);
         camera_.emplace(stage_->cameras(job_.camera));
         for (const int frame : run_.frames) camera_->moveAt(frame);
         if (!run_.reference.empty()) reference_ = readReference(run_.reference, settings_.options);
         stage_->load();
         for (const int frame : run_.frames) stage_->requireFrame(frame);
-        const double loaded = secondsNow() - stage_->sceneSeconds();
+        double loaded = secondsNow() - stage_->sceneSeconds();
+        if (bake) {
+            const double before = secondsNow();
+            bakeAndShow(*bake);
+            start += secondsNow() - before;
+            loaded += secondsNow() - before;
+            stage_->loadCache(bake->output);
+        }
         lit_.emplace(stage_->scene(), stage_->cache(), settings_.estimator,
                      lightingOf(job_.picture, settings_), job_.stage.cache.string());
         lit_->requirePrediction(settings_.options);
-        if (job_.light.environment.empty() && !lit_->shines())
-            throw Error("--env: expected a map or a radiance, since nothing in the set shines");
+        requireLight(*lit_);
         if (!lit_->note().empty()) printNote(lit_->note(), NoteKind::note);
         timing_ = {loaded - start, secondsNow() - loaded};
+    }
+
+    void requireLight(const LitStage& lit) const {
+        if (job_.light.environment.empty() && !lit.shines())
+            throw Error("--env: expected a map or a radiance, since nothing in the set shines");
+    }
+
+    /// Whether --bake has a bake to do before the frames.
+    bool mustBake() const {
+        std::error_code ignored;
+        return run_.bakes && !std::filesystem::exists(job_.stage.cache, ignored);
+    }
+
+    /// Renders with the file of --bake that is there.
+    void useBaked() const {
+        requireOfShot(bakeOfShot(job_));
+        std::printf("%s: baked before, used as it is%s\n", job_.stage.cache.c_str(),
+                    run_.bakeQuality.empty() ? "" : ", whatever its --bake-quality was");
+    }
+
+    /// Bakes, and shows pictures of the first frame meanwhile.
+    void bakeAndShow(const BakeJob& bake) {
+        const TriangleMesh& mesh = stage_->mesh();
+        const int frame = run_.frames.front();
+        requireLight(LitStage(stage_->scene(), nullptr, findEstimator("mis"), {}));
+        light_.load(plan_.at(0));
+        if (run_.wait || (run_.resume && hasPicture(frame)))
+            return bakeShot(job_, bake, mesh, nullptr);
+        stage_->pose(frame);
+        const CameraMove camera = camera_->moveAt(frame);
+        PartialCache partial;
+        FirstPasses passes({stage_->scene(), light_.environment(), camera, frame, job_.picture,
+                            settings_.options.cameraRays * std::max(1, settings_.options.samples),
+                            [&](const FirstPass& pass) { showFirst(pass, camera); }},
+                           partial);
+        bakeShot(job_, bake, mesh, &partial);
+        if (const std::string failure = passes.end(); !failure.empty())
+            printNote("no first pictures: " + failure, NoteKind::warning);
+    }
+
+    /// Whether a picture is there that a first one must not take the place of.
+    bool hasPicture(int frame) const {
+        const FilmRectangle region = settings_.options.region();
+        const FrameState state = frameState(frameFile(job_, frame), {}, region.width, region.height);
+        return state == FrameState::done || state == FrameState::changed;
+    }
+
+    /// Writes a picture that is shown before the cache is baked. --resume renders it again.
+    void showFirst(const FirstPass& pass, const CameraMove& camera) {
+        RenderJob shown = job_;
+        shown.stage.cache.clear();
+        std::erase_if(shown.picture.aovs, needsInsight);
+        const int frame = run_.frames.front();
+        InputHashes inputs(job_.stage.set.mesh.references);
+        writeFrame(shown, pass.film,
+                   frameMetadata(shown, pass.settings, std::nullopt, plan_.at(0), frame, inputs),
+                   pictureView(camera), {pass.seconds, pass.settings.options.cameraRays, false},
+                   frame);
+        std::printf("%s: %d camera ray%s a pixel, %zu items baked so far\n",
+                    frameFile(job_, frame).c_str(), pass.settings.options.cameraRays,
+                    pass.settings.options.cameraRays == 1 ? "" : "s", pass.items);
+        std::fflush(stdout);
+    }
+
+    ExrView pictureView(const CameraMove& camera) const {
+        ExrView view = viewOf(camera.middle(), settings_.options.width, settings_.options.height);
+        view.framesPerSecond = camera_->fps() > 0 ? camera_->fps() : job_.stage.set.fps;
+        view.chromaticities = light_.chromaticities();
+        return view;
     }
 
     void frame(std::size_t i) {
@@ -129,13 +211,12 @@ private:
             plan_.at(i), frame, inputs_);
         if (run_.resume && !run_.explain && isDone(metadata, frame)) return;
         const double start = secondsNow();
-        if (light_.load(plan_.at(i))) lit_->setEnvironment(light_.environment());
+        if (light_.load(plan_.at(i)) || !isLit_) lit_->setEnvironment(light_.environment());
+        isLit_ = true;
         timing_.build += secondsNow() - start;
         stage_->pose(frame);
         const CameraMove camera = camera_->moveAt(frame);
-        view_ = viewOf(camera.middle(), settings_.options.width, settings_.options.height);
-        view_.framesPerSecond = camera_->fps() > 0 ? camera_->fps() : job_.stage.set.fps;
-        view_.chromaticities = light_.chromaticities();
+        view_ = pictureView(camera);
         if (run_.explain) {
             const Forecast forecast{settings_.estimator, job_.picture.estimator.has_value(),
                                     static_cast<int>(run_.frames.size()),
@@ -202,7 +283,7 @@ private:
 
     /// Whether --resume finds every frame, so that the set need not be loaded.
     bool nothingLeft() {
-        return run_.resume && !run_.explain && !run_.debugPixel && run_.reference.empty() &&
+        return run_.resume && !mustBake() && !run_.explain && !run_.debugPixel && run_.reference.empty() &&
                run_.stats.empty() && allFramesDone(job_, settings_, plan_, inputs_);
     }
 
@@ -272,6 +353,7 @@ private:
     Timing timing_;
     InputHashes inputs_;
     std::size_t rendered_ = 0, skipped_ = 0;
+    bool isLit_ = false;       ///< the stage has the light's environment
     bool interrupted_ = false;  ///< a progressive frame, which was written all the same
 };
 

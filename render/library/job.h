@@ -28,6 +28,9 @@ struct StageOptions {
 struct RunOptions {
     std::vector<int> frames{1};
     bool framesGiven = false;     ///< by --frames
+    bool bakes = false;           ///< the stage's cache is baked first, unless it is there
+    std::string bakeQuality;      ///< as shadowcache-bake has it; empty: its own
+    bool wait = false;            ///< for the bake, without pictures meanwhile
     std::vector<int> shotFrames;  ///< that a plan of lights is spread over; empty: `frames`
 
     std::filesystem::path output;

@@ -26,6 +26,8 @@ constexpr Named<bool> kSurfaces[] = {{"glossy", true}, {"diffuse", false}};
 constexpr Named<bool> kLamps[] = {{"on", true}, {"off", false}};
 constexpr Named<bool> kBudgets[] = {{"uniform", false}, {"adaptive", true}};
 
+constexpr const char* kBakeQualities[] = {"draft", "good", "fine"};
+
 constexpr const char* kSet = kShortHelp[0];
 constexpr const char* kCamera = kShortHelp[1];
 constexpr const char* kQuality = kShortHelp[2];
@@ -61,7 +63,7 @@ OptionRow memoryRow(std::uint64_t& bytes) {
                "Memory limit for the cache, as in 4G or 512M: the file is read page by page as "
                "needed; the same picture, slower. Without it the whole file is loaded")
         .typed("SIZE")
-        .needing("cache")
+        .needing("cache|bake")
         .notCompared();
 }
 
@@ -208,6 +210,33 @@ void addSet(Rows& rows, StageOptions& stage) {
          dynamicRow(stage.set.dynamic).onlyAt({commandLine, serve}).notCompared()});
 }
 
+/// --bake CACHE stands for --cache CACHE once the cache is baked.
+OptionRow bakeRow(StageOptions& stage, RunOptions& run) {
+    const auto read = [&stage, &run](const std::string& text) {
+        stage.cache = text;
+        run.bakes = true;
+    };
+    return ownRow("bake", OptionForm::text, read,
+                  "Bake the cache of these frames to this file (.vdb), and show first pictures "
+                  "meanwhile; then render with it as with --cache. A file that is there is used, if "
+                  "it was baked for these frames. --resume continues a bake that was interrupted")
+        .needing("camera")
+        .excluding("cache eye explain debug");
+}
+
+void addBake(Rows& rows, StageOptions& stage, RunOptions& run) {
+    std::vector<OptionRow> own{
+        bakeRow(stage, run),
+        option_row::word(
+            "bake-quality",
+            [&run](std::size_t i) { run.bakeQuality = kBakeQualities[i]; },
+            {std::begin(kBakeQualities), std::end(kBakeQualities)},
+            "--quality of the bake, as shadowcache-bake has it [good]")
+            .needing("bake"),
+        flagRow("wait", run.wait, "Show no picture before the cache is baked").needing("bake")};
+    for (OptionRow& row : own) add(rows, kQuality, {row.onlyAt({commandLine}).notCompared()});
+}
+
 void addCache(Rows& rows, StageOptions& stage) {
     add(rows, kQuality,
         {textRow("cache", stage.cache, "Cache of the set, written by shadowcache-bake")
@@ -271,7 +300,7 @@ void addRays(Rows& rows, PictureOptions& picture) {
                  "Show what the cache predicts, and of --spp [4] shadow rays a pixel what they "
                  "add, filtered. Biased, less so with more rays; with --spp 0 no ray is traced "
                  "but the camera's. For a viewport: --preview --spp 1")
-             .needing("cache")
+             .needing("cache|bake")
              .excluding("target-error debug"),
          numberRow("target-error", rays.targetError, {kLeastTargetError, 1e6},
                    "Choose the camera rays of each part of a frame so that the frame's relMSE "
@@ -435,6 +464,7 @@ std::vector<OptionRow> optionRows(Part part, RenderJob& job) {
             break;
         case Part::cache:
             addCache(rows, job.stage);
+            addBake(rows, job.stage, job.run);
             break;
         case Part::light:
             addLight(rows, job.light);

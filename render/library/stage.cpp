@@ -27,16 +27,18 @@ void Stage::load(const std::function<void()>& onStep) {
         note_(fmt::format("moving: {} triangles, not in the cache", moving_->triangles()),
               NoteKind::note);
     onStep();
-    if (!options_.cache.empty()) {
-        cache_ = std::make_unique<ShadowCache>(options_.cache, options_.memory);
-        stale_ = shadowcache::isStale(cache_->header(), fingerprint(mesh_), options_.cache,
-                                      options_.staleOk, note_);
-    }
+    if (!options_.cache.empty()) loadCache(options_.cache);
     onStep();
     const double start = secondsNow();
     scene_.emplace(mesh_);
     sceneSeconds_ = secondsNow() - start;
     onStep();
+}
+
+void Stage::loadCache(const std::filesystem::path& cache) {
+    cache_ = std::make_unique<ShadowCache>(cache, options_.memory);
+    stale_ = shadowcache::isStale(cache_->header(), fingerprint(mesh_), cache, options_.staleOk,
+                                  note_);
 }
 
 }  // namespace shadowcache

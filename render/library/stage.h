@@ -29,6 +29,9 @@ public:
     void load(const std::function<void()>& onStep = [] {});
     static constexpr int kSteps = 4;
 
+    /// Loads a cache, in place of none. @throws Error as load()
+    void loadCache(const std::filesystem::path& cache);
+
     const TriangleMesh& mesh() const { return mesh_; }
     const Scene& scene() const { return *scene_; }
     /// Null without one.

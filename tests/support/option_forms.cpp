@@ -16,7 +16,7 @@ const std::set<std::string>& wordOptions() {
         "--budget",    "--sequence",  "--estimator", "--cache",        "--output",   "--aov",
         "--reference", "--stats",     "--config",    "--write-config", "--progress", "--extend",
         "--report",    "--bake-with", "--for",       "--pictures",     "--surfaces", "--lamps",
-        "--lookups",   "--lamp",      "--aov-names", "--quality"};
+        "--lookups",   "--lamp",      "--aov-names", "--quality",      "--bake",     "--bake-quality"};
     return words;
 }
 
