@@ -60,12 +60,16 @@ class Frame:
         return self.session.serve(self.programs, lambda: self._render(on_picture))
 
     def _render(self, on_picture):
-        self._load()
+        self._load(on_picture)
+        self._tell_view()
+        return self._pixels(on_picture)
+
+    def _tell_view(self):
+        """What is seen of the set, and by which light."""
         self._tell_light()
         width, height = view.size_of(self.scene)
         self.session.look(self._camera(), width, height)
         self.session.tell("region", view.region_of(self.scene))
-        return self._pixels(on_picture)
 
     def _set_frame(self, frame):
         if self._stopped():
@@ -113,7 +117,7 @@ class Frame:
         self.job.baked_for.add(self.set_file.path)
         return bake.Views(frames, view.size_of(self.scene))
 
-    def _load(self):
+    def _load(self, on_picture):
         if self.set_file.all_moves():
             self._tell_load(None)  # there is nothing to bake
             return
@@ -121,9 +125,9 @@ class Frame:
         views = self._views()
         why = bake.why_bake(self.set_file, recipe, views)
         if why:
-            self._bake(recipe, views, why)
+            self._bake(recipe, views, why, on_picture)
         if self._tell_load(self.set_file.cache)["stale"] and self.settings.stale == "BAKE":
-            self._bake(recipe, views, "the set has changed")
+            self._bake(recipe, views, "the set has changed", on_picture)
             self._tell_load(self.set_file.cache)
 
     def _tell_load(self, cache):
@@ -132,22 +136,32 @@ class Frame:
         fields = self.set_file.load_fields(self.scene, cache, lamps=not self.is_hybrid)
         return self.session.load(fields, **self._calls("Load"))
 
-    def _bake(self, recipe, views, why):
+    def _bake(self, recipe, views, why, on_picture):
         def on_progress(task, share, left):
             self._say("Bake (%s): %s %d %%, %s left" % (why, task, 100 * share, bake.time_text(left)), share)
+        self._show_first(on_picture)
         self.session.close()  # two of them may not fit into memory
         self._say("Bake (%s)" % why, 0)
         bake.bake(self.set_file, recipe, views, self.scene, self.programs, self._stopped, on_progress)
         self.session.start(self.programs)
 
+    def _show_first(self, on_picture):
+        """A picture to look at during a bake: without a cache, of one ray a pixel."""
+        if self.is_hybrid:
+            return  # it would lack what Cycles adds
+        self._tell_load(None)
+        self._tell_view()
+        self.session.tell("options", options_of(self.scene, 1, 1))
+        on_picture(self._picture(self.session.render(self.scene.frame_current, **self._calls("First picture"))))
+
     def _tell_light(self):
         self._say("World")
         light, left_out = world_map.light_of(self.scene, self.depsgraph.view_layer, folder_of(self.scene))
-        self.left_out += left_out
         if isinstance(light, world_map.Baking):
             light.prepare(self.scene.world)
         reply = self.session.light(world_map.keys_of(light, self._stopped, self._say), **self._calls("World"))
-        self.left_out += ["world %s: %s" % (self.scene.world.name, note) for note in reply["notes"] if MENDED in note]
+        left_out = left_out + ["world %s: %s" % (self.scene.world.name, note) for note in reply["notes"] if MENDED in note]
+        self.left_out += [entry for entry in left_out if entry not in self.left_out]
 
     def _pixels(self, on_picture):
         aovs, of_centre = passes.aovs_of(self.wanted)
