@@ -4,17 +4,15 @@
 #include <optional>
 #include <utility>
 
+#include "bake/app/bake_task.h"
 #include "bake/app/estimate.h"
 #include "bake/app/job.h"
 #include "bake/app/job_checkpoint.h"
 #include "bake/app/job_identity.h"
 #include "bake/core/cache_part.h"
-#include "bake/core/default_spacing.h"
 #include "bake/core/extend.h"
-#include "bake/core/surface_count.h"
 #include "bake/library/bake_set.h"
 #include "bake/shot/lookup_file.h"
-#include "bake/shot/shot_spacing.h"
 #include "common/base/atomic_file.h"
 #include "common/base/error.h"
 #include "common/base/interrupt.h"
@@ -90,12 +88,6 @@ void validate(const BakeJob& job) {
 
 namespace {
 
-/// Whether the spacing is left to us, and may follow the shot.
-bool isSpacingFree(const BakeJob& job) {
-    return !(job.bake.spacing > 0) && !job.chosenSpacings && job.extend.empty() &&
-           job.lookups.empty();
-}
-
 /// Where the spacing is from, for the report.
 const char* howChosen(const BakeJob& job) {
     if (job.bake.spacing > 0 || !job.extend.empty()) return "";
@@ -104,80 +96,9 @@ const char* howChosen(const BakeJob& job) {
                : " (chosen from the set's size)";
 }
 
-/// Chooses the spacing if the command line does not: that of the lookups, of the cache that is
-/// added to, or one for the set's size.
-///
-/// @param count  receives the set's surface in voxels if it was counted
-BakeOptions optionsOf(const BakeJob& job, const TriangleMesh& mesh,
-                      const std::optional<ShotLookups>& found, std::optional<SurfaceCount>& count) {
-    BakeOptions options = job.bake;
-    if (found) {
-        if (options.spacing > 0 && options.spacing != found->spacing)
-            throwFileError(job.lookups,
-                           fmt::format("spacing {}, expected {}", numberText(found->spacing),
-                                       numberText(options.spacing)));
-        options.spacing = found->spacing;
-        if (!job.isLevelGiven) options.level = found->level;
-        count = found->ofSet;
-    }
-    if (!job.extend.empty() && !job.isLevelGiven) options.level = readHeader(job.extend).level;
-    if (options.spacing > 0) return options;
-    if (!job.extend.empty() && !job.chosenSpacings) {
-        options.spacing = readHeader(job.extend).spacing;
-        return options;
-    }
-    const double times = job.chosenSpacings.value_or(spacingFactor(options.quality));
-    options.spacing = times * chooseSpacing(mesh, &count.emplace());
-    if (times != 1) count.reset();
-    return options;
-}
-
-/// What is to be baked.
-struct Task {
-    std::optional<SurfaceCount> count;  ///< of the set, if it was counted
-    BakeOptions options;
-    VoxelFrame frame;
-    std::optional<CacheToExtend> old;
-    VoxelSelection selection;
-
-    /// @param found  the shot's lookups if they are known; taken over
-    Task(const BakeJob& job, const std::optional<ShotSource>& shot, Scene& scene,
-         std::optional<ShotLookups>& found)
-        : options(optionsOf(job, scene.mesh(), found, count)),
-          frame(scene.mesh(), options.spacing) {
-        if (!job.extend.empty() && !job.lookupsOnly) {
-            old = readCacheToExtend(job.extend, headerOf(scene.mesh(), options));
-            selection.present = VoxelSides(frame, old->items);
-        }
-        if (shot) {
-            selection.lookups = found ? std::move(found->places) : shot->lookups(scene, frame);
-            selection.margin = job.shot.margin;
-            if (isSpacingFree(job)) fitTo(job, *shot, scene.mesh());
-        }
-    }
-
-    /// Makes spacing and level as coarse as the shot's pictures are worth.
-    void fitTo(const BakeJob& job, const ShotSource& shot, const TriangleMesh& mesh) {
-        const double pixels = rayFactor(options.quality) * static_cast<double>(shot.pixels());
-        const ShotResolution found =
-            resolutionOfShot(*selection.lookups, frame, pixels,
-                             job.isLevelGiven ? std::optional(options.level) : std::nullopt);
-        options.level = found.level;
-        if (found.factor == 1) return;
-        options.spacing *= found.factor;
-        const VoxelFrame finest = std::exchange(frame, VoxelFrame(mesh, options.spacing));
-        selection.lookups = inVoxelsOf(frame, *selection.lookups, finest);
-        count.reset();
-    }
-
-    SurfaceCount countOfSet(const TriangleMesh& mesh) const {
-        return count ? *count : countSurface(mesh, frame);
-    }
-};
-
 /// Bakes what the job asks for and the cache that it extends does not hold.
 BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, const Scene& scene,
-                    Task& task, Checkpoint& checkpoint, PartialCache* partial) {
+                    BakeTask& task, Checkpoint& checkpoint, PartialCache* partial) {
     const PartialCache::Source source(
         partial, partial ? headerOf(scene.mesh(), task.options) : CacheHeader(), checkpoint);
     BakeResult result = bakeOrKeep(scene, task.options, task.selection, checkpoint);
@@ -200,7 +121,7 @@ BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, c
 }
 
 /// Writes what the shot looks up.
-void finishLookups(const BakeJob& job, const TriangleMesh& mesh, Task& task,
+void finishLookups(const BakeJob& job, const TriangleMesh& mesh, BakeTask& task,
                    const BakeIdentity& identity, const Times& times) {
     const ShotLookups lookups{task.options.spacing, task.options.level, task.countOfSet(mesh),
                               std::move(*task.selection.lookups)};
@@ -243,7 +164,7 @@ void run(const BakeJob& job, const BakeCompany& company) {
     times.loaded = secondsNow();
     Scene scene(mesh);
     times.built = secondsNow();
-    Task task(job, shot, scene, found);
+    BakeTask task(job, shot, scene, found);
     times.selected = secondsNow();
     if (job.lookupsOnly) return finishLookups(job, scene.mesh(), task, identity, times);
     if (job.estimate) {

@@ -41,12 +41,6 @@ std::vector<std::string> wordsOf(const RenderJob& job) {
     return words;
 }
 
-/// Whether a mesh that was loaded for pictures has what a bake reads: shading normals are more, but
-/// surfaces without their light are less.
-bool hasWhatBakesRead(const MeshOptions& mesh) {
-    return mesh.gloss && mesh.lamps && mesh.gains.empty();
-}
-
 }  // namespace
 
 BakeJob bakeOfShot(const RenderJob& job) {
@@ -74,9 +68,15 @@ void requireOfShot(const BakeJob& bake) {
                                    header.part->shots, wanted));
 }
 
+const TriangleMesh* meshForBake(const RenderJob& job, const TriangleMesh& mesh) {
+    // Shading normals are more than a bake reads; surfaces without their light are less.
+    const MeshOptions& options = job.stage.set.mesh;
+    return options.gloss && options.lamps && options.gains.empty() ? &mesh : nullptr;
+}
+
 void bakeShot(const RenderJob& job, const BakeJob& bake, const TriangleMesh& mesh,
               PartialCache* partial) {
-    run(bake, {hasWhatBakesRead(job.stage.set.mesh) ? &mesh : nullptr, partial});
+    run(bake, {meshForBake(job, mesh), partial});
 }
 
 }  // namespace shadowcache

@@ -19,6 +19,9 @@ BakeJob bakeOfShot(const RenderJob& job);
 /// @throws Error naming the cache, the shots that it has and the one wanted
 void requireOfShot(const BakeJob& bake);
 
+/// The set of a job as it stands in memory, if that has all that a bake reads; else null.
+const TriangleMesh* meshForBake(const RenderJob& job, const TriangleMesh& mesh);
+
 /// The bake of all of a job, of its set as it stands in memory where that has all that a bake reads.
 ///
 /// @param partial  gets what is finished so far; null: nobody wants it

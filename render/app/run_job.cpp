@@ -17,7 +17,9 @@
 #include "common/import/mesh_reader.h"
 #include "common/shot/gltf_shot.h"
 #include "common/shot/picture_view.h"
+#include "common/import/load_mesh.h"
 #include "render/app/bake_of_shot.h"
+#include "render/app/bake_worth.h"
 #include "render/app/explain.h"
 #include "render/app/first_passes.h"
 #include "render/app/frame_check.h"
@@ -88,6 +90,7 @@ public:
         }
         if (!run_.explain && !run_.debugPixel) requireWritableOutputs(job_);
         load(start);
+        if (!lit_) return;  // --explain of a bake
         Progress progress("frames", run_.frames.size());
         for (std::size_t i = 0; i < run_.frames.size(); ++i) {
             frame(i);
@@ -120,6 +123,7 @@ private:
         double loaded = secondsNow() - stage_->sceneSeconds();
         if (bake) {
             const double before = secondsNow();
+            if (run_.explain) return explainBake(*bake);
             bakeAndShow(*bake);
             start += secondsNow() - before;
             loaded += secondsNow() - before;
@@ -149,6 +153,24 @@ private:
         requireOfShot(bakeOfShot(job_));
         std::printf("%s: baked before, used as it is%s\n", job_.stage.cache.c_str(),
                     run_.bakeQuality.empty() ? "" : ", whatever its --bake-quality was");
+    }
+
+    /// Prints what the bake takes and saves.
+    void explainBake(const BakeJob& bake) {
+        if (settings_.options.samples == 0 || settings_.options.preview)
+            throw Error("--preview: --explain compares pictures with a bake and without, expected an "
+                        "unbiased picture, of one sample or more");
+        requireLight(LitStage(stage_->scene(), nullptr, findEstimator("mis"), {}));
+        light_.load(plan_.at(0));
+        const int frame = run_.frames.front();
+        stage_->pose(frame);
+        const CameraMove camera = camera_->moveAt(frame);
+        std::optional<TriangleMesh> read;
+        const TriangleMesh* mesh = meshForBake(job_, stage_->mesh());
+        if (!mesh) mesh = &read.emplace(loadMesh(bake.files, bake.mesh));
+        const BakeWorth worth = worthOfBake(
+            bake, *mesh, {stage_->scene(), light_.environment(), camera, frame, job_.picture});
+        std::fputs(textOf(worth, static_cast<int>(run_.frames.size())).c_str(), stdout);
     }
 
     /// Bakes, and shows pictures of the first frame meanwhile.

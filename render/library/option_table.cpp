@@ -221,7 +221,7 @@ OptionRow bakeRow(StageOptions& stage, RunOptions& run) {
                   "meanwhile; then render with it as with --cache. A file that is there is used, if "
                   "it was baked for these frames. --resume continues a bake that was interrupted")
         .needing("camera")
-        .excluding("cache eye explain debug");
+        .excluding("cache eye debug");
 }
 
 void addBake(Rows& rows, StageOptions& stage, RunOptions& run) {

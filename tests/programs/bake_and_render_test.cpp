@@ -158,6 +158,19 @@ TEST_F(BakeAndRender, RefusesACacheOfAnotherShotOrSet) {
     expectRefusal(run("render", kShot + light), "render", "a.vdb: baked for another set");
 }
 
+TEST_F(BakeAndRender, ExplainsWhatTheBakeIsWorth) {
+    const std::string asked = kShot + std::string("--env map.exr -o a.exr --bake a.vdb ");
+    for (const std::string& more : {"", "--lamps off --estimator cache"}) {
+        const auto told = runWell("render", asked + "--spp 8 --explain " + more);
+        for (const char* words : {"bake        ", "frame       ", "worth       "})
+            EXPECT_NE(told.out.find(words), std::string::npos) << told.out;
+    }
+    EXPECT_FALSE(exists("a.vdb"));
+    EXPECT_FALSE(exists("a.exr"));
+    expectRefusal(run("render", asked + "--explain --samples 0 --camera-rays 1"), "render", "--preview",
+                  "unbiased");
+}
+
 TEST_F(BakeAndRender, RefusesOptionsByName) {
     const std::string still = "set.obj --env map.exr --size 12x8 -o a.exr ";
     struct Refusal {
@@ -166,7 +179,6 @@ TEST_F(BakeAndRender, RefusesOptionsByName) {
     for (const Refusal& each :
          {Refusal{"--eye 1,1,1 --look-at 0,0,0 --bake a.vdb", "--eye"},
           Refusal{"--camera camera.json --bake a.vdb --cache b.vdb", "--cache"},
-          Refusal{"--camera camera.json --bake a.vdb --explain", "--explain"},
           Refusal{"--camera camera.json --wait", "--wait requires --bake"},
           Refusal{"--camera camera.json --bake-quality good", "--bake-quality requires --bake"},
           Refusal{"--camera camera.json --bake a.vdb --bake-quality best", "--bake-quality best"},

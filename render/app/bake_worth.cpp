@@ -1,0 +1,159 @@
+#include "render/app/bake_worth.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bake/app/bake_task.h"
+#include "bake/core/baker.h"
+#include "common/base/process.h"
+
+namespace shadowcache {
+
+namespace {
+
+/// Pixels of the thumbnail, about.
+constexpr double kPixels = 4096;
+
+/// Camera rays times samples of its pixels, at most.
+constexpr int kMostRays = 16;
+
+/// Dark pixels count as if they had this share of the mean light.
+constexpr double kDarkShare = 0.01;
+
+std::array<int, 2> thumbnailOf(int width, int height) {
+    const double shrink = std::min(1.0, std::sqrt(kPixels / (static_cast<double>(width) * height)));
+    const auto side = [&](int whole) {
+        return std::max(1, static_cast<int>(std::lround(whole * shrink)));
+    };
+    return {side(width), side(height)};
+}
+
+/// A bake of the shot, or of one picture of it.
+struct ShotTask {
+    std::optional<ShotSource> shot;
+    std::optional<BakeTask> task;
+
+    /// @param job  outlives this
+    ShotTask(const BakeJob& job, Scene& scene) {
+        shot.emplace(job.shot, job.files, job.mesh);
+        std::optional<ShotLookups> none;
+        task.emplace(job, shot, scene, none);
+    }
+};
+
+/// Two pictures of a thumbnail that differ in their random numbers alone.
+struct Pair {
+    std::array<std::vector<double>, 2> light;  ///< luminance by pixel
+    double seconds = 0;                        ///< of both
+
+    Pair(const WorthView& view, PictureOptions asked, const ShadowCache* cache) {
+        for (auto& pixels : light) {
+            const PictureSettings settings = resolve(asked, cache != nullptr);
+            LitStage lit(view.scene, cache, settings.estimator, lightingOf(asked, settings));
+            lit.setEnvironment(view.environment);
+            RenderStats stats;
+            const Film film =
+                lit.plan(view.camera, view.frame, settings.options, stats).film(stats);
+            seconds += stats.seconds;
+            for (const Pixel& pixel : film.pixels)
+                pixels.push_back(static_cast<double>(view.environment.luminance(pixel.color)));
+            ++asked.options.seed;
+        }
+    }
+};
+
+/// Mean over the pixels of both pairs.
+std::vector<double> meanOf(const Pair& a, const Pair& b) {
+    std::vector<double> mean(a.light[0].size());
+    for (std::size_t i = 0; i < mean.size(); ++i)
+        mean[i] = (a.light[0][i] + a.light[1][i] + b.light[0][i] + b.light[1][i]) / 4;
+    return mean;
+}
+
+/// Seconds that a picture of relMSE 1 takes: the variance of one, relative to the light, times its
+/// seconds.
+double costOf(const Pair& pair, const std::vector<double>& mean) {
+    const double whole = std::accumulate(mean.begin(), mean.end(), 0.0);
+    const double dark = std::max(1e-30, kDarkShare * whole / static_cast<double>(mean.size()));
+    double sum = 0;
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+        const double difference = pair.light[0][i] - pair.light[1][i];
+        sum += difference * difference / (2 * (mean[i] * mean[i] + dark * dark));
+    }
+    return sum * pair.seconds;
+}
+
+/// The rays of a thumbnail that is asked for as the pictures are.
+PixelRays raysOfThumbnail(const RenderOptions& options) {
+    const int samples = std::min(options.samples, kMostRays);
+    return {.cameraRays = std::clamp(options.cameraRays, 1, std::max(1, kMostRays / samples)),
+            .samples = samples};
+}
+
+}  // namespace
+
+BakeWorth worthOfBake(const BakeJob& bake, const TriangleMesh& mesh, const WorthView& view) {
+    BakeWorth worth;
+    Scene scene(mesh);
+    const double start = secondsNow();
+    const ShotTask whole(bake, scene);
+    worth.bake = estimateBake(scene, whole.task->options, whole.task->selection, secondsNow() - start);
+
+    BakeJob smaller = bake;
+    smaller.shot.frames = std::to_string(view.frame);
+    smaller.shot.size = thumbnailOf(bake.shot.size[0], bake.shot.size[1]);
+    const ShotTask small(smaller, scene);
+    const BakeResult baked = shadowcache::bake(scene, small.task->options, small.task->selection);
+    const auto cache = makeCache(baked.header, baked.items);
+
+    PictureOptions asked = view.asked;
+    const RenderOptions wanted = resolve(asked, true).options;
+    asked.aovs.clear();
+    asked.rays = raysOfThumbnail(wanted);
+    asked.options.crop.reset();
+    asked.options.width = smaller.shot.size[0];
+    asked.options.height = smaller.shot.size[1];
+    const Pair with(view, asked, cache.get());
+    if (asked.estimator && findEstimator(*asked.estimator).needsCache) asked.estimator.reset();
+    const Pair without(view, asked, nullptr);
+    const std::vector<double> mean = meanOf(with, without);
+
+    const FilmRectangle region = wanted.region();
+    const double rays = static_cast<double>(region.width) * region.height * wanted.cameraRays *
+                        wanted.samples;
+    const double raysOfPair = 2 * static_cast<double>(mean.size()) *
+                              *asked.rays.cameraRays * *asked.rays.samples;
+    worth.frameSeconds = with.seconds * rays / raysOfPair;
+    const double cost = costOf(with, mean);
+    // Without noise there is nothing to save.
+    worth.withoutSeconds =
+        worth.frameSeconds * (cost > 0 ? costOf(without, mean) / cost : 1);
+    return worth;
+}
+
+std::string textOf(const BakeWorth& worth, int frames) {
+    std::string text = fmt::format(
+        "bake        {:.2g} s, {:.3g} MB, by a sample; spacing {:.3g} m, level {}\n"
+        "frame       {:.2g} s with the cache, {:.2g} s without one for the same noise, by a "
+        "thumbnail\n",
+        worth.bake.seconds, static_cast<double>(worth.bake.bytes) * 1e-6, worth.bake.spacing,
+        worth.bake.level, worth.frameSeconds, worth.withoutSeconds);
+    const double saved = worth.savedSeconds();
+    if (!(saved > 0)) return text + "worth       no bake: a frame takes no less with one\n";
+    const double first = std::ceil(worth.bake.seconds / saved);
+    if (first > frames)
+        return text + fmt::format("worth       no bake for {} frame{}: one pays from frame {:.0f} on\n",
+                                  frames, frames == 1 ? "" : "s", first);
+    return text + fmt::format("worth       a bake: it pays from frame {:.0f} on and saves {:.2g} s\n",
+                              std::max(1.0, first), frames * saved - worth.bake.seconds);
+}
+
+}  // namespace shadowcache
