@@ -14,27 +14,17 @@
 #include "bake/app/bake_task.h"
 #include "bake/core/baker.h"
 #include "common/base/process.h"
+#include "render/app/thumbnail.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// Pixels of the thumbnail, about.
-constexpr double kPixels = 4096;
 
 /// Camera rays times samples of its pixels, at most.
 constexpr int kMostRays = 16;
 
 /// Dark pixels count as if they had this share of the mean light.
 constexpr double kDarkShare = 0.01;
-
-std::array<int, 2> thumbnailOf(int width, int height) {
-    const double shrink = std::min(1.0, std::sqrt(kPixels / (static_cast<double>(width) * height)));
-    const auto side = [&](int whole) {
-        return std::max(1, static_cast<int>(std::lround(whole * shrink)));
-    };
-    return {side(width), side(height)};
-}
 
 /// A bake of the shot, or of one picture of it.
 struct ShotTask {
@@ -94,8 +84,10 @@ double costOf(const Pair& pair, const std::vector<double>& mean) {
 /// The rays of a thumbnail that is asked for as the pictures are.
 PixelRays raysOfThumbnail(const RenderOptions& options) {
     const int samples = std::min(options.samples, kMostRays);
-    return {.cameraRays = std::clamp(options.cameraRays, 1, std::max(1, kMostRays / samples)),
-            .samples = samples};
+    PixelRays rays;
+    rays.cameraRays = std::clamp(options.cameraRays, 1, std::max(1, kMostRays / samples));
+    rays.samples = samples;
+    return rays;
 }
 
 }  // namespace
@@ -109,7 +101,7 @@ BakeWorth worthOfBake(const BakeJob& bake, const TriangleMesh& mesh, const Worth
 
     BakeJob smaller = bake;
     smaller.shot.frames = std::to_string(view.frame);
-    smaller.shot.size = thumbnailOf(bake.shot.size[0], bake.shot.size[1]);
+    smaller.shot.size = thumbnailSize(bake.shot.size[0], bake.shot.size[1]);
     const ShotTask small(smaller, scene);
     const BakeResult baked = shadowcache::bake(scene, small.task->options, small.task->selection);
     const auto cache = makeCache(baked.header, baked.items);

@@ -6,14 +6,12 @@
 
 #include "common/base/parallel.h"
 #include "common/base/percent_text.h"
+#include "render/app/thumbnail.h"
 #include "render/frame/pilot.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// Pixels of the thumbnail, about.
-constexpr double kPixels = 4096;
 
 /// Means over the pixels of the thumbnail that show the set.
 struct Means {
@@ -99,11 +97,10 @@ std::string explain(FrameRequest frame, const Forecast& forecast) {
     if (smaller.plan.antialiasing) smaller.plan.antialiasing->most = 1;
     const FilmRectangle region = options.region();
     const double pixels = static_cast<double>(region.width) * region.height;
-    const double shrink =
-        std::min(1.0, std::sqrt(kPixels / (static_cast<double>(options.width) * options.height)));
+    const auto [width, height] = thumbnailSize(options.width, options.height);
     small.crop.reset();
-    small.width = std::max(1, static_cast<int>(std::lround(options.width * shrink)));
-    small.height = std::max(1, static_cast<int>(std::lround(options.height * shrink)));
+    small.width = width;
+    small.height = height;
     const Film plain = render(smaller, picture);
     // A second time for what the cache predicts, which is not part of the work to be timed.
     small.insight = forecast.estimator.needsCache;

@@ -24,14 +24,19 @@ PictureOptions passOptions(const PictureOptions& asked, int rays) {
     PictureOptions pass = asked;
     if (pass.estimator && findEstimator(*pass.estimator).needsCache) pass.estimator.reset();
     std::erase_if(pass.aovs, needsInsight);
-    pass.rays = {.spp = rays};
+    pass.rays = {};
+    pass.rays.spp = rays;
     return pass;
 }
 
 }  // namespace
 
 FirstPasses::FirstPasses(const FirstPassView& view, PartialCache& cache)
-    : view_(view), cache_(cache), thread_([this] { run(); }) {}
+    : view_(view), cache_(cache) {
+    const double start = secondsNow();
+    const double seconds = showPass(1);
+    thread_ = std::thread([this, start, seconds] { goOn(start, seconds); });
+}
 
 FirstPasses::~FirstPasses() {
     end();
@@ -43,10 +48,10 @@ std::string FirstPasses::end() {
     return failure_;
 }
 
-void FirstPasses::run() try {
-    const WatchScope watched(&watch_);  // the progress that is printed is the bake's
-    const double start = secondsNow();
-    double spent = showPass(1), last = spent;
+/// @param start  of the first pass
+/// @param last   seconds that it took
+void FirstPasses::goOn(double start, double last) try {
+    double spent = last;
     for (int rays = 2; rays <= view_.mostRays; rays *= 2) {
         awaitTurn(start, spent, 2 * last);
         last = showPass(rays);
@@ -60,13 +65,14 @@ void FirstPasses::run() try {
 /// @param next  seconds that the next pass may take
 void FirstPasses::awaitTurn(double start, double spent, double next) const {
     while (spent + next > kShareOfPasses * (secondsNow() - start + next)) {
-        throwIfInterrupted();
+        if (mustEnd(&watch_)) throw Interrupted();
         std::this_thread::sleep_for(kBetweenLooks);
     }
 }
 
 /// @return seconds that it took
 double FirstPasses::showPass(int rays) {
+    const WatchScope watched(&watch_);  // the progress that is printed is the bake's
     const double start = secondsNow();
     const std::unique_ptr<ShadowCache> cache = cache_.now();
     const PictureOptions asked = passOptions(view_.asked, rays);

@@ -28,15 +28,19 @@ struct FirstPassView {
     int frame;
     const PictureOptions& asked;                ///< of the picture with the whole cache
     int mostRays;                               ///< camera rays a pixel that it will have
-    std::function<void(const FirstPass&)> show;  ///< called by another thread
+    std::function<void(const FirstPass&)> show;  ///< called by one thread after the other
 };
 
-/// Shows pictures of a frame while its cache is being baked: a first one at once, of one camera ray
-/// a pixel, then others of twice as many each, with what is baked by then. They are unbiased, and
-/// take at most a quarter of the time, so that the bake hardly waits for them.
+/// Shows pictures of a frame before its cache is baked: a first one at once, of one camera ray a
+/// pixel, then others of twice as many each, with what is baked by then. They are unbiased. The
+/// first takes a small part of the rays of a bake; the others take at most a quarter of the time,
+/// so that the bake hardly waits for them.
 class FirstPasses {
 public:
+    /// Shows the first, and lets a thread go on.
+    ///
     /// @param view  what it refers to outlives this
+    /// @throws Error, Interrupted of the first
     FirstPasses(const FirstPassView& view, PartialCache& cache);
     /// Ends them, in the middle of a picture if need be.
     ~FirstPasses();
@@ -47,7 +51,7 @@ public:
     std::string end();
 
 private:
-    void run();
+    void goOn(double start, double last);
     double showPass(int rays);
     void awaitTurn(double start, double spent, double next) const;
 
