@@ -66,18 +66,18 @@ struct OptionRow {
     std::string standard{};  ///< the value that stands unless another is given; empty: none
     std::string type{};      ///< what help calls the value; empty: by the form
 
-    std::string group{};              ///< of the help
+    std::string group{};  ///< of the help
     /// Names, joined by spaces: wanted, or refused, beside it; a|b: one of two is wanted.
     std::string needs{}, excludes{};
-    unsigned doors = 7;               ///< that have it: bits of Door
-    bool isCompared = true;           ///< whether a picture of another value is another picture
-    bool isKept = true;               ///< whether settings files hold it
-    bool isPositional = false;        ///< on a command line
-    bool isRequired = false;          ///< there
-    char letter = 0;                  ///< its short name
-    std::string otherName{};          ///< at all doors but the command line; empty: by rule
-    bool isNegatedInPython = false;   ///< a flag that takes away: True does not
-    std::string pythonName{};         ///< in Python; empty: as at the other doors
+    unsigned doors = 7;              ///< that have it: bits of Door
+    bool isCompared = true;          ///< whether a picture of another value is another picture
+    bool isKept = true;              ///< whether settings files hold it
+    bool isPositional = false;       ///< on a command line
+    bool isRequired = false;         ///< there
+    char letter = 0;                 ///< its short name
+    std::string otherName{};         ///< at all doors but the command line; empty: by rule
+    bool isNegatedInPython = false;  ///< a flag that takes away: True does not
+    std::string pythonName{};        ///< in Python; empty: as at the other doors
 
     /// Puts the text of a value, or of each of several, where it belongs.
     ///

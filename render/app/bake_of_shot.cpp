@@ -17,8 +17,9 @@ namespace shadowcache {
 namespace {
 
 /// Options of both programs that a bake depends on, or that are of how it runs.
-constexpr std::string_view kShared[] = {"up",   "scale",   "set-frame", "allow-external", "frames",
-                                        "size", "shutter", "fps",       "threads",        "progress"};
+constexpr std::string_view kShared[] = {"up",      "scale",   "set-frame", "allow-external",
+                                        "frames",  "size",    "shutter",   "fps",
+                                        "threads", "progress"};
 
 std::string textOf(const DynamicFile& file) {
     return file.track.empty() ? file.mesh.string() : file.mesh.string() + "@" + file.track.string();
@@ -32,8 +33,7 @@ std::vector<std::string> wordsOf(const RenderJob& job) {
     for (const auto& [name, value] : job.run.settings)
         if (std::ranges::find(kShared, name) != std::end(kShared))
             words.push_back("--" + name + "=" + value);
-    for (const DynamicFile& file : stage.set.dynamic)
-        words.push_back("--dynamic=" + textOf(file));
+    for (const DynamicFile& file : stage.set.dynamic) words.push_back("--dynamic=" + textOf(file));
     if (!job.run.bakeQuality.empty()) words.push_back("--quality=" + job.run.bakeQuality);
     if (job.run.resume) words.emplace_back("--resume");
     words.emplace_back("--");

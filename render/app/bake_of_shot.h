@@ -22,7 +22,8 @@ void requireOfShot(const BakeJob& bake);
 /// The set of a job as it stands in memory, if that has all that a bake reads; else null.
 const TriangleMesh* meshForBake(const RenderJob& job, const TriangleMesh& mesh);
 
-/// The bake of all of a job, of its set as it stands in memory where that has all that a bake reads.
+/// The bake of all of a job, of its set as it stands in memory where that has all that a bake
+/// reads.
 ///
 /// @param partial  gets what is finished so far; null: nobody wants it
 /// @throws Error, Interrupted; then the checkpoint has what is finished

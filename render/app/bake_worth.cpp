@@ -97,7 +97,8 @@ BakeWorth worthOfBake(const BakeJob& bake, const TriangleMesh& mesh, const Worth
     Scene scene(mesh);
     const double start = secondsNow();
     const ShotTask whole(bake, scene);
-    worth.bake = estimateBake(scene, whole.task->options, whole.task->selection, secondsNow() - start);
+    worth.bake =
+        estimateBake(scene, whole.task->options, whole.task->selection, secondsNow() - start);
 
     BakeJob smaller = bake;
     smaller.shot.frames = std::to_string(view.frame);
@@ -119,15 +120,14 @@ BakeWorth worthOfBake(const BakeJob& bake, const TriangleMesh& mesh, const Worth
     const std::vector<double> mean = meanOf(with, without);
 
     const FilmRectangle region = wanted.region();
-    const double rays = static_cast<double>(region.width) * region.height * wanted.cameraRays *
-                        wanted.samples;
-    const double raysOfPair = 2 * static_cast<double>(mean.size()) *
-                              *asked.rays.cameraRays * *asked.rays.samples;
+    const double rays =
+        static_cast<double>(region.width) * region.height * wanted.cameraRays * wanted.samples;
+    const double raysOfPair =
+        2 * static_cast<double>(mean.size()) * *asked.rays.cameraRays * *asked.rays.samples;
     worth.frameSeconds = with.seconds * rays / raysOfPair;
     const double cost = costOf(with, mean);
     // Without noise there is nothing to save.
-    worth.withoutSeconds =
-        worth.frameSeconds * (cost > 0 ? costOf(without, mean) / cost : 1);
+    worth.withoutSeconds = worth.frameSeconds * (cost > 0 ? costOf(without, mean) / cost : 1);
     return worth;
 }
 
@@ -142,10 +142,12 @@ std::string textOf(const BakeWorth& worth, int frames) {
     if (!(saved > 0)) return text + "worth       no bake: a frame takes no less with one\n";
     const double first = std::ceil(worth.bake.seconds / saved);
     if (first > frames)
-        return text + fmt::format("worth       no bake for {} frame{}: one pays from frame {:.0f} on\n",
-                                  frames, frames == 1 ? "" : "s", first);
-    return text + fmt::format("worth       a bake: it pays from frame {:.0f} on and saves {:.2g} s\n",
-                              std::max(1.0, first), frames * saved - worth.bake.seconds);
+        return text +
+               fmt::format("worth       no bake for {} frame{}: one pays from frame {:.0f} on\n",
+                           frames, frames == 1 ? "" : "s", first);
+    return text +
+           fmt::format("worth       a bake: it pays from frame {:.0f} on and saves {:.2g} s\n",
+                       std::max(1.0, first), frames * saved - worth.bake.seconds);
 }
 
 }  // namespace shadowcache

@@ -80,8 +80,7 @@ double FirstPasses::showPass(int rays) {
     LitStage lit(view_.scene, cache.get(), settings.estimator, lightingOf(asked, settings));
     lit.setEnvironment(view_.environment);
     RenderStats stats;
-    const Film film =
-        lit.plan(view_.camera, view_.frame, settings.options, stats).film(stats);
+    const Film film = lit.plan(view_.camera, view_.frame, settings.options, stats).film(stats);
     view_.show({settings, film, secondsNow() - start, cache ? cache->itemCount() : 0});
     return secondsNow() - start;
 }

@@ -26,8 +26,8 @@ struct FirstPassView {
     const Environment& environment;
     const CameraMove& camera;
     int frame;
-    const PictureOptions& asked;                ///< of the picture with the whole cache
-    int mostRays;                               ///< camera rays a pixel that it will have
+    const PictureOptions& asked;                 ///< of the picture with the whole cache
+    int mostRays;                                ///< camera rays a pixel that it will have
     std::function<void(const FirstPass&)> show;  ///< called by one thread after the other
 };
 

@@ -14,10 +14,10 @@
 #include "common/base/process.h"
 #include "common/base/progress.h"
 #include "common/image/exr.h"
+#include "common/import/load_mesh.h"
 #include "common/import/mesh_reader.h"
 #include "common/shot/gltf_shot.h"
 #include "common/shot/picture_view.h"
-#include "common/import/load_mesh.h"
 #include "render/app/bake_of_shot.h"
 #include "render/app/bake_worth.h"
 #include "render/app/explain.h"
@@ -110,8 +110,10 @@ private:
     /// Loads all but the light. What takes no time is refused before what does.
     void load(double start) {
         std::optional<BakeJob> bake;
-        if (mustBake()) bake = bakeOfShot(job_);
-        else if (run_.bakes) useBaked();
+        if (mustBake())
+            bake = bakeOfShot(job_);
+        else if (run_.bakes)
+            useBaked();
         StageOptions options = job_.stage;
         if (bake) options.cache.clear();
         stage_.emplace(options, printNote);
@@ -158,8 +160,9 @@ private:
     /// Prints what the bake takes and saves.
     void explainBake(const BakeJob& bake) {
         if (settings_.options.samples == 0 || settings_.options.preview)
-            throw Error("--preview: --explain compares pictures with a bake and without, expected an "
-                        "unbiased picture, of one sample or more");
+            throw Error(
+                "--preview: --explain compares pictures with a bake and without, expected an "
+                "unbiased picture, of one sample or more");
         requireLight(LitStage(stage_->scene(), nullptr, findEstimator("mis"), {}));
         light_.load(plan_.at(0));
         const int frame = run_.frames.front();
@@ -196,7 +199,8 @@ private:
     /// Whether a picture is there that a first one must not take the place of.
     bool hasPicture(int frame) const {
         const FilmRectangle region = settings_.options.region();
-        const FrameState state = frameState(frameFile(job_, frame), {}, region.width, region.height);
+        const FrameState state =
+            frameState(frameFile(job_, frame), {}, region.width, region.height);
         return state == FrameState::done || state == FrameState::changed;
     }
 
@@ -305,8 +309,9 @@ private:
 
     /// Whether --resume finds every frame, so that the set need not be loaded.
     bool nothingLeft() {
-        return run_.resume && !mustBake() && !run_.explain && !run_.debugPixel && run_.reference.empty() &&
-               run_.stats.empty() && allFramesDone(job_, settings_, plan_, inputs_);
+        return run_.resume && !mustBake() && !run_.explain && !run_.debugPixel &&
+               run_.reference.empty() && run_.stats.empty() &&
+               allFramesDone(job_, settings_, plan_, inputs_);
     }
 
     /// Whether the frame exists as it would be rendered; counts those that do, reports the others.
@@ -375,7 +380,7 @@ private:
     Timing timing_;
     InputHashes inputs_;
     std::size_t rendered_ = 0, skipped_ = 0;
-    bool isLit_ = false;       ///< the stage has the light's environment
+    bool isLit_ = false;        ///< the stage has the light's environment
     bool interrupted_ = false;  ///< a progressive frame, which was written all the same
 };
 

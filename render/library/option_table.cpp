@@ -216,10 +216,11 @@ OptionRow bakeRow(StageOptions& stage, RunOptions& run) {
         stage.cache = text;
         run.bakes = true;
     };
-    return ownRow("bake", OptionForm::text, read,
-                  "Bake the cache of these frames to this file (.vdb), and show first pictures "
-                  "meanwhile; then render with it as with --cache. A file that is there is used, if "
-                  "it was baked for these frames. --resume continues a bake that was interrupted")
+    return ownRow(
+               "bake", OptionForm::text, read,
+               "Bake the cache of these frames to this file (.vdb), and show first pictures "
+               "meanwhile; then render with it as with --cache. A file that is there is used, if "
+               "it was baked for these frames. --resume continues a bake that was interrupted")
         .needing("camera")
         .excluding("cache eye debug");
 }
@@ -228,8 +229,7 @@ void addBake(Rows& rows, StageOptions& stage, RunOptions& run) {
     std::vector<OptionRow> own{
         bakeRow(stage, run),
         option_row::word(
-            "bake-quality",
-            [&run](std::size_t i) { run.bakeQuality = kBakeQualities[i]; },
+            "bake-quality", [&run](std::size_t i) { run.bakeQuality = kBakeQualities[i]; },
             {std::begin(kBakeQualities), std::end(kBakeQualities)},
             "--quality of the bake, as shadowcache-bake has it [good]")
             .needing("bake"),

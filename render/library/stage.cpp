@@ -37,8 +37,8 @@ void Stage::load(const std::function<void()>& onStep) {
 
 void Stage::loadCache(const std::filesystem::path& cache) {
     cache_ = std::make_unique<ShadowCache>(cache, options_.memory);
-    stale_ = shadowcache::isStale(cache_->header(), fingerprint(mesh_), cache, options_.staleOk,
-                                  note_);
+    stale_ =
+        shadowcache::isStale(cache_->header(), fingerprint(mesh_), cache, options_.staleOk, note_);
 }
 
 }  // namespace shadowcache

@@ -16,7 +16,7 @@ constexpr double kNever = 1e6;  // seconds
 
 BakeOptions fineOptions() {
     BakeOptions options = test::smallOptions();
-    options.spacing = 0.05;
+    options.spacing = 0.1;
     return options;
 }
 

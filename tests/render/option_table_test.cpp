@@ -18,21 +18,14 @@ namespace {
 
 /// A job of a command line with one more option. @throws Error
 RenderJob typed(const std::string& name, const std::string& text) {
-    std::vector<std::string> words{"shadowcache-render",
-                                   "set.obj",
-                                   "--env",
-                                   "1,1,1",
-                                   "-o",
-                                   "a.exr",
-                                   "--eye",
-                                   "1,1,1",
-                                   "--look-at",
-                                   "0,0,0",
-                                   "--cache",
-                                   "set.vdb",
-                                   "--progressive",
-                                   "--" + name,
-                                   text};
+    std::vector<std::string> words{
+        "shadowcache-render", "set.obj", "--env",        "1,1,1", "-o", "a.exr",
+        "--" + name,          text,      "--progressive"};
+    const std::vector<std::string> baked{"--camera", "a.json", "--bake", "set.vdb"},
+        known{"--eye", "1,1,1", "--look-at", "0,0,0", "--cache", "set.vdb"};
+    const bool bakes = findRow(optionTable(), name)->needs == "bake";
+    words.insert(words.end(), bakes ? baked.begin() : known.begin(),
+                 bakes ? baked.end() : known.end());
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     RenderJob job;
