@@ -14,6 +14,7 @@
 #include "bake/app/bake_task.h"
 #include "bake/core/baker.h"
 #include "common/base/process.h"
+#include "render/app/duration_text.h"
 #include "render/app/thumbnail.h"
 
 namespace shadowcache {
@@ -133,11 +134,11 @@ BakeWorth worthOfBake(const BakeJob& bake, const TriangleMesh& mesh, const Worth
 
 std::string textOf(const BakeWorth& worth, int frames) {
     std::string text = fmt::format(
-        "bake        {:.2g} s, {:.3g} MB, by a sample; spacing {:.3g} m, level {}\n"
-        "frame       {:.2g} s with the cache, {:.2g} s without one for the same noise, by a "
-        "thumbnail\n",
-        worth.bake.seconds, static_cast<double>(worth.bake.bytes) * 1e-6, worth.bake.spacing,
-        worth.bake.level, worth.frameSeconds, worth.withoutSeconds);
+        "bake        {}, {:.3g} MB, by a sample; spacing {:.3g} m, level {}\n"
+        "frame       {} with the cache, {} without one for the same noise, by a thumbnail\n",
+        durationText(worth.bake.seconds), static_cast<double>(worth.bake.bytes) * 1e-6,
+        worth.bake.spacing, worth.bake.level, durationText(worth.frameSeconds),
+        durationText(worth.withoutSeconds));
     const double saved = worth.savedSeconds();
     if (!(saved > 0)) return text + "worth       no bake: a frame takes no less with one\n";
     const double first = std::ceil(worth.bake.seconds / saved);
@@ -145,9 +146,9 @@ std::string textOf(const BakeWorth& worth, int frames) {
         return text +
                fmt::format("worth       no bake for {} frame{}: one pays from frame {:.0f} on\n",
                            frames, frames == 1 ? "" : "s", first);
-    return text +
-           fmt::format("worth       a bake: it pays from frame {:.0f} on and saves {:.2g} s\n",
-                       std::max(1.0, first), frames * saved - worth.bake.seconds);
+    return text + fmt::format("worth       a bake: it pays from frame {:.0f} on and saves {}\n",
+                              std::max(1.0, first),
+                              durationText(frames * saved - worth.bake.seconds));
 }
 
 }  // namespace shadowcache

@@ -36,6 +36,7 @@ constexpr const char* kExamples =
     "1-24 -o shot.####.exr\n"
     "  shadowcache-render set.glb --env sky.####.exr --cache set.vdb --camera shot --frames "
     "1-240 --resume -o shot.####.exr\n"
+    "  shadowcache-render set.glb --env sky.exr --bake set.vdb --camera shot -o still.exr\n"
     "  shadowcache-render set.ply --env 1,1,1 --eye 1,1,1 --look-at 0,0,0 --spp 256 "
     "-o a.exr\n"
     "  shadowcache-render --config shot.toml --explain";

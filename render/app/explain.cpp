@@ -6,6 +6,7 @@
 
 #include "common/base/parallel.h"
 #include "common/base/percent_text.h"
+#include "render/app/duration_text.h"
 #include "render/app/thumbnail.h"
 #include "render/frame/pilot.h"
 
@@ -45,11 +46,6 @@ std::string line(const char* format, Values... values) {
     char text[400];
     std::snprintf(text, sizeof text, format, values...);
     return text;
-}
-
-std::string duration(double seconds) {
-    if (seconds < 100) return line("%.2g s", seconds);
-    return seconds < 5400 ? line("%.0f min", seconds / 60) : line("%.1f h", seconds / 3600);
 }
 
 std::string cacheLines(const ShadowCache& cache, const Means& means, bool used) {
@@ -121,8 +117,8 @@ std::string explain(FrameRequest frame, const Forecast& forecast) {
     if (context.cache) text += cacheLines(*context.cache, means, small.insight);
     text += noiseLine(means, small.insight, options);
     text += line("time        %s a frame, %s for all, on %d threads; loading took %s\n",
-                 duration(seconds).c_str(), duration(seconds * forecast.frames).c_str(),
-                 threadCount(), duration(forecast.setupSeconds).c_str());
+                 durationText(seconds).c_str(), durationText(seconds * forecast.frames).c_str(),
+                 threadCount(), durationText(forecast.setupSeconds).c_str());
     return text;
 }
 

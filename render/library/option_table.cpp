@@ -234,7 +234,7 @@ void addBake(Rows& rows, StageOptions& stage, RunOptions& run) {
             "--quality of the bake, as shadowcache-bake has it [good]")
             .needing("bake"),
         flagRow("wait", run.wait, "Show no picture before the cache is baked").needing("bake")};
-    for (OptionRow& row : own) add(rows, kQuality, {row.onlyAt({commandLine}).notCompared()});
+    for (OptionRow& row : own) add(rows, kRun, {row.onlyAt({commandLine}).notCompared()});
 }
 
 void addCache(Rows& rows, StageOptions& stage) {

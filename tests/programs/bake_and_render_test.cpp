@@ -73,7 +73,7 @@ class SlowBake : public BakeAndRender {
 protected:
     SlowBake() {
         runWell("make-set", "courtyard -o court.glb --camera view.json");
-        shot_ = "court.glb --camera view.json --frames 1 --size 96x54 --threads 1 ";
+        shot_ = "court.glb --camera view.json --frames 1 --size 64x36 --threads 1 ";
         render_ = shot_ + "--env map.exr --spp 2 --bounces 4 ";
     }
 
