@@ -291,6 +291,33 @@ def stale():
     assert all(stamps()[n] != used[n] for n in used if n.endswith(".vdb")), "a stale cache was not baked again"
 
 
+def first_picture():
+    """A picture is shown before a bake, and only then."""
+    frame, bake = sys.modules["shadowcache.frame"].Frame, sys.modules["shadowcache.bake"]
+    before, events = (frame._picture, bake.bake), []
+
+    def picture(self, reply):
+        events.append("picture")
+        return before[0](self, reply)
+
+    def baked(*words):
+        events.append("bake")
+        return before[1](*words)
+
+    settings = bpy.context.scene.shadowcache
+    spacing, settings.bake_spacing = settings.bake_spacing, 0.37
+    frame._picture, bake.bake = picture, baked
+    try:
+        render("SHADOWCACHE")
+        assert events[:3] == ["picture", "bake", "picture"], events
+        events.clear()
+        render("SHADOWCACHE")
+        assert events and "bake" not in events, events
+    finally:
+        frame._picture, bake.bake = before
+        settings.bake_spacing = spacing
+
+
 def errors():
     """Our sentence is the operator's."""
     preferences().folder = "/nowhere"
@@ -405,7 +432,7 @@ def flat_memory():
 def main():
     install()
     make_scene()
-    for case in (panels, estimates, worlds, all_passes, noise_target, film, animation, stale, errors, killed, cancel, flat_memory):
+    for case in (panels, estimates, worlds, all_passes, noise_target, film, animation, stale, first_picture, errors, killed, cancel, flat_memory):
         start = time.monotonic()
         case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))
