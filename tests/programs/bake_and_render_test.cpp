@@ -8,6 +8,8 @@
 #include <future>
 #include <thread>
 
+#include "common/base/process.h"
+#include "common/random/sequence.h"
 #include "tests/support/cli_fixture.h"
 
 namespace shadowcache::test {
@@ -73,7 +75,7 @@ class SlowBake : public BakeAndRender {
 protected:
     SlowBake() {
         runWell("make-set", "courtyard -o court.glb --camera view.json");
-        shot_ = "court.glb --camera view.json --frames 1 --size 64x36 --threads 1 ";
+        shot_ = "court.glb --camera view.json --frames 1 --size 96x54 --threads 1 ";
         render_ = shot_ + "--env map.exr --spp 2 --bounces 4 ";
     }
 
@@ -106,17 +108,23 @@ TEST_F(SlowBake, ShowsAPictureBeforeTheCacheIsThere) {
 }
 
 TEST_F(SlowBake, ThatIsStoppedIsContinuedByEitherProgram) {
+    const double begin = secondsNow();
     runWell("bake", shot_ + "-o whole.vdb");
+    const double ofBake = secondsNow() - begin;
+    runWell("render", shot_ + "--env map.exr --spp 1 --bounces 4 -o whole.exr");
+    const double ofFirst = secondsNow() - begin - ofBake;
     runWell("render", render_ + "--cache whole.vdb -o whole.exr");
     const std::string both = render_ + "--bake a.vdb -o a.exr ";
     for (const std::string& next :
          {"bake " + shot_ + "-o a.vdb --resume", "render " + both + "--resume"}) {
         SCOPED_TRACE(next);
-        double seconds = 0.5;
         ProgramRun ended;
-        for (int turn = 0; turn < 20 && !exists("a.vdb.checkpoint"); ++turn, seconds *= 1.3) {
+        for (std::uint64_t turn = 0; turn < 20 && !exists("a.vdb.checkpoint"); ++turn) {
             fs::remove(path("a.vdb"));
-            ended = run("render", both, {.interruptSeconds = seconds, .signal = SIGTERM});
+            // Others may use the machine: no moment is sure to be in the midst of the bake.
+            const double share = turn == 0 ? 0.5 : toUnit(hashWords(5, turn));
+            ended = run("render", both,
+                        {.interruptSeconds = ofFirst + share * ofBake, .signal = SIGTERM});
         }
         ASSERT_TRUE(exists("a.vdb.checkpoint"));
         EXPECT_EQ(ended.status, kTryAgain) << ended.err;
