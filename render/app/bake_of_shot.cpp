@@ -51,7 +51,6 @@ BakeJob bakeOfShot(const RenderJob& job) {
     BakeJob bake;
     if (parseArguments(static_cast<int>(words.size()), argv.data(), bake))
         throw Error("--bake: shadowcache-bake refuses its options");
-    validate(bake);
     return bake;
 }
 

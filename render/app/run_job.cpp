@@ -111,7 +111,7 @@ private:
     void load(double start) {
         std::optional<BakeJob> bake;
         if (mustBake())
-            bake = bakeOfShot(job_);
+            validate(bake.emplace(bakeOfShot(job_)));
         else if (run_.bakes)
             useBaked();
         StageOptions options = job_.stage;

@@ -150,7 +150,6 @@ TEST_F(SlowBake, ThatIsStoppedIsContinuedByEitherProgram) {
 TEST_F(BakeAndRender, RefusesACacheOfAnotherShotOrSet) {
     const std::string light = "--env map.exr --spp 1 -o a.####.exr --bake a.vdb ";
     runWell("render", kShot + light);
-    const std::string cache = readBytes(path("a.vdb"));
     expectRefusal(run("render", "set.obj --camera camera.json --frames 1-3 --size 48x32 " + light),
                   "render", "a.vdb: baked for camera.json, frames 1-2, 48x32",
                   "expected camera.json, frames 1-3, 48x32");

@@ -182,6 +182,9 @@ TEST_F(Farm, RefusesWhatItCannotPlan) {
     auto twice = job();
     twice.insert(twice.end(), {"--frames", "1"});
     refuses(twice, "-- --frames: set by shadowcache-farm");
+    auto bakes = job();
+    bakes.insert(bakes.end(), {"--bake", "a.vdb"});
+    refuses(bakes, "-- --bake: set by shadowcache-farm");
     EXPECT_EQ(farm(job({"--for", "cron"})).status, kWrongUsage);
     ASSERT_EQ(farm(job()).status, kDone);
     refuses(job({"--chunk", "3"}), "a job/run: of another job, expected an empty folder");
