@@ -27,6 +27,7 @@
 #include "render/app/job_output.h"
 #include "render/app/memory_report.h"
 #include "render/app/pixel_report.h"
+#include "render/frame/aov_channels.h"
 #include "render/frame/target_error.h"
 #include "render/library/lit_stage.h"
 #include "render/library/stage.h"
