@@ -39,4 +39,10 @@ void Stage::load(const std::function<void()>& onStep) {
     onStep();
 }
 
+void Stage::setGains(std::span<const LampGain> gains) {
+    requireMatches(gains, mesh_);
+    applyGains(gains, mesh_);
+    moving_->setGains(gains);
+}
+
 }  // namespace shadowcache
