@@ -37,6 +37,7 @@ struct EmitterPart {
     float weight = 0;                ///< luminance by which it is chosen: above 0 wherever it emits
     std::uint32_t mesh = 0;          ///< which of the meshes it is of
     std::uint32_t placed = kNoSurface;  ///< its number in the world (placed_mesh.h)
+    std::uint32_t lamp = 0;             ///< of what is no surface: of TriangleMesh::lamps
     bool twoSided = false;              ///< emits on both sides
     bool varies = false;                ///< its radiance is not the same everywhere
 

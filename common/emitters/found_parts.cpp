@@ -172,6 +172,7 @@ std::vector<FoundPart> findParts(std::span<const TriangleMesh* const> meshes,
             if (!(brightness(lamp.strength) > 0)) continue;
             for (EmitterPart& part : partsOf(lamp)) {
                 part.mesh = m;
+                part.lamp = static_cast<std::uint32_t>(i);
                 part.radiance = part.radiance * lamp.gain;
                 part.weight =
                     weight == EmitterWeight::shape ? 1 / part.area : brightness(part.radiance);

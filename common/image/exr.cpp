@@ -1,6 +1,9 @@
 #include "common/image/exr.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFramesPerSecond.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
 #include "common/base/error.h"
@@ -8,6 +11,37 @@
 #include "common/image/exr_file.h"
 
 namespace shadowcache {
+
+namespace {
+
+PointMatrix numbersOf(const Imath::M44f& matrix) {
+    PointMatrix numbers;
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            numbers[static_cast<std::size_t>(4 * row + column)] = matrix[row][column];
+    return numbers;
+}
+
+ExrView viewOf(const Imf::Header& header) {
+    ExrView view;
+    view.pixelAspect = header.pixelAspectRatio();
+    view.screenCenter = {header.screenWindowCenter().x, header.screenWindowCenter().y};
+    view.screenWidth = header.screenWindowWidth();
+    if (Imf::hasWorldToCamera(header)) view.worldToCamera = numbersOf(Imf::worldToCamera(header));
+    if (Imf::hasWorldToNDC(header)) view.worldToNdc = numbersOf(Imf::worldToNDC(header));
+    if (Imf::hasFramesPerSecond(header)) {
+        const Imf::Rational& rate = Imf::framesPerSecond(header);
+        if (rate.d != 0) view.framesPerSecond = static_cast<double>(rate);
+    }
+    if (Imf::hasChromaticities(header)) {
+        const Imf::Chromaticities& c = Imf::chromaticities(header);
+        view.chromaticities = Chromaticities{c.red.x,  c.red.y,  c.green.x, c.green.y,
+                                             c.blue.x, c.blue.y, c.white.x, c.white.y};
+    }
+    return view;
+}
+
+}  // namespace
 
 ExrFile readExr(const std::filesystem::path& path) {
     return translated(path, [&] {
@@ -33,6 +67,7 @@ ExrFile readExr(const std::filesystem::path& path) {
         std::size_t next = 0;
         readChannels(file, 0, names, sizeof(float),
                      [&](const std::string&) { return result.channels[next++].values.data(); });
+        result.view = viewOf(header);
         for (auto a = header.begin(); a != header.end(); ++a) {
             if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute())) {
                 result.metadata[a.name()] = text->value();

@@ -53,7 +53,7 @@ void writeExr(const std::filesystem::path& path, int width, int height,
               const std::vector<Channel>& channels, const Metadata& metadata, PixelType type,
               const ExrPlace& place = {}, const ExrView& view = {});
 
-/// Reads back every channel and every string attribute of an EXR file.
+/// Reads back every channel, every string attribute and the view of an EXR file.
 ///
 /// @throws Error
 struct ExrFile {
@@ -62,6 +62,7 @@ struct ExrFile {
     ExrPlace place;
     std::vector<Channel> channels;
     std::map<std::string, std::string> metadata;
+    ExrView view{};
 };
 ExrFile readExr(const std::filesystem::path& path);
 

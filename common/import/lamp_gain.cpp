@@ -11,15 +11,15 @@
 
 namespace shadowcache {
 
-LampGain parseLampGain(const std::string& text) try {
+LampGain parseLampGain(const std::string& text, const std::string& option) try {
     // Names may have an equals sign, gains have none.
     const std::size_t sign = text.rfind('=');
     if (sign == std::string::npos || sign == 0) throw Error("no name");
-    const std::vector<double> n = numbersOf("lamp", text.substr(sign + 1), {1, 3}, "numbers");
-    for (const double gain : n) requireRange("lamp", gain, 0.0, 1e6);
+    const std::vector<double> n = numbersOf(option, text.substr(sign + 1), {1, 3}, "numbers");
+    for (const double gain : n) requireRange(option.c_str(), gain, 0.0, 1e6);
     return {text.substr(0, sign), Rgb(n.size() == 1 ? Vec3d(n[0]) : Vec3d(n[0], n[1], n[2]))};
 } catch (const Error&) {
-    refuseText("lamp", text, "NAME= and a factor, or R,G,B, 0 to 1e6");
+    refuseText(option, text, "NAME= and a factor, or R,G,B, 0 to 1e6");
 }
 
 bool matchesPattern(std::string_view pattern, std::string_view name) {
@@ -41,6 +41,19 @@ bool matchesPattern(std::string_view pattern, std::string_view name) {
         }
     }
     return pattern.find_first_not_of('*', p) == pattern.npos;
+}
+
+Rgb lampGainOf(std::string_view name, std::span<const LampGain> gains) {
+    Rgb gain(1.0f);
+    for (const LampGain& lamp : gains)
+        if (matchesPattern(lamp.pattern, name)) gain = lamp.gain;
+    return gain;
+}
+
+void applyGains(std::span<const LampGain> gains, TriangleMesh& mesh) {
+    for (Lamp& lamp : mesh.lamps) lamp.gain = lampGainOf(lamp.name, gains);
+    for (Material& material : mesh.materials)
+        material.finish.gain = lampGainOf(material.name, gains);
 }
 
 std::vector<std::string> lampNames(const TriangleMesh& mesh) {

@@ -18,10 +18,16 @@ struct LampGain {
 
 /// "NAME=GAIN", the gain a factor or R,G,B, 0 to 1e6.
 ///
-/// @throws Error naming --lamp
-LampGain parseLampGain(const std::string& text);
+/// @throws Error naming the option
+LampGain parseLampGain(const std::string& text, const std::string& option = "lamp");
 
 bool matchesPattern(std::string_view pattern, std::string_view name);
+
+/// The gain of what shines: of the last pattern that is its name's.
+Rgb lampGainOf(std::string_view name, std::span<const LampGain> gains);
+
+/// Has the gains be those of all that shines in a mesh.
+void applyGains(std::span<const LampGain> gains, TriangleMesh& mesh);
 
 /// Names that gains may have: of lamps, and of materials that emit.
 std::vector<std::string> lampNames(const TriangleMesh& mesh);

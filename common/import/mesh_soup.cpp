@@ -164,14 +164,6 @@ std::vector<std::uint32_t> appendNormals(const RawMesh& raw, const MeshOptions& 
     return corners;
 }
 
-/// The gain of what shines: of the last pattern that is its name's.
-Rgb gainOf(const std::string& name, const MeshOptions& options) {
-    Rgb gain(1.0f);
-    for (const LampGain& lamp : options.gains)
-        if (matchesPattern(lamp.pattern, name)) gain = lamp.gain;
-    return gain;
-}
-
 void appendLamps(const std::filesystem::path& path, const RawMesh& raw, const MeshOptions& options,
                  MeshSoup& soup) {
     if (!options.lamps) return;
@@ -183,7 +175,7 @@ void appendLamps(const std::filesystem::path& path, const RawMesh& raw, const Me
                                              kMostCoordinate));
         Lamp& lamp = soup.lamps.emplace_back(*placed);
         changeUnit(lamp, options.scale);
-        lamp.gain = gainOf(lamp.name, options);
+        lamp.gain = lampGainOf(lamp.name, options.gains);
     }
 }
 
@@ -206,7 +198,7 @@ void appendLooks(RawMesh& raw, const MeshOptions& options, MeshSoup& soup) {
             material.finish.emission = Rgb(0.0f);
             material.finish.emissionTexture = {};
         }
-        material.finish.gain = gainOf(material.name, options);
+        material.finish.gain = lampGainOf(material.name, options.gains);
         if (!options.shadingNormals) material.normal = {};
         for (int* texture : texturesOf(material)) {
             if (*texture < 0) continue;

@@ -32,6 +32,14 @@ public:
                 const Environment& environment, std::span<const ItemLook> looks, int bounces,
                 std::span<const Rgb> ofEmitters = {});
 
+    /// The same of a part of the light, and of as many bounces.
+    ///
+    /// @param transport, looks  that this one was made with
+    /// @param light    by item: where this one has `ofEmitters`, the part's, else the radiance that
+    ///                 items emit of it
+    BounceSolve ofPart(const Transport& transport, std::span<const ItemLook> looks,
+                       std::span<const Rgb> light) const;
+
     const ItemTable& items() const { return items_; }
 
     /// Bytes of memory that it takes.
@@ -55,6 +63,10 @@ public:
     float exposure(std::span<const ItemView> items) const;
 
 private:
+    BounceSolve(const BounceSolve& whole, std::vector<Rgb> direct);
+    /// Adds a bounce. @return what it changes, summed
+    double addBounce(const Transport& transport, std::span<const ItemLook> looks);
+    double sumOfLast() const;
     std::size_t lastOf(int bounces) const {
         const std::size_t last = irradiance_.size() - 1;
         return bounces < 0 || static_cast<std::size_t>(bounces) > last
@@ -64,6 +76,9 @@ private:
 
     const ItemTable& items_;
     const float leastExposure_;  ///< least exposure of an item none of whose rays is exposed
+    const bool keepsAll_;        ///< else of bounces those of none and of all
+    const bool countsEmitters_;  ///< whether it has `ofEmitters`
+    int solved_ = 0;             ///< bounces
     std::vector<std::vector<Rgb>> irradiance_;  ///< [bounces][item]
 };
 

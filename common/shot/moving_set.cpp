@@ -209,6 +209,11 @@ Affine MovingSet::placeOf(const Source& source, const MeshInstance& instance, st
                    source.toGroup[instance.source]);
 }
 
+void MovingSet::setGains(std::span<const LampGain> gains) {
+    options_.gains.assign(gains.begin(), gains.end());
+    for (Source& source : sources_) applyGains(gains, source.mesh);
+}
+
 const Scene* MovingSet::pose(int frame) {
     // The scenes refer to the meshes, which change now.
     scenes_.clear();

@@ -42,6 +42,9 @@ public:
     bool empty() const { return sources_.empty(); }
     std::size_t triangles() const;
 
+    /// Has what shines have other gains than those of its options.
+    void setGains(std::span<const LampGain> gains);
+
     /// Puts everything where it is in a frame.
     ///
     /// @return its scene, valid until the next call; null if nothing moves

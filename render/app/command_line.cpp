@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <initializer_list>
 #include <string_view>
 #include <vector>
 
@@ -12,8 +13,6 @@ namespace shadowcache {
 
 namespace {
 
-using std::string_view_literals::operator""sv;
-
 /// CLI11 would require these with --list and --serve, too.
 void requireWhatRendersNeed(const RenderJob& job) {
     if (job.run.output.empty()) throw CLI::RequiredError("--output");
@@ -21,11 +20,21 @@ void requireWhatRendersNeed(const RenderJob& job) {
         throw CLI::RequiredError("--camera, or --eye with --look-at,");
 }
 
-/// Requests say all that a run takes.
-void requireNothingElse(const CLI::App& app) {
-    for (const CLI::Option* option : app.get_options())
-        if (option->count() > 0 && !option->check_lname("serve") && !option->check_lname("threads"))
-            throw CLI::ExcludesError("--serve", option->get_name());
+/// Refuses all options but some beside one that renders nothing of its own.
+void requireOnly(const CLI::App& app, const char* with, std::initializer_list<const char*> those) {
+    for (const CLI::Option* option : app.get_options()) {
+        const bool isKnown =
+            std::ranges::any_of(those, [&](const char* name) { return option->check_lname(name); });
+        if (option->count() > 0 && !isKnown) throw CLI::ExcludesError(with, option->get_name());
+    }
+}
+
+/// Whether an option is on a command line, as a word of its own or with its value.
+bool isGiven(std::string_view option, int argc, char** argv) {
+    return std::any_of(argv, argv + argc, [option](std::string_view word) {
+        return word == option ||
+               (word.starts_with(option) && word.substr(option.size()).starts_with('='));
+    });
 }
 
 constexpr const char* kExamples =
@@ -39,6 +48,8 @@ constexpr const char* kExamples =
     "  shadowcache-render set.glb --env sky.exr --bake set.vdb --camera shot -o still.exr\n"
     "  shadowcache-render set.ply --env 1,1,1 --eye 1,1,1 --look-at 0,0,0 --spp 256 "
     "-o a.exr\n"
+    "  shadowcache-render room.glb --cache room.vdb --camera still --light-groups '*' -o a.exr\n"
+    "  shadowcache-render --mix a.exr --gain 'desk*=0.3' --gain sky=0 -o b.exr\n"
     "  shadowcache-render --config shot.toml --explain";
 
 }  // namespace
@@ -54,12 +65,17 @@ std::optional<int> parseArguments(int argc, char** argv, RenderJob& job) {
     groups.insert(groups.end(), std::begin(kShortHelp), std::end(kShortHelp));
     showInHelp(app, groups);
     std::vector<OptionRow> rows = optionRows(job);
-    // Its requests name the set.
-    if (std::any_of(argv, argv + argc, [](const char* word) { return "--serve"sv == word; }))
+    // Requests name the set, and pictures need none.
+    if (isGiven("--serve", argc, argv) || isGiven("--mix", argc, argv))
         rows.front().isRequired = false;
     app.footer(kExamples);
     const auto check = [&] {
-        if (job.run.serve) return requireNothingElse(app);
+        // Requests say all that a run takes.
+        if (job.run.serve) return requireOnly(app, "--serve", {"serve", "threads"});
+        if (!job.run.mix.empty()) {
+            if (job.run.output.empty()) throw CLI::RequiredError("--output");
+            return requireOnly(app, "--mix", {"mix", "gain", "output", "half", "png", "exposure"});
+        }
         if (!job.run.list) requireWhatRendersNeed(job);
     };
     if (const auto status = parseCommandLine(app, argc, argv, rows, check)) return status;

@@ -79,6 +79,8 @@ void writeFrame(const RenderJob& job, const Film& film, Metadata metadata, const
     metadata.emplace_back("shadowcache:seconds", std::to_string(progress.seconds));
     metadata.emplace_back("shadowcache:processor", instructionSet());
     metadata.emplace_back("shadowcache:camera-rays-done", std::to_string(progress.cameraRays));
+    if (!film.groups.empty())
+        metadata.emplace_back("shadowcache:" + std::string(kGroupsKey), groupsText(film.groups));
     if (!progress.complete) metadata.emplace_back("shadowcache:incomplete", "true");
     writeExr(path, film.width, film.height,
              named(channels(film, job.picture.aovs), job.run.aovNames), metadata,

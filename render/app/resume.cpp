@@ -15,7 +15,7 @@ namespace shadowcache {
 namespace {
 
 /// How a picture came about, beside its options.
-constexpr const char* kSilent[] = {"seconds", "camera-rays-done", "processor"};
+constexpr const char* kSilent[] = {"seconds", "camera-rays-done", "processor", "groups"};
 
 const std::string kPrefix = "shadowcache:";
 

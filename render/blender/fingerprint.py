@@ -21,6 +21,7 @@ from .session import stamp
 DRAWN = {"rna_type", "location", "width", "height", "width_hidden", "select", "hide", "dimensions", "color",
          "use_custom_color", "show_options", "show_preview", "show_texture", "label", "parent", "bl_icon"}
 READ_ABOVE = {"position", "material_index"}
+OF_STRENGTH = {"energy", "color"}  # of a lamp
 SIMPLE = {"BOOLEAN", "INT", "FLOAT", "STRING", "ENUM"}
 
 
@@ -115,17 +116,45 @@ def mesh_digest(mesh):
 
 
 def lamp_digest(thing):
+    """Of all but the strength."""
     lamp = thing.data
-    return digest_of(thing.name, values_of(lamp), values_of(lamp.cycles), nodes_of(lamp.node_tree) if lamp.use_nodes else "")
+    settings = [value for value in values_of(lamp) if value[0] not in OF_STRENGTH]
+    return digest_of(thing.name, settings, values_of(lamp.cycles), nodes_of(lamp.node_tree) if lamp.use_nodes else "")
 
 
-def content_digest(depsgraph, report):
-    """Of the meshes, materials and lamps that are shown, instance by instance; not of where they are. Adds to the report
-    what of the objects is not exported."""
-    meshes, materials, known, found = {}, {}, {}, []
+def strength_of(lamp):
+    """To which the lamp's light is in proportion, by colour."""
+    return [lamp.energy * c for c in lamp.color]
+
+
+class Strengths:
+    """Of lamps by name, as far as a gain by name can change them; the digest is of the others."""
+
+    def __init__(self):
+        self.found, self.fixed = {}, []
+
+    def add(self, thing):
+        now = strength_of(thing.data)
+        if "*" in thing.name or min(now) < 0 or self.found.setdefault(thing.name, now) != now:
+            self.fixed.append((thing.name, now))
+
+    def by_name(self, materials):
+        """materials: names that gains would change as well."""
+        fixed = materials.union(name for name, _ in self.fixed)
+        return {name: now for name, now in self.found.items() if name not in fixed}
+
+    def digest(self, dimmable):
+        return digest_of(self.fixed, [(name, now) for name, now in self.found.items() if name not in dimmable])
+
+
+def content_of(depsgraph, report):
+    """A digest of the meshes, materials and lamps that are shown, instance by instance; not of where they are, nor of the
+    strengths of lamps by name, which are beside it. Adds to the report what of the objects is not exported."""
+    meshes, materials, known, found, strengths, names = {}, {}, {}, [], Strengths(), set()
     for shown in walk(depsgraph, report):
         if shown.kind == "LIGHT":
             found.append((shown.row, lamp_digest(shown.thing)))
+            strengths.add(shown.thing)
         if shown.kind != "MESH":
             continue
         if shown.key not in known:
@@ -135,12 +164,14 @@ def content_digest(depsgraph, report):
             looks = []
             for material in materials_of(shown.thing, depsgraph):
                 name = material.name_full if material else ""
+                names.add(material.name if material else "")
                 if name not in materials:
                     materials[name] = material_digest(material)
                 looks.append(materials[name])
             known[shown.key] = digest_of(meshes[data.as_pointer()], looks)
         found.append((shown.row, known[shown.key]))
-    return digest_of(found)
+    by_name = strengths.by_name(names)
+    return digest_of(found, strengths.digest(by_name)), by_name
 
 
 def places_digest(matrices, rows):
@@ -157,13 +188,13 @@ def current_places(depsgraph):
 
 
 class State:
-    """What is shown in the current frame, and where it is; what of the objects is left out, which an export does not
-    change. panes: whether light is to pass glass."""
+    """What is shown in the current frame, where it is, and how strong lamps are; what of the objects is left out, which an
+    export does not change. panes: whether light is to pass glass."""
 
     def __init__(self, depsgraph, panes=True):
         report = Report()
         self.panes = panes
-        self.content = content_digest(depsgraph, report)
+        self.content, self.strengths = content_of(depsgraph, report)
         if not panes:
             self.content = digest_of(self.content, "without panes")
         self.left_out = report.entries()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a depsgraph to a picture: set, cache, light, camera, pixels."""
 
-from . import bake, hybrid, passes, pixels, preferences, scene_check, view, world_map
+from . import bake, hybrid, light_groups, passes, pixels, preferences, scene_check, view, world_map
 from .child import Cancelled
 from .folders import folder_of, set_file_of
 from .options import options_of
@@ -35,6 +35,8 @@ class Frame:
         self.left_out = []
         self.wanted = passes.wanted(depsgraph.view_layer)
         self.is_hybrid = hybrid.is_on(self.scene.original)
+        self.state = None
+        self.groups = []  # rules of light groups
 
     def _stopped(self):
         return self.engine.test_break()
@@ -66,6 +68,8 @@ class Frame:
 
     def _tell_view(self):
         """What is seen of the set, and by which light."""
+        if not self.is_hybrid:
+            self.session.dim(self.set_file.gains(self.state))
         self._tell_light()
         width, height = view.size_of(self.scene)
         self.session.look(self._camera(), width, height)
@@ -84,12 +88,19 @@ class Frame:
         # Cycles' shadow rays end at glass.
         state = self.set_file.update(self.depsgraph, self._set_frame if records else None, self.settings.use_motion,
                                      panes=not self.is_hybrid)
+        self.state = state
         if self.is_hybrid:  # Cycles has what the set has not
             hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out(state))
         else:
             self.left_out += self.set_file.left_out(state)
             self.left_out += scene_check.left_out(self.depsgraph, self._camera_object())
         self.left_out += passes.left_out(self.depsgraph.view_layer)
+        if self.is_hybrid:
+            self.left_out += ["pass %s%s" % (light_groups.PREFIX, name)
+                              for name in light_groups.names(self.depsgraph.view_layer)]
+        else:
+            self.groups, left_out = light_groups.rules_of(self.depsgraph, self.set_file.path)
+            self.left_out += left_out
 
     def _is_among_frames(self):
         """Whether the frame is one of those in which motion is recorded; else the file is of this one alone."""
@@ -167,11 +178,12 @@ class Frame:
         aovs, of_centre = passes.aovs_of(self.wanted)
         calls = self._calls("Render")
         if of_centre:
-            self.session.tell("options", options_of(self.scene, 1, 1, of_centre, PASS_RAYS, self.is_hybrid))
+            self.session.tell("options", options_of(self.scene, 1, 1, of_centre, PASS_RAYS, self.is_hybrid,
+                                                    self.groups))
             centre = self._picture(self.session.render(self.scene.frame_current, **calls))
         rays = None if self.settings.target_error else self.settings.camera_rays
         self.session.tell("options", options_of(self.scene, rays, self.settings.samples, aovs, PASS_RAYS,
-                                                self.is_hybrid))
+                                                self.is_hybrid, self.groups))
         plain = calls["on_reply"]
 
         def on_reply(reply):
@@ -188,4 +200,7 @@ class Frame:
         return picture
 
     def _picture(self, reply):
-        return passes.Picture(reply["planes"], pixels.read(reply["pixels"]))
+        picture = passes.Picture(reply["planes"], pixels.read(reply["pixels"]))
+        if not self.is_hybrid:
+            light_groups.join_sky(picture, self.groups, light_groups.of_world(self.scene))
+        return picture

@@ -4,8 +4,9 @@
 from .option_table import values_of
 
 
-def options_of(scene, camera_rays, samples, aovs=(), pass_rays=None, is_hybrid=False):
-    """camera_rays: of a pixel; None: as many as the noise target needs. is_hybrid: light that bounces is not asked for."""
+def options_of(scene, camera_rays, samples, aovs=(), pass_rays=None, is_hybrid=False, groups=()):
+    """camera_rays: of a pixel; None: as many as the noise target needs. is_hybrid: light that bounces is not asked for.
+    groups: of light_groups.rules_of()."""
     options = {**values_of(scene.shadowcache), "samples": samples, "aov": list(aovs),
                "transparent": scene.render.film_transparent}
     if camera_rays is None:
@@ -13,6 +14,8 @@ def options_of(scene, camera_rays, samples, aovs=(), pass_rays=None, is_hybrid=F
     else:
         del options["target-error"]
         options["camera-rays"] = camera_rays
+    if groups:
+        options["light-groups"] = list(groups)
     if is_hybrid:
         options["bounces"] = 0
     if pass_rays:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy
 
+from . import light_groups
+
 SKY_DEPTH = 1e10  # as of Cycles
 # AOVs of the ray through a pixel's centre, as of Cycles: a mean of places, or with the sky, is none.
 OF_CENTRE = ("axial_depth", "position")
@@ -107,10 +109,16 @@ def asks(layer, flag):
     return bool(layer)
 
 
+def group_pass(group):
+    name = light_groups.PREFIX + group
+    return Pass(name, "", "RGB", "COLOR", (), lambda picture: picture.group(name))
+
+
 def wanted(layer):
     """Passes beside Combined of a view layer."""
     found = [p for p in PASSES if asks(layer, p.flag)]
-    return found + [VARIANCE] * layer.shadowcache.use_pass_variance
+    groups = [group_pass(name) for name in light_groups.names(layer)]
+    return found + [VARIANCE] * layer.shadowcache.use_pass_variance + groups
 
 
 def left_out(layer):
@@ -141,6 +149,10 @@ class Picture:
 
     def planes(self, name):
         return numpy.stack(self.rows[name])
+
+    def group(self, name):
+        """Of a light group; black where nothing of it shines."""
+        return self.planes(name) if name in self.rows else numpy.zeros_like(self.planes("picture"))
 
     def combined(self):
         colour = self.planes("picture")

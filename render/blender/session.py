@@ -47,7 +47,16 @@ class Session:
 
     def load(self, fields, **calls):
         """The set, and its cache if there is one."""
-        return self.tell("load", fields, [*fields["set"], fields.get("cache", "")], **calls)
+        before = self.told.get("load")
+        reply = self.tell("load", fields, [*fields["set"], fields.get("cache", "")], **calls)
+        if self.told["load"] is not before:
+            self.told.pop("lamps", None)  # they are as the file has them
+        return reply
+
+    def dim(self, gains):
+        """Has lamps shine with other gains than the file's."""
+        if gains or "lamps" in self.told:
+            self.tell("lamps", {"lamp": list(gains)})
 
     def light(self, fields, **calls):
         return self.tell("environment", fields, [fields["map"]] if "map" in fields else (), **calls)

@@ -8,7 +8,8 @@ from . import fingerprint
 from .blender_export.gltf_export import GltfExport
 from .blender_export.report import Report
 
-FORMAT = 1
+FORMAT = 2
+MOST_GAIN = 1e6  # of the request lamps
 # Entries of the export on other frames: each frame is exported with what it shows.
 OF_OTHER_FRAMES = (": its animation", ": its vertices move; it is as in frame", ": it is not there in frame")
 
@@ -39,12 +40,23 @@ class SetFile:
         """Whether the file holds a state of the set in the scene's frame. motion: a file in which things move will
         do."""
         notes = self.read_notes()
-        if not os.path.exists(self.path) or notes.get("content") != state.content:
+        if not os.path.exists(self.path) or notes.get("content") != state.content or self.gains(state) is None:
             return False
         held = notes["places"]
         if "" in held:
             return held[""] == state.places
         return bool(motion) and notes["fps"] == fps(scene) and held.get(str(scene.frame_current)) == state.places
+
+    def gains(self, state):
+        """Keys of the request lamps that make the file's lamps as strong as a state's; None: there are none."""
+        found, strengths = [], self.read_notes().get("strengths", {})
+        for name, now in state.strengths.items():
+            held = strengths.get(name)
+            if held is None or any(a > MOST_GAIN * b for a, b in zip(now, held)):
+                return None
+            if now != held:
+                found.append("%s=%r,%r,%r" % (name, *(a / b if b else 1.0 for a, b in zip(now, held))))
+        return found
 
     def all_moves(self):
         """Whether nothing of the set stands still, so that there is nothing to bake."""
@@ -84,7 +96,7 @@ class SetFile:
         moving = set(found.tracks())
         if moving:
             held = {str(f): fingerprint.places_digest(found.places(i), rows) for i, f in enumerate(found.frames)}
-        notes.update(content=state.content, places=held, id=fingerprint.digest_of(state.content, sorted(held.items())),
+        notes.update(content=state.content, strengths=state.strengths, places=held, id=fingerprint.digest_of(state.content, sorted(held.items())),
                      fps=fps(depsgraph.scene), all_moves=bool(moving) and moving.issuperset(rows),
                      left_out=[entry for entry in report.entries() if entry not in state.left_out])
         self.write_notes(notes)

@@ -21,8 +21,8 @@ from .worker import Worker
 REST = 0.3       # seconds that a set must rest before it is looked at
 INTERVAL = 0.02  # seconds between looks for news
 # What is no part of a set.
-OTHER = (bpy.types.World, bpy.types.Scene, bpy.types.Camera, bpy.types.Light, bpy.types.Screen)
-OTHER_OBJECTS = {"CAMERA", "LIGHT", "LIGHT_PROBE", "SPEAKER"}
+OTHER = (bpy.types.World, bpy.types.Scene, bpy.types.Camera, bpy.types.Screen)
+OTHER_OBJECTS = {"CAMERA", "LIGHT_PROBE", "SPEAKER"}
 LIVE = weakref.WeakSet()
 
 
@@ -37,6 +37,7 @@ class Viewport:
         self._due_at = 0.0       # when the set is to be looked at; None: the file holds it
         self._places = None
         self._set_file = None
+        self._gains = ()         # of its lamps
         self._shot = None        # the set of F12, and its stamp
         self._world = None       # as a Wish has it
         self.error = ""
@@ -118,6 +119,7 @@ class Viewport:
                 own.export(depsgraph, state)
             self._set_file = own
         self._set_left_out = self._set_file.left_out(state)
+        self._gains = tuple(self._set_file.gains(state))
 
     def _wish(self, engine, context, depsgraph):
         scene, space, region = depsgraph.scene, context.space_data, context.region
@@ -129,7 +131,7 @@ class Viewport:
         pixel = engine.get_preview_pixel_size(scene)
         settings = scene.shadowcache
         return Wish(programs=preferences.program_folder(), load=load, stamps=(stamp(self._set_file.path), stamp(cache)),
-                    world=self._world, view=view, aspect=aspect,
+                    gains=self._gains, world=self._world, view=view, aspect=aspect,
                     size=(max(1, region.width // pixel), max(1, region.height // pixel)),
                     options=options_of(scene, settings.viewport_rays, settings.samples, pass_rays=1),
                     frame=scene.frame_current, note="" if is_baked else "no cache: F12 bakes it")
@@ -144,7 +146,7 @@ def changes_set(depsgraph):
             continue
         if isinstance(thing, bpy.types.Object) and thing.type in OTHER_OBJECTS:
             continue
-        if update.is_updated_geometry or update.is_updated_shading or update.is_updated_transform:
+        if isinstance(thing, bpy.types.Light) or update.is_updated_geometry or update.is_updated_shading or update.is_updated_transform:
             return True
     return False
 

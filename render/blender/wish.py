@@ -9,6 +9,7 @@ class Wish:
     programs: str    # their folder
     load: dict       # keys of the request load
     stamps: tuple    # of its files
+    gains: tuple     # of the request lamps
     world: object    # keys of the request environment, or a world_map.Baking that makes them
     view: dict       # keys of the request camera, but for pixel_aspect
     aspect: float    # of the view

@@ -115,6 +115,7 @@ class Worker:
     def _set_up(self, wish):
         """Set and world; returns what is to be said of the cache."""
         loaded = self._session.load(wish.load, **self._calls(self._ends, "Load"))
+        self._session.dim(wish.gains)
         light = world_map.keys_of(wish.world, lambda: self._is_over(wish), self._say)
         self._session.light(light, **self._calls(self._ends, "World"))
         stale = "the cache is of another state of the set: F12 bakes it again" if loaded["stale"] else ""

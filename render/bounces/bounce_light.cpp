@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "common/base/parallel.h"
 #include "common/base/progress.h"
 #include "common/base/tuned.h"
+#include "common/predict/grouped_solve.h"
 #include "render/bounces/exchange.h"
 #include "render/bounces/path_steps.h"
 #include "render/bounces/russian_roulette.h"
 #include "render/bounces/vertex_items.h"
 #include "render/bounces/vertex_light.h"
+#include "render/estimators/light_groups.h"
 
 namespace shadowcache {
 
@@ -39,6 +42,11 @@ void forEachIndex(std::size_t count, const Body& body) {
     });
 }
 
+/// Has light by group be what is predicted.
+void takePredicted(GroupedVertexLight& light, std::size_t number) {
+    std::ranges::copy(light.predicted[number], light.irradiance[number].begin());
+}
+
 }  // namespace
 
 BounceLight::BounceLight(const Estimator& estimator, const EstimatorPlan* plan,
@@ -56,8 +64,9 @@ GroupSizes BounceLight::sizesAt(int bounce) const {
     return {std::max(kPointGroup, kPixelHits / rays), rays, true};
 }
 
-void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
-                         BounceCounts& counts, const std::function<void()>& onLevel) const {
+GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
+                                  std::span<BouncedLight> light, BounceCounts& counts,
+                                  const std::function<void()>& onLevel) const {
     const EstimatorContext& context = estimator_.context();
     std::vector<PathLevel> levels;
     PathVertices vertices = firstVertices(receivers, context.environment.luminanceWeights());
@@ -65,7 +74,11 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
         throwIfInterrupted();
         PathLevel& level = levels.emplace_back();
         level.at = std::move(vertices);
-        level.light = bounce == 0 ? predictFirst(receivers) : predictLight(level.at, bounce);
+        addGroups(level);
+        if (bounce == 0)
+            predictFirst(receivers, level);
+        else
+            predictLight(bounce, level);
         level.choices =
             bounce == 0 ? chooseFirst(receivers) : choose(level.at, bouncesLeft(bounce));
         level.groups = groupVertices(level.at.vertices, level.choices, sizesAt(bounce));
@@ -89,22 +102,37 @@ void BounceLight::gather(std::span<const BounceReceiver> receivers, std::span<Bo
     for (; !levels.empty(); levels.pop_back()) {
         throwIfInterrupted();
         PathLevel& level = levels.back();
-        if (!level.children.empty())
-            addBounced(exchange(context.scene, level, next, counts.sharedRays), next, level);
+        if (!level.children.empty()) {
+            GroupedLight grouped;
+            if (context.groups) grouped.assign(level.size(), context.groups->size());
+            addBounced(exchange(context.scene, level, next, counts.sharedRays, grouped), next,
+                       level);
+            if (context.groups) addBounced(grouped, next, level);
+        }
         next = std::move(level);
     }
     for (std::size_t i = 0; i < receivers.size(); ++i) {
         light[i].irradiance = next.light[i].irradiance;
         light[i].glossy = next.light[i].mirrored;
     }
-    clampLight(receivers, light);
+    GroupedBounce grouped{std::move(next.groupedLight.irradiance),
+                          std::move(next.groupedLight.mirrored)};
+    clampLight(receivers, light, grouped);
+    return grouped;
 }
 
-std::vector<VertexLight> BounceLight::predictFirst(
-    std::span<const BounceReceiver> receivers) const {
+void BounceLight::addGroups(PathLevel& level) const {
+    const LightGroups* groups = estimator_.context().groups;
+    if (!groups) return;
+    level.groupedLight.predicted.assign(level.size(), groups->size());
+    level.groupedLight.irradiance.assign(level.size(), groups->size());
+    if (!level.at.lobes.empty()) level.groupedLight.mirrored.assign(level.size(), groups->size());
+}
+
+void BounceLight::predictFirst(std::span<const BounceReceiver> receivers, PathLevel& level) const {
     const EstimatorContext& context = estimator_.context();
-    std::vector<VertexLight> light(receivers.size());
-    if (!context.solve) return light;
+    level.light.resize(receivers.size());
+    if (!context.solve) return;
     parallelFor(receivers.size(), kChunk, [&](const Chunk& chunk) {
         ShadowCache::Reader reader(*context.cache);
         std::array<ItemView, ShadowCache::kMaxItems> items;
@@ -112,22 +140,27 @@ std::vector<VertexLight> BounceLight::predictFirst(
             const auto& [place, slot] = *receivers[i].point;
             if (!receivers[i].diffuse || slot.sampleFraction >= 1) continue;
             const int found = reader.lookUp(place.position, place.geometricNormal, items);
-            light[i] = VertexLight::of(context.solve->indirect(
-                std::span(items).first(static_cast<std::size_t>(found)), options_.most));
+            const auto near = std::span(items).first(static_cast<std::size_t>(found));
+            level.light[i] = VertexLight::of(context.solve->indirect(near, options_.most));
+            if (!context.groupedSolve) continue;
+            context.groupedSolve->indirect(near, options_.most, level.groupedLight.predicted[i]);
+            takePredicted(level.groupedLight, i);
         }
     });
-    return light;
 }
 
-std::vector<VertexLight> BounceLight::predictLight(const PathVertices& level, int bounce) const {
-    const BounceSolve* solve = estimator_.context().solve;
-    std::vector<VertexLight> light(level.vertices.size());
-    if (!solve) return light;
-    forEachIndex(light.size(), [&](std::size_t i) {
-        const std::uint32_t item = level.vertices[i].item;
-        if (item != kNoItem) light[i] = VertexLight::of(solve->indirect(item, bouncesLeft(bounce)));
+void BounceLight::predictLight(int bounce, PathLevel& level) const {
+    const EstimatorContext& context = estimator_.context();
+    level.light.resize(level.size());
+    if (!context.solve) return;
+    forEachIndex(level.size(), [&](std::size_t i) {
+        const std::uint32_t item = level.at.vertices[i].item;
+        if (item == kNoItem) return;
+        level.light[i] = VertexLight::of(context.solve->indirect(item, bouncesLeft(bounce)));
+        if (!context.groupedSolve) return;
+        context.groupedSolve->indirect(item, bouncesLeft(bounce), level.groupedLight.predicted[i]);
+        takePredicted(level.groupedLight, i);
     });
-    return light;
 }
 
 void BounceLight::addBounced(std::span<const Rgb> found, const PathLevel& next,
@@ -146,10 +179,32 @@ void BounceLight::addBounced(std::span<const Rgb> found, const PathLevel& next,
     });
 }
 
-void BounceLight::predict(std::span<const BounceReceiver> receivers,
-                          std::span<BouncedLight> light) const {
+void BounceLight::addBounced(const GroupedLight& found, const PathLevel& next,
+                             PathLevel& level) const {
+    GroupedVertexLight& light = level.groupedLight;
+    forEachIndex(level.size(), [&](std::size_t i) {
+        const VertexChoice& choice = level.choices[i];
+        for (std::size_t g = 0; choice.sendsDiffuse && g < found.groups(); ++g)
+            light.irradiance[i][g] +=
+                (found[i][g] - light.predicted[i][g]) * (1 / choice.diffuseChance);
+        if (level.children[i].lobe == VertexChildren::kNone) return;
+        const auto child = static_cast<std::size_t>(level.children[i].lobe);
+        const PathVertex& met = next.at.vertices[child];
+        const GroupedVertexLight& there = next.groupedLight;
+        for (std::size_t g = 0; g < found.groups(); ++g) {
+            Rgb radiance = diffuseRadiance(met, g, there.irradiance[child][g]);
+            if (!there.mirrored.empty()) radiance += there.mirrored[child][g];
+            light.mirrored[i][g] += met.throughLobe * radiance * (1 / choice.lobeChance);
+        }
+    });
+}
+
+GroupedBounce BounceLight::predict(std::span<const BounceReceiver> receivers,
+                                   std::span<BouncedLight> light) const {
     const EstimatorContext& context = estimator_.context();
-    if (!context.solve) return;
+    GroupedBounce grouped;
+    if (context.groups) grouped.irradiance.assign(receivers.size(), context.groups->size());
+    if (!context.solve) return grouped;
     parallelFor(receivers.size(), kChunk, [&](const Chunk& chunk) {
         ShadowCache::Reader reader(*context.cache);
         std::array<ItemView, ShadowCache::kMaxItems> items;
@@ -160,12 +215,15 @@ void BounceLight::predict(std::span<const BounceReceiver> receivers,
             const auto near = std::span(items).first(static_cast<std::size_t>(found));
             light[i].predicted = context.solve->indirect(near, options_.most);
             light[i].exposure = context.solve->exposure(near);
+            if (context.groupedSolve)
+                context.groupedSolve->indirect(near, options_.most, grouped.irradiance[i]);
         }
     });
+    return grouped;
 }
 
 void BounceLight::clampLight(std::span<const BounceReceiver> receivers,
-                             std::span<BouncedLight> light) const {
+                             std::span<BouncedLight> light, GroupedBounce& grouped) const {
     if (!(options_.clamp > 0)) return;
     const Environment& environment = estimator_.context().environment;
     for (std::size_t i = 0; i < receivers.size(); ++i) {
@@ -174,8 +232,12 @@ void BounceLight::clampLight(std::span<const BounceReceiver> receivers,
             light[i].glossy;
         const float luminance = environment.luminance(radiance);
         if (!(luminance > options_.clamp)) continue;
-        light[i].irradiance *= options_.clamp / luminance;
-        light[i].glossy *= options_.clamp / luminance;
+        const float factor = options_.clamp / luminance;
+        light[i].irradiance *= factor;
+        light[i].glossy *= factor;
+        for (GroupedLight* each : {&grouped.irradiance, &grouped.glossy})
+            if (!each->empty())
+                for (Rgb& ofGroup : (*each)[i]) ofGroup *= factor;
     }
 }
 

@@ -25,25 +25,33 @@ public:
     ///
     /// @param light    as many as receivers
     /// @param onLevel  called when the vertices of a level are lit, the costliest first
-    void gather(
+    /// @return the same by light group
+    GroupedBounce gather(
         std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
         BounceCounts& counts, const std::function<void()>& onLevel = [] {}) const;
 
     /// The same as it is predicted, without rays.
     ///
     /// @param light  receives it as `predicted`; 0 without a solve
-    void predict(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;
+    /// @return the same by light group
+    GroupedBounce predict(std::span<const BounceReceiver> receivers,
+                          std::span<BouncedLight> light) const;
 
 private:
-    /// What is predicted to bounce to camera points that do not all send rays.
-    std::vector<VertexLight> predictFirst(std::span<const BounceReceiver> receivers) const;
-    /// What is predicted to bounce to the vertices of a level that have items.
-    std::vector<VertexLight> predictLight(const PathVertices& level, int bounce) const;
+    /// Lights camera points that do not all send rays by what is predicted to bounce to them.
+    void predictFirst(std::span<const BounceReceiver> receivers, PathLevel& level) const;
+    /// The same of the vertices of a level that have items.
+    void predictLight(int bounce, PathLevel& level) const;
+    /// Makes room for the light of a level's groups, if there are any.
+    void addGroups(PathLevel& level) const;
     /// Adds what the rays of a level found to its light, in place of what was predicted of it.
     void addBounced(std::span<const Rgb> found, const PathLevel& next, PathLevel& level) const;
+    /// The same by light group.
+    void addBounced(const GroupedLight& found, const PathLevel& next, PathLevel& level) const;
     int bouncesLeft(int bounce) const;
     GroupSizes sizesAt(int bounce) const;
-    void clampLight(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;
+    void clampLight(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
+                    GroupedBounce& grouped) const;
 
     const Estimator& estimator_;
     const EstimatorPlan* plan_;

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "common/mesh/looks.h"
+#include "common/predict/grouped_light.h"
 #include "render/estimators/estimator.h"
 
 namespace shadowcache {
@@ -39,6 +40,11 @@ struct BouncedLight {
     Rgb predicted{0, 0, 0};   ///< irradiance predicted without rays, if it is [radiance sr]
     float exposure = 1;  ///< share of what was counted there that is exposed: it divides the direct
                          ///< light that is predicted
+};
+
+/// The same of all receivers by light group; empty without groups.
+struct GroupedBounce {
+    GroupedLight irradiance, glossy;
 };
 
 /// What light that bounces took.

@@ -28,12 +28,12 @@ float densityAt(const PathVertex& from, const PathVertex& to) {
                     std::numeric_limits<float>::max() / 1024);
 }
 
-/// One group at a time.
+/// One group of vertices at a time.
 class GroupExchange {
 public:
     GroupExchange(const Scene& scene, const PathLevel& level, const PathLevel& next,
-                  std::vector<Rgb>& out)
-        : scene_(scene), level_(level), next_(next), out_(out) {}
+                  std::vector<Rgb>& out, GroupedLight& grouped)
+        : scene_(scene), level_(level), next_(next), out_(out), grouped_(grouped) {}
 
     std::uint64_t run(std::span<const std::uint32_t> members) {
         findDensities(members);
@@ -45,12 +45,20 @@ public:
             const float sum = std::accumulate(column.begin(), column.end(), 0.0f);
             const VertexLight& light = next_.light[static_cast<std::size_t>(child)];
             const Rgb radiance = diffuseRadiance(vertexMet(child), light) * static_cast<float>(kPi);
+            findGroups(child);
             for (std::size_t k = 0; k < n; ++k) {
                 if (!(column[k] > 0)) continue;
-                out_[members[k]] +=
-                    radiance * tintOf(members[k], vertexMet(child), k == j) * (column[k] / sum);
+                const Rgb tint = tintOf(members[k], vertexMet(child), k == j);
+                out_[members[k]] += radiance * tint * (column[k] / sum);
+                if (!ofGroups_.empty())
+                    addTo(grouped_[members[k]], ofGroups_, tint * (column[k] / sum));
             }
-            out_[members[j]] += light.mirrored * vertexMet(child).tint * static_cast<float>(kPi);
+            const Rgb tint = vertexMet(child).tint;
+            out_[members[j]] += light.mirrored * tint * static_cast<float>(kPi);
+            if (!next_.groupedLight.mirrored.empty())
+                addTo(grouped_[members[j]],
+                      next_.groupedLight.mirrored[static_cast<std::size_t>(child)],
+                      tint * static_cast<float>(kPi));
         }
         return rays_;
     }
@@ -59,6 +67,16 @@ private:
     std::int32_t childOf(std::uint32_t member) const { return level_.children[member].diffuse; }
     const PathVertex& vertexMet(std::int32_t child) const {
         return next_.at.vertices[static_cast<std::size_t>(child)];
+    }
+
+    /// Sets what a vertex sends to all sides, times pi, by group.
+    void findGroups(std::int32_t child) {
+        if (grouped_.empty()) return;
+        const auto irradiance = next_.groupedLight.irradiance[static_cast<std::size_t>(child)];
+        ofGroups_.resize(irradiance.size());
+        for (std::size_t g = 0; g < irradiance.size(); ++g)
+            ofGroups_[g] =
+                diffuseRadiance(vertexMet(child), g, irradiance[g]) * static_cast<float>(kPi);
     }
 
     /// By panes between a member and what it met itself, or another.
@@ -122,6 +140,8 @@ private:
     const PathLevel& level_;
     const PathLevel& next_;
     std::vector<Rgb>& out_;
+    GroupedLight& grouped_;
+    std::vector<Rgb> ofGroups_;
     std::vector<float> density_;
     RayStream stream_{};
     float* asked_[RayStream::kSize] = {};
@@ -132,12 +152,12 @@ private:
 }  // namespace
 
 std::vector<Rgb> exchange(const Scene& scene, const PathLevel& level, const PathLevel& next,
-                          std::uint64_t& rays) {
+                          std::uint64_t& rays, GroupedLight& grouped) {
     const VertexGroups& groups = level.groups;
     std::vector<Rgb> out(level.size(), Rgb(0.0f));
     std::vector<std::uint64_t> counts((groups.count() + kGroupsOfChunk - 1) / kGroupsOfChunk);
     parallelFor(groups.count(), kGroupsOfChunk, [&](const Chunk& chunk) {
-        GroupExchange exchange(scene, level, next, out);
+        GroupExchange exchange(scene, level, next, out, grouped);
         for (std::size_t g = chunk.begin; g < chunk.end; ++g)
             counts[chunk.index] += exchange.run(groups.group(g));
     });

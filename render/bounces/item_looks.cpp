@@ -13,20 +13,10 @@ namespace {
 /// surface, in spacings: a mean point lies off a curved surface.
 constexpr double kAbove = 0.25, kReach = 1;
 
-}  // namespace
-
-ItemLook lookOf(const Hit& hit, const PlainLook& plain) {
-    const Surface surface = surfaceOf(hit, plain);
-    if (surface.unlit) return {Rgb(0, 0, 0), surface.emission};
-    // Of all light that it reflects the share in each colour, about.
-    return {surface.glossy ? surface.diffuse + surface.f0 * (Rgb(1, 1, 1) - surface.diffuse)
-                           : surface.diffuse,
-            surface.emission};
-}
-
-std::vector<ItemLook> looksOf(const Scene& scene, const ItemTable& items, const PlainLook& plain) {
-    std::vector<ItemLook> looks(items.size());
-    const ItemLook fallback{plain.albedo, Rgb(0, 0, 0)};
+/// Calls visit(item, hit) for the surface of each item, in parallel; the hit is null where none is
+/// near.
+template <class Visit>
+void forEachSurface(const Scene& scene, const ItemTable& items, const Visit& visit) {
     constexpr auto kSize = static_cast<std::size_t>(RayPacket::kSize);
     parallelFor(items.size(), 1024, [&](const Chunk& chunk) {
         RayPacket packet{};
@@ -44,11 +34,43 @@ std::vector<ItemLook> looksOf(const Scene& scene, const ItemTable& items, const 
             for (std::size_t i = 0; i < count; ++i) {
                 const bool near = hits[i].found &&
                                   static_cast<double>(hits[i].distance) < kReach * items.spacing();
-                looks[first + i] = near ? lookOf(hits[i], plain) : fallback;
+                visit(first + i, near ? &hits[i] : nullptr);
             }
         }
     });
+}
+
+}  // namespace
+
+ItemLook lookOf(const Hit& hit, const PlainLook& plain) {
+    const Surface surface = surfaceOf(hit, plain);
+    if (surface.unlit) return {Rgb(0, 0, 0), surface.emission};
+    // Of all light that it reflects the share in each colour, about.
+    return {surface.glossy ? surface.diffuse + surface.f0 * (Rgb(1, 1, 1) - surface.diffuse)
+                           : surface.diffuse,
+            surface.emission};
+}
+
+std::vector<ItemLook> looksOf(const Scene& scene, const ItemTable& items, const PlainLook& plain) {
+    std::vector<ItemLook> looks(items.size());
+    const ItemLook fallback{plain.albedo, Rgb(0, 0, 0)};
+    forEachSurface(scene, items, [&](std::size_t item, const Hit* hit) {
+        looks[item] = hit ? lookOf(*hit, plain) : fallback;
+    });
     return looks;
+}
+
+std::vector<std::vector<Rgb>> emittedByGroup(const Scene& scene, const ItemTable& items,
+                                             std::span<const ItemLook> looks,
+                                             const LightGroups& groups) {
+    std::vector<std::vector<Rgb>> emitted(groups.size());
+    for (std::size_t g = LightGroups::kSky + 1; g < groups.size(); ++g)
+        emitted[g].resize(items.size(), Rgb(0, 0, 0));
+    forEachSurface(scene, items, [&](std::size_t item, const Hit* hit) {
+        if (hit && looks[item].emission != Rgb(0, 0, 0))
+            emitted[groups.ofHit(*hit)][item] = looks[item].emission;
+    });
+    return emitted;
 }
 
 }  // namespace shadowcache

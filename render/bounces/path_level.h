@@ -14,6 +14,7 @@ struct PathLevel {
     VertexGroups groups;
     std::vector<VertexChildren> children;  ///< empty: paths end here
     std::vector<VertexLight> light;
+    GroupedVertexLight groupedLight;
 
     std::size_t size() const { return at.vertices.size(); }
 };

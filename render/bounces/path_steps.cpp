@@ -9,6 +9,7 @@
 #include "render/bounces/russian_roulette.h"
 #include "render/bounces/vertex_items.h"
 #include "render/estimators/hemisphere.h"
+#include "render/estimators/light_groups.h"
 #include "render/estimators/set_place.h"
 
 namespace shadowcache {
@@ -35,6 +36,7 @@ public:
           plain_(plain),
           weights_(context.environment.luminanceWeights()),
           emitters_(context.emitters),
+          groups_(context.groups),
           level_(level),
           choices_(choices) {}
 
@@ -103,6 +105,8 @@ private:
             surface.unlit ? Rgb(0, 0, 0) : diffuseAlbedo(surface, -v.normal.dot(ray.direction));
         // That of emitters is part of the direct light.
         if (!emitters_ || hit.scene != &scene_) v.emission = surface.emission;
+        if (groups_ && v.emission != Rgb(0, 0, 0))
+            v.emissionGroup = static_cast<std::uint32_t>(groups_->ofHit(hit));
         v.seed = v.pixelSeed = hashWords(
             from.seed, ray.ofLobe ? RenderSalt::bounceLobeChild : RenderSalt::bounceChild);
         v.errorScale = from.errorScale;
@@ -122,6 +126,7 @@ private:
     const PlainLook& plain_;
     const Rgb weights_;
     const EmitterLight* emitters_;
+    const LightGroups* groups_;
     const PathVertices& level_;
     const std::span<const VertexChoice> choices_;
     std::vector<PathRay> rays_;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/cache/item_table.h"
+#include "common/predict/grouped_light.h"
 #include "common/surface/surface.h"
 
 namespace shadowcache {
@@ -19,10 +20,11 @@ struct PathVertex {
     Vec3f normal;           ///< shading normal, on the side that was met
     Vec3f geometricNormal;  ///< of the triangle, on that side
 
-    Rgb albedo;                      ///< of the diffuse part, as seen along the ray that met it
-    Rgb emission{0, 0, 0};           ///< that no direct light has [radiance]
-    std::int32_t lobe = kNotGlossy;  ///< number in PathVertices::lobes
-    std::uint32_t item = kNoItem;    ///< cache item that predicts its irradiance
+    Rgb albedo;                       ///< of the diffuse part, as seen along the ray that met it
+    Rgb emission{0, 0, 0};            ///< that no direct light has [radiance]
+    std::uint32_t emissionGroup = 0;  ///< its light group
+    std::int32_t lobe = kNotGlossy;   ///< number in PathVertices::lobes
+    std::uint32_t item = kNoItem;     ///< cache item that predicts its irradiance
 
     std::uint64_t seed = 0;
     std::uint64_t pixelSeed = 0;  ///< alike for all that one pixel's camera rays met; else its own
@@ -76,6 +78,18 @@ struct VertexLight {
 inline Rgb diffuseRadiance(const PathVertex& v, const VertexLight& light) {
     return v.emission + v.albedo * light.irradiance * static_cast<float>(1 / kPi);
 }
+
+/// The same of one light group, by the irradiance that it has of it.
+inline Rgb diffuseRadiance(const PathVertex& v, std::size_t group, const Rgb& irradiance) {
+    const Rgb reflected = v.albedo * irradiance * static_cast<float>(1 / kPi);
+    return group == v.emissionGroup ? v.emission + reflected : reflected;
+}
+
+/// VertexLight of all vertices of a level by light group; empty without groups.
+struct GroupedVertexLight {
+    GroupedLight predicted, irradiance;
+    GroupedLight mirrored;  ///< empty as well where no vertex is glossy
+};
 
 /// Two numbers in [0, 1) for each vertex of a level: the direction of its diffuse ray.
 using DirectionNumbers = std::vector<std::array<float, 2>>;

@@ -7,6 +7,7 @@
 #include "common/base/parallel.h"
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
+#include "render/estimators/group_split.h"
 
 namespace shadowcache {
 
@@ -43,9 +44,13 @@ public:
             .points = points_, .pixels = static_cast<std::uint32_t>(points_.size()), .plan = plan_};
         std::vector<Estimate> estimates(points_.size());
         estimator_.estimate(batch, workspace, estimates);
+        const GroupedLight grouped =
+            splitLight<Estimate>(estimator_.context(), estimates, &Estimate::irradiance, workspace);
         std::uint64_t rays = 0;
         for (std::size_t i = 0; i < points_.size(); ++i) {
             level_.light[numbers_[i]].irradiance += estimates[i].irradiance;
+            if (!grouped.empty())
+                addTo(level_.groupedLight.irradiance[numbers_[i]], grouped[i], Rgb(1, 1, 1));
             rays += estimates[i].rays + estimates[i].reused;
         }
         return rays + lightLobes(batch, workspace);
@@ -64,9 +69,13 @@ private:
         if (glossy.empty()) return 0;
         std::vector<GlossEstimate> estimates(glossy.size());
         estimator_.estimateGloss(batch, glossy, workspace, estimates);
+        const GroupedLight grouped = splitLight<GlossEstimate>(estimator_.context(), estimates,
+                                                               &GlossEstimate::radiance, workspace);
         std::uint64_t rays = 0;
         for (std::size_t i = 0; i < glossy.size(); ++i) {
             level_.light[of[i]].mirrored += estimates[i].radiance;
+            if (!grouped.empty())
+                addTo(level_.groupedLight.mirrored[of[i]], grouped[i], Rgb(1, 1, 1));
             rays += estimates[i].rays;
         }
         return rays;

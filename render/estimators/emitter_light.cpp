@@ -138,6 +138,10 @@ float EmitterLight::chanceOf(std::size_t part, const Receiver& at, const Tools& 
     return chance > 0 ? chance * emitters_.chanceOf(part, at) : 0;
 }
 
+std::size_t EmitterLight::numberOf(const Drawn& drawn) const {
+    return drawn.part ? static_cast<std::size_t>(drawn.part - emitters_.parts().data()) : 0;
+}
+
 /// What a surface that a lobe's ray met adds to the lobe, by its density with that of draw().
 Rgb EmitterLight::weighed(const Hit& hit, const Receiver& at, bool draws, float density,
                           const Tools& tools) const {
@@ -150,16 +154,17 @@ Rgb EmitterLight::weighed(const Hit& hit, const Receiver& at, bool draws, float 
 }
 
 /// The same of the lamps that it met on its way, which do not stop it.
-Rgb EmitterLight::lampsMet(const Vec3f& direction, float distance, const Receiver& at,
-                           float density, Tools& tools) const {
+Rgb EmitterLight::lampsMet(const Tools::LobeRay& ray, float distance, const Receiver& at,
+                           Tools& tools, const GroupSink& sink) const {
     Rgb sum(0, 0, 0);
     tools.met.clear();
-    emitters_.meetLamps(at, direction, tools.met);
+    emitters_.meetLamps(at, ray.direction, tools.met);
     for (const auto& [part, hit] : tools.met) {
         if (hit.distance > distance) continue;
-        Rgb met = hit.radiance * (1 / (density + chanceOf(part, at, tools) * hit.density));
-        if (scene_.tints()) met *= scene_.tint(at.position, direction, hit.distance);
+        Rgb met = hit.radiance * (1 / (ray.density + chanceOf(part, at, tools) * hit.density));
+        if (scene_.tints()) met *= scene_.tint(at.position, ray.direction, hit.distance);
         sum += met;
+        if (sink) sink.at(ray.point)[sink.groups->ofPart(part)] += ray.value * met;
     }
     return sum;
 }
@@ -167,7 +172,7 @@ Rgb EmitterLight::lampsMet(const Vec3f& direction, float distance, const Receive
 void EmitterLight::enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value,
                            std::uint32_t number, Tools& tools) const {
     const bool seen = value != Rgb(0, 0, 0) && drawn.point.direction.dot(place.geometricNormal) > 0;
-    tools.samples.push_back({number, seen, false, value});
+    tools.samples.push_back({number, seen, false, value, numberOf(drawn)});
     if (!seen) return;
     const EmitterRay ray = rayTo(scene_, *drawn.part, drawn.point, place.rayOrigin);
     const std::size_t i = tools.queued.size();
@@ -225,8 +230,15 @@ void EmitterLight::addUp(const Samples& samples, const Rgb& luminanceWeights, co
     }
 }
 
+/// Adds the samples that go to emitters to their groups.
+void EmitterLight::addToGroups(const Tools& tools, const GroupSink& sink) {
+    if (!sink) return;
+    for (const Tools::Sample& sample : tools.samples)
+        if (sample.visible) sink.at(sample.point)[sink.groups->ofPart(sample.part)] += sample.value;
+}
+
 void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWeights, Tools& tools,
-                                 std::span<Estimate> estimates) const {
+                                 std::span<Estimate> estimates, const GroupSink& sink) const {
     tools.samples.clear();
     for (std::size_t i = 0; i < batch.points.size(); ++i) {
         const ShadingPoint& point = batch.points[i];
@@ -246,6 +258,7 @@ void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWe
         }
     }
     trace(tools);
+    addToGroups(tools, sink);
     addUp(tools.samples, luminanceWeights,
           [&](std::uint32_t i, const Rgb& sum, float variance, std::uint32_t rays) {
               estimates[i].irradiance += sum;
@@ -256,7 +269,7 @@ void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWe
 
 void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
                             const Rgb& luminanceWeights, Tools& tools,
-                            std::span<GlossEstimate> estimates) const {
+                            std::span<GlossEstimate> estimates, const GroupSink& sink) const {
     tools.samples.clear();
     tools.lobeRays.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -283,9 +296,10 @@ void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint
         for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k)
             tools.lobeRays.push_back(lobeRay(points[i], number, share, k, tools));
         // While the chances are this point's. No ray decides about another.
-        traceLobe(at, draws, std::span(tools.lobeRays).subspan(first), tools);
+        traceLobe(at, draws, std::span(tools.lobeRays).subspan(first), tools, sink);
     }
     trace(tools);
+    addToGroups(tools, sink);
     const auto add = [&](std::uint32_t i, const Rgb& sum, float variance, std::uint32_t rays) {
         estimates[i].radiance += sum;
         estimates[i].variance += variance;
@@ -311,7 +325,7 @@ EmitterLight::Tools::LobeRay EmitterLight::lobeRay(const GlossyPoint& glossy, st
 
 /// Traces rays of one point's lobe, and weighs what they find against the rays to emitters.
 void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::LobeRay> rays,
-                             Tools& tools) const {
+                             Tools& tools, const GroupSink& sink) const {
     RayPacket packet{};
     std::array<Tools::LobeRay*, RayPacket::kSize> of{};
     std::array<Hit, RayPacket::kSize> hits;
@@ -323,13 +337,16 @@ void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::Lo
             const Hit& hit = hits[i];
             const float distance =
                 hit.found ? hit.distance : std::numeric_limits<float>::infinity();
-            Rgb met =
-                draws ? lampsMet(ray.direction, distance, at, ray.density, tools) : Rgb(0, 0, 0);
+            Rgb met = draws ? lampsMet(ray, distance, at, tools, sink) : Rgb(0, 0, 0);
             // What moves is met by the rays of paths.
             const bool back = hit.found && hit.normal.dot(ray.direction) > 0;
             if (hit.found && hit.scene == &scene_ &&
-                (!back || isDoubleSided(scene_.mesh(), hit.triangle)))
-                met += weighed(hit, at, draws, ray.density, tools);
+                (!back || isDoubleSided(scene_.mesh(), hit.triangle))) {
+                const Rgb ofSurface = weighed(hit, at, draws, ray.density, tools);
+                met += ofSurface;
+                if (sink && ofSurface != Rgb(0, 0, 0))
+                    sink.at(ray.point)[sink.groups->ofHit(hit)] += ray.value * ofSurface;
+            }
             ray.value *= met;
             ray.visible = true;
         }
@@ -344,7 +361,8 @@ void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::Lo
     flush();
 }
 
-Rgb EmitterLight::predictGloss(const GlossyPoint& glossy, Tools& tools) const {
+Rgb EmitterLight::predictGloss(const GlossyPoint& glossy, Tools& tools, const GroupSink& sink,
+                               std::size_t number) const {
     constexpr int kDirections = 8;
     const Receiver at{glossy.point.place.rayOrigin, glossy.lobe.normal()};
     lookUp(glossy.point.place, tools);
@@ -354,29 +372,13 @@ Rgb EmitterLight::predictGloss(const GlossyPoint& glossy, Tools& tools) const {
     for (std::size_t k = 0; k < kDirections; ++k) {
         const Drawn drawn = draw(at, k, tools);
         if (!drawn.part) continue;
-        const auto part = static_cast<std::size_t>(drawn.part - emitters_.parts().data());
+        const std::size_t part = numberOf(drawn);
         const float share = tools.shares[emitters_.emitterOf(part)];
-        sum += drawn.radiance * glossy.lobe.value(drawn.point.direction) *
-               ((share < 0 ? 1 : share) / (drawn.density * kDirections));
+        const Rgb value = drawn.radiance * glossy.lobe.value(drawn.point.direction);
+        const float factor = (share < 0 ? 1 : share) / (drawn.density * kDirections);
+        sum += value * factor;
+        if (sink) sink.add(number, sink.groups->ofPart(part), value, factor);
     }
-    return sum;
-}
-
-Rgb EmitterLight::predict(const SetPlace& place, Tools& tools) const {
-    lookUp(place, tools);
-    const Receiver at{place.rayOrigin, place.normal};
-    Rgb sum(0, 0, 0);
-    for (std::size_t e = 0; e < emitters_.size(); ++e)
-        sum +=
-            emitters_.irradiance(e, at).irradiance * (tools.shares[e] < 0 ? 1.0f : tools.shares[e]);
-    return sum;
-}
-
-Rgb EmitterLight::predictItem(std::uint64_t item, const Receiver& place, Tools& tools) const {
-    visibility_->shares(item, tools.shares);
-    Rgb sum(0, 0, 0);
-    for (std::size_t e = 0; e < emitters_.size(); ++e)
-        sum += emitters_.irradiance(e, place).irradiance * std::max(0.0f, tools.shares[e]);
     return sum;
 }
 

@@ -9,6 +9,7 @@
 #include "common/predict/emitter_visibility.h"
 #include "common/trace/scene.h"
 #include "render/estimators/estimate.h"
+#include "render/estimators/light_groups.h"
 #include "render/estimators/shading_point.h"
 
 namespace shadowcache {
@@ -38,6 +39,7 @@ public:
             std::uint32_t point;
             bool traced = false, visible = false;
             Rgb value{0, 0, 0};
+            std::size_t part = 0;  ///< that it goes to
         };
         /// A ray by a lobe; it is visible if it meets an emitter.
         struct LobeRay : Sample {
@@ -60,24 +62,30 @@ public:
     /// batch wants samples.
     ///
     /// @param luminanceWeights  of the estimates' variance
+    /// @param sink  receives the same by group and number of the point
     void addIrradiance(const PointBatch& batch, const Rgb& luminanceWeights, Tools& tools,
-                       std::span<Estimate> estimates) const;
+                       std::span<Estimate> estimates, const GroupSink& sink = {}) const;
 
     /// Adds what the lobes of glossy points reflect: by rays to emitters and by rays of the lobes,
     /// weighted by the balance heuristic.
     void addGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
-                  const Rgb& luminanceWeights, Tools& tools,
-                  std::span<GlossEstimate> estimates) const;
+                  const Rgb& luminanceWeights, Tools& tools, std::span<GlossEstimate> estimates,
+                  const GroupSink& sink = {}) const;
 
     /// Irradiance of a place without rays; unoccluded as far as visibility is not known.
-    Rgb predict(const SetPlace& place, Tools& tools) const;
+    ///
+    /// @param sink  receives the same by group, as of place `number`
+    Rgb predict(const SetPlace& place, Tools& tools, const GroupSink& sink = {},
+                std::size_t number = 0) const;
 
     /// The same of each item of the cache, by its own counts. @pre there is a visibility
     /// @param place  of an item, in the set's space
-    Rgb predictItem(std::uint64_t item, const Receiver& place, Tools& tools) const;
+    Rgb predictItem(std::uint64_t item, const Receiver& place, Tools& tools,
+                    const GroupSink& sink = {}) const;
 
     /// What lobes reflect, without rays: of each emitter as if it were a point.
-    Rgb predictGloss(const GlossyPoint& glossy, Tools& tools) const;
+    Rgb predictGloss(const GlossyPoint& glossy, Tools& tools, const GroupSink& sink = {},
+                     std::size_t number = 0) const;
 
     const Emitters& emitters() const { return emitters_; }
     bool knowsVisibility() const { return visibility_ != nullptr; }
@@ -89,18 +97,20 @@ private:
     bool weigh(const Receiver& at, Tools& tools) const;
     Drawn draw(const Receiver& at, std::size_t k, const Tools& tools) const;
     float chanceOf(std::size_t part, const Receiver& at, const Tools& tools) const;
+    std::size_t numberOf(const Drawn& drawn) const;
     Rgb weighed(const Hit& hit, const Receiver& at, bool draws, float density,
                 const Tools& tools) const;
-    Rgb lampsMet(const Vec3f& direction, float distance, const Receiver& at, float density,
-                 Tools& tools) const;
+    Rgb lampsMet(const Tools::LobeRay& ray, float distance, const Receiver& at, Tools& tools,
+                 const GroupSink& sink) const;
     void enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value, std::uint32_t number,
                  Tools& tools) const;
     bool passes(const Vec3f& origin, const Vec3f& way, float reach) const;
     void trace(Tools& tools) const;
     static Tools::LobeRay lobeRay(const GlossyPoint& glossy, std::uint32_t number, float share,
                                   std::size_t k, const Tools& tools);
-    void traceLobe(const Receiver& at, bool draws, std::span<Tools::LobeRay> rays,
-                   Tools& tools) const;
+    void traceLobe(const Receiver& at, bool draws, std::span<Tools::LobeRay> rays, Tools& tools,
+                   const GroupSink& sink) const;
+    static void addToGroups(const Tools& tools, const GroupSink& sink);
     template <class Samples, class Add>
     static void addUp(const Samples& samples, const Rgb& luminanceWeights, const Add& add);
 

@@ -18,6 +18,8 @@
 namespace shadowcache {
 
 class EmitterLight;
+class GroupedSolve;
+class LightGroups;
 
 /// What every estimator works with; all outlive it.
 struct EstimatorContext {
@@ -30,6 +32,10 @@ struct EstimatorContext {
     /// What shines in the set, which direct light includes; null: nothing does, or rays of paths
     /// meet it.
     const EmitterLight* emitters = nullptr;
+    /// Whose light is kept apart; null: all of it is one.
+    const LightGroups* groups = nullptr;
+    /// What `solve` predicts, by group; null without groups, or without a solve.
+    const GroupedSolve* groupedSolve = nullptr;
 };
 
 /// An estimator of irradiance. Immutable; thread-safe through one workspace a thread. Most derive

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/stopwatch.h"
+#include "render/estimators/group_split.h"
 
 namespace shadowcache {
 
@@ -67,14 +68,16 @@ public:
         else
             w.lend([&](Workspace& sky) { sky_->estimate(batch, sky, estimates); });
         Stopwatch time;
+        const GroupSink sink = sinkOf<Estimate>(estimates, &Estimate::irradiance, w);
         for (std::size_t i = 0; i < batch.points.size(); ++i) {
             if (batch.samples > 0 && !batch.predict) break;
-            const Rgb predicted = emitters_.predict(batch.points[i].place, w.tools);
+            const Rgb predicted = emitters_.predict(batch.points[i].place, w.tools,
+                                                    batch.samples == 0 ? sink : GroupSink{}, i);
             (batch.samples == 0 ? estimates[i].irradiance : estimates[i].predicted) += predicted;
         }
         if (batch.samples > 0)
             emitters_.addIrradiance(batch, context_.environment.luminanceWeights(), w.tools,
-                                    estimates);
+                                    estimates, sink);
         w.traceNanoseconds += time.sinceLast();
     }
 
@@ -86,11 +89,12 @@ public:
         else
             w.lend([&](Workspace& sky) { sky_->estimateGloss(batch, points, sky, estimates); });
         Stopwatch time;
+        const GroupSink sink = sinkOf<GlossEstimate>(estimates, &GlossEstimate::radiance, w);
         if (batch.samples > 0)
             emitters_.addGloss(batch, points, context_.environment.luminanceWeights(), w.tools,
-                               estimates);
+                               estimates, sink);
         for (std::size_t i = 0; batch.samples == 0 && i < points.size(); ++i)
-            estimates[i].radiance += emitters_.predictGloss(points[i], w.tools);
+            estimates[i].radiance += emitters_.predictGloss(points[i], w.tools, sink, i);
         w.traceNanoseconds += time.sinceLast();
     }
 
@@ -102,6 +106,14 @@ public:
     const InsightSource* insights() const override { return sky_->insights() ? this : nullptr; }
 
 private:
+    /// Has the workspace hold the light of the sky, and what emitters add to it, by group.
+    template <class T>
+    GroupSink sinkOf(std::span<const T> ofSky, Rgb T::*light, Workspace& w) const {
+        if (!context_.groups) return {};
+        w.groups = ofSkyAlone(*context_.groups, ofSky, light);
+        return {context_.groups, &w.groups};
+    }
+
     Rgb predict(const SetPlace& place, Workspace& workspace) const override {
         LitWorkspace& w = own(workspace);
         return emitters_.predict(place, w.tools) +

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/predict/grouped_light.h"
 #include "common/random/sequence.h"
 #include "render/estimators/light_samples.h"
 #include "render/estimators/shading_point.h"
@@ -28,6 +29,10 @@ struct Workspace {
     void watch(const BatchSlot& slot, const Vec3f& direction) {
         if (watchedPixel == slot.pixel) watched.push_back({slot.cameraRay, direction});
     }
+
+    /// Of the points that were lit last, by number, in the unit of their estimates; for an
+    /// estimator whose context has groups and emitters, else empty.
+    GroupedLight groups;
 
     LightSamples samples;
     std::uint64_t setupNanoseconds = 0;

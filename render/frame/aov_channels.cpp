@@ -1,5 +1,6 @@
 #include "render/frame/aov_channels.h"
 
+#include <algorithm>
 #include <array>
 #include <functional>
 
@@ -110,6 +111,12 @@ std::vector<Channel> channels(const Film& film, const std::vector<std::string>& 
                                   [k](const Pixel& p) { return p.color[k]; }));
     if (film.transparent)
         out.push_back(makeChannel(film, "A", [](const Pixel& p) { return p.coverage; }));
+    for (std::size_t g = 0; g < film.groups.size(); ++g)
+        for (std::size_t k = 0; k < rgb.size(); ++k) {
+            Channel& channel = out.emplace_back(Channel{film.groups[g] + "." + rgb[k], {}});
+            for (std::size_t i = 0; i < film.pixels.size(); ++i)
+                channel.values.push_back(film.groupColors[i][g][static_cast<int>(k)]);
+        }
     for (const std::string& name : aovs) {
         const Aov& aov = findAov(name);
         for (std::size_t k = 0; k < aov.parts.size(); ++k)
@@ -118,6 +125,22 @@ std::vector<Channel> channels(const Film& film, const std::vector<std::string>& 
             }));
     }
     return out;
+}
+
+std::string groupsText(const std::vector<std::string>& groups) {
+    std::string text;
+    for (const std::string& group : groups) text += group + '\n';
+    return text;
+}
+
+std::vector<std::string> groupsOf(const std::string& text) {
+    std::vector<std::string> groups;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find('\n', at), text.size());
+        groups.push_back(text.substr(at, end - at));
+        at = end + 1;
+    }
+    return groups;
 }
 
 }  // namespace shadowcache

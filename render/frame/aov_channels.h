@@ -24,10 +24,17 @@ std::optional<AovScale> aovScale(const std::string& name);
 /// Whether an AOV shows what the cache predicts (RenderOptions::insight).
 bool needsInsight(const std::string& aov);
 
-/// R, G, B, the coverage as A if the film is transparent, and the channels of the AOVs named, for
-/// writeExr.
+/// R, G, B, the coverage as A if the film is transparent, R, G and B of each light group, and the
+/// channels of the AOVs named, for writeExr.
 ///
 /// @throws Error naming the AOVs there are
 std::vector<Channel> channels(const Film& film, const std::vector<std::string>& aovs);
+
+/// The metadata of a picture that names its light groups, without a program's prefix.
+inline constexpr const char* kGroupsKey = "groups";
+
+/// The names of light groups as a text, and back.
+std::string groupsText(const std::vector<std::string>& groups);
+std::vector<std::string> groupsOf(const std::string& text);
 
 }  // namespace shadowcache

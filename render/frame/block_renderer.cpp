@@ -4,6 +4,7 @@
 
 #include "common/base/interrupt.h"
 #include "common/base/parallel.h"
+#include "render/estimators/light_groups.h"
 #include "render/frame/predicted_rates.h"
 #include "render/frame/shading.h"
 
@@ -37,12 +38,14 @@ void BlockRenderer::addCameraRays(const TileBlock& block, RayRange rays,
         if (tile.places.empty()) {
             Tiles(frame_.options).findPlaces(block[t].tile, tile.places);
             tile.sums.resize(tile.places.size());
+            if (const LightGroups* groups = frame_.estimator.context().groups)
+                tile.groups.assign(tile.places.size(), groups->size());
         }
         const RayRange ofTile = raysOf(block[t], rays);
         if (ofTile.first == 0 && ofTile.count > 0)
             tile.rates = ratesOf(frame_, film_, tile.places, tools);
         forEachBatch(tile, ofTile, [&](std::size_t first, const BatchPixels& some) {
-            RayBatch batch{first, film_.cast(some), {}, {}, {}};
+            RayBatch batch{first, film_.cast(some), {}, {}, {}, {}};
             batch.met = placesOf(frame_, some, batch.rays);
             if (block[t].index)
                 batch.direct = lightDirectly(frame_, some, batch.met, watchedIn(some.places),
@@ -70,13 +73,14 @@ void BlockRenderer::bounceLight(std::span<std::vector<RayBatch>> tiles, BlockPro
         for (const RayBatch& batch : tile) addReceivers(batch.met, receivers);
     std::vector<BouncedLight> light(receivers.size());
     const RenderOptions& options = frame_.options;
-    if (options.preview || options.samples == 0) bounces_.predict(receivers, light);
+    GroupedBounce grouped;
+    if (options.preview || options.samples == 0) grouped = bounces_.predict(receivers, light);
     if (options.samples == 0) {
         for (BouncedLight& l : light) l.irradiance = l.predicted;
     } else {
         // Fewer paths go on from each level to the next: it is taken for half of what is left.
         std::size_t left = tiles.size();
-        bounces_.gather(receivers, light, counts, [&] {
+        grouped = bounces_.gather(receivers, light, counts, [&] {
             progress.add(left / 2);
             left -= left / 2;
         });
@@ -87,6 +91,10 @@ void BlockRenderer::bounceLight(std::span<std::vector<RayBatch>> tiles, BlockPro
         for (RayBatch& batch : tile) {
             const auto end = next + static_cast<std::ptrdiff_t>(batch.met.places.size());
             batch.bounced.assign(next, end);
+            const auto first = static_cast<std::size_t>(next - light.begin());
+            for (auto part : {&GroupedBounce::irradiance, &GroupedBounce::glossy})
+                batch.groupedBounced.*part =
+                    GroupedLight::part(grouped.*part, first, batch.bounced.size());
             next = end;
         }
 }
@@ -136,6 +144,7 @@ std::optional<std::uint32_t> BlockRenderer::watchedIn(std::span<const FilmPlace>
 void BlockRenderer::addToTile(const RayBatch& batch, TilePixels& tile) const {
     if (watched_) showTo(watched_->observer, watched_->place, frame_, batch);
     addToFilm(frame_, spread_, batch, tile.sums);
+    if (frame_.estimator.context().groups) addToGroups(frame_, batch, tile.groups);
 }
 
 std::vector<Pixel> BlockRenderer::average(const TilePixels& tile) const {
@@ -143,6 +152,14 @@ std::vector<Pixel> BlockRenderer::average(const TilePixels& tile) const {
     pixels.reserve(tile.sums.size());
     for (const PixelSum& sum : tile.sums) pixels.push_back(sum.average(spread_));
     return pixels;
+}
+
+GroupedLight BlockRenderer::averageGroups(const TilePixels& tile) const {
+    GroupedLight colors = tile.groups;
+    for (std::size_t i = 0; !colors.empty() && i < tile.sums.size(); ++i)
+        for (Rgb& color : colors[i])
+            color *= 1.0f / static_cast<float>(std::max(1, tile.sums[i].cameraRays));
+    return colors;
 }
 
 }  // namespace shadowcache

@@ -19,6 +19,7 @@ struct TilePixels {
     std::vector<FilmPlace> places;
     std::vector<AdaptiveRate> rates;
     std::vector<PixelSum> sums;
+    GroupedLight groups{};  ///< sums of the camera rays' colours by light group
 };
 
 /// A pixel whose camera rays somebody sees.
@@ -43,6 +44,8 @@ public:
 
     /// The pixels of a tile as far as they are rendered.
     std::vector<Pixel> average(const TilePixels& tile) const;
+    /// Their colours by light group; empty without groups.
+    GroupedLight averageGroups(const TilePixels& tile) const;
 
     ToolPool& tools() { return tools_; }
 

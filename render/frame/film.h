@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "common/image/image.h"
+#include "common/predict/grouped_light.h"
 
 namespace shadowcache {
 
@@ -60,7 +62,9 @@ struct Film {
     std::vector<Pixel> pixels;
     int x = 0, y = 0;  ///< of its first pixel in the frame
     int frameWidth = 0, frameHeight = 0;
-    bool transparent = false;  ///< RenderOptions::transparent: it has an alpha channel
+    bool transparent = false;           ///< RenderOptions::transparent: it has an alpha channel
+    std::vector<std::string> groups{};  ///< names of the light groups; empty: none
+    GroupedLight groupColors{};         ///< of the pixels: together their colours
 };
 
 /// Whether colour, irradiance and variance are finite numbers.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "render/estimators/light_groups.h"
 
 namespace shadowcache {
 
@@ -21,21 +22,28 @@ void requireFinite(const Film& film, int frame, std::uint64_t seed) {
         film.y + i / film.width, frame == 1 ? "" : fmt::format(" --frames {}", frame), seed));
 }
 
-Film makeFilm(const RenderOptions& options) {
+Film makeFilm(const RenderOptions& options, const LightGroups* groups) {
     const FilmRectangle region = options.region();
     Film film{region.width,   region.height,      {}, region.x, region.y, options.width,
               options.height, options.transparent};
     film.pixels.resize(static_cast<std::size_t>(region.width) *
                        static_cast<std::size_t>(region.height));
+    if (groups) {
+        film.groups = groups->names();
+        film.groupColors.assign(film.pixels.size(), groups->size());
+    }
     return film;
 }
 
-void placePixels(std::span<const FilmPlace> places, std::span<const Pixel> pixels, Film& film) {
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const int x = places[i].x - film.x, y = places[i].y - film.y;
+void placePixels(const RenderedTile& tile, Film& film) {
+    for (std::size_t i = 0; i < tile.places.size(); ++i) {
+        const int x = tile.places[i].x - film.x, y = tile.places[i].y - film.y;
         if (x < 0 || y < 0 || x >= film.width || y >= film.height) continue;
-        film.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(film.width) +
-                    static_cast<std::size_t>(x)] = pixels[i];
+        const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(film.width) +
+                               static_cast<std::size_t>(x);
+        film.pixels[at] = tile.pixels[i];
+        if (!film.groupColors.empty())
+            std::ranges::copy(tile.groups[i], film.groupColors[at].begin());
     }
 }
 

@@ -1,19 +1,20 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include "render/frame/film.h"
+#include "render/frame/frame_loop.h"
 #include "render/frame/options.h"
-#include "render/frame/tiles.h"
 
 namespace shadowcache {
 
 /// A film for the region that is rendered.
-Film makeFilm(const RenderOptions& options);
+///
+/// @param groups  whose light it keeps apart; may be null
+Film makeFilm(const RenderOptions& options, const LightGroups* groups = nullptr);
 
 /// Puts those pixels of a tile that the film has in their places.
-void placePixels(std::span<const FilmPlace> places, std::span<const Pixel> pixels, Film& film);
+void placePixels(const RenderedTile& tile, Film& film);
 
 /// A picture with a hole is worse than none.
 ///

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "render/estimators/light_groups.h"
 #include "render/frame/shading.h"
 
 namespace shadowcache {
@@ -58,6 +59,24 @@ RayValues valuesOf(const FilmRay& ray, const MetPlace& place, const PlaceLight& 
             .axialDepth = static_cast<float>(depth * ray.ray.cosine)};
 }
 
+/// Adds what a camera ray shows of a place, by light group; as lightOf() and valuesOf() do.
+void addValues(const FrameRequest& frame, const RayBatch& batch, std::size_t number,
+               const FilmRay& ray, std::span<Rgb> sum) {
+    const MetPlace& place = batch.met.places[number];
+    const GroupedBounce& bounced = batch.groupedBounced;
+    const Rgb reflected = place.diffuseAlbedo * static_cast<float>(1 / kPi), all(1, 1, 1);
+    float exposed = 1;
+    if (frame.options.samples == 0 && !batch.bounced.empty())
+        exposed = 1 / batch.bounced[number].exposure;
+    if (place.diffuse)
+        addTo(sum, batch.direct.groupedIrradiance[*place.diffuse], reflected * exposed);
+    if (place.glossy) addTo(sum, batch.direct.groupedGloss[*place.glossy], all);
+    if (!bounced.irradiance.empty()) addTo(sum, bounced.irradiance[number], reflected);
+    if (!bounced.glossy.empty()) addTo(sum, bounced.glossy[number], all);
+    if (place.surface.emission != Rgb(0, 0, 0))
+        sum[frame.estimator.context().groups->ofHit(ray.view.hit)] += place.surface.emission;
+}
+
 /// Adds what the cache predicts at a place.
 void addInsight(const CacheInsight& insight, PixelSum& pixel, RayValues& values) {
     pixel.expectedVariance += insight.expectedNoise * insight.expectedNoise;
@@ -91,6 +110,17 @@ void addToFilm(const FrameRequest& frame, const SpreadRule& rule, const RayBatch
         if (!batch.direct.insights.empty()) addInsight(batch.direct.insights[met], pixel, values);
         pixel.addHit(values, light.irradiance, light.gloss, rule);
         ++met;
+    }
+}
+
+void addToGroups(const FrameRequest& frame, const RayBatch& batch, GroupedLight& tile) {
+    std::size_t met = 0;
+    for (const FilmRay& ray : batch.rays) {
+        const std::span<Rgb> sum = tile[batch.firstPixel + ray.pixel];
+        if (ray.view.hit.found)
+            addValues(frame, batch, met++, ray, sum);
+        else
+            sum[LightGroups::kSky] += skySeen(frame, ray.view);
     }
 }
 

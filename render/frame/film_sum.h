@@ -16,6 +16,9 @@ SpreadRule spreadRuleOf(const FrameRequest& frame);
 void addToFilm(const FrameRequest& frame, const SpreadRule& rule, const RayBatch& batch,
                std::span<PixelSum> tile);
 
+/// Adds their colours by light group to those of a tile's pixels.
+void addToGroups(const FrameRequest& frame, const RayBatch& batch, GroupedLight& tile);
+
 /// Has an observer see the camera rays of a pixel of the film that meet the set.
 void showTo(const CameraSampleObserver& observer, const FilmPlace& pixel, const FrameRequest& frame,
             const RayBatch& batch);

@@ -90,7 +90,7 @@ RayCounts FrameLoop::finish(std::size_t block, const LoopObserver& observer) con
         const TilePixels& tile = pixels_[block][t];
         const std::vector<Pixel> pixels = renderer_.average(tile);
         for (const Pixel& pixel : pixels) counts.add(pixel);
-        observer.onTile({*index, tile.places, pixels});
+        observer.onTile({*index, tile.places, pixels, renderer_.averageGroups(tile)});
     }
     return counts;
 }

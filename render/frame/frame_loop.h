@@ -14,6 +14,7 @@ struct RenderedTile {
     std::size_t index;  ///< in the list of tiles
     std::span<const FilmPlace> places;
     std::span<const Pixel> pixels;
+    const GroupedLight& groups;  ///< of the pixels; empty without groups
 };
 
 /// Watches the loop, from several threads.

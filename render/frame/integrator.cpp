@@ -17,11 +17,11 @@ namespace shadowcache {
 Film render(const FrameRequest& wanted, RenderStats& stats) {
     const FrameRequest frame = withPreviewMargin(wanted);
     const RenderOptions& options = frame.options;
-    Film film = makeFilm(options);
+    Film film = makeFilm(options, frame.estimator.context().groups);
     const std::vector<std::size_t> tiles = Tiles(options).touching(options.region());
     Progress progress(fmt::format("frame {}", frame.number), tiles.size());
     renderTiles(frame, tiles, BlockExtent::wholeFrame, stats,
-                {.onTile = [&](const RenderedTile& t) { placePixels(t.places, t.pixels, film); },
+                {.onTile = [&](const RenderedTile& t) { placePixels(t, film); },
                  .onProgress = [&](std::size_t count) { progress.add(count); }});
     requireFinite(film, frame.number, options.seed);
     return finishFilm(wanted, std::move(film), stats);

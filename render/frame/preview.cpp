@@ -46,13 +46,17 @@ ResidualPixel residualOf(const FrameRequest& frame, const Pixel& pixel) {
 
 Film cropped(const Film& film, const RenderOptions& options) {
     Film part = makeFilm(options);
+    part.groups = film.groups;
+    part.groupColors.assign(part.pixels.size(), film.groups.size());
     const FilmRectangle region = options.region();
     for (int y = 0; y < region.height; ++y) {
-        const auto from = film.pixels.begin() +
-                          static_cast<std::ptrdiff_t>(y + region.y - film.y) * film.width +
-                          region.x - film.x;
-        std::copy_n(from, region.width,
-                    part.pixels.begin() + static_cast<std::ptrdiff_t>(y) * region.width);
+        const std::ptrdiff_t from =
+            static_cast<std::ptrdiff_t>(y + region.y - film.y) * film.width + region.x - film.x;
+        const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(y) * region.width;
+        std::copy_n(film.pixels.begin() + from, region.width, part.pixels.begin() + to);
+        for (int x = 0; !film.groups.empty() && x < region.width; ++x)
+            std::ranges::copy(film.groupColors[static_cast<std::size_t>(from + x)],
+                              part.groupColors[static_cast<std::size_t>(to + x)].begin());
     }
     return part;
 }

@@ -28,18 +28,17 @@ ProgressiveFrame renderProgressive(const FrameRequest& wanted, RenderStats& stat
     ProgressiveFrame result;
     RayCounts counts;
     const auto renderPass = [&](RayRange pass) {
-        Film film = makeFilm(options);
+        Film film = makeFilm(options, frame.estimator.context().groups);
         Progress progress(fmt::format("frame {}, camera rays {} to {}", frame.number,
                                       pass.first + 1, pass.first + pass.count),
                           tiles.size());
-        counts = loop.run(
-            pass, stats,
-            {.onTile = [&](const RenderedTile& t) { placePixels(t.places, t.pixels, film); },
-             .onProgress = [&](std::size_t count) { progress.add(count); },
-             .onBlock =
-                 [&] {
-                     if (pass.first > 0 && observer.stop()) throw PassStopped();
-                 }});
+        counts = loop.run(pass, stats,
+                          {.onTile = [&](const RenderedTile& t) { placePixels(t, film); },
+                           .onProgress = [&](std::size_t count) { progress.add(count); },
+                           .onBlock =
+                               [&] {
+                                   if (pass.first > 0 && observer.stop()) throw PassStopped();
+                               }});
         requireFinite(film, frame.number, options.seed);
         return finishFilm(wanted, std::move(film), stats);
     };

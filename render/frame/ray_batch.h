@@ -55,6 +55,7 @@ struct DirectLight {
     std::vector<GlossEstimate> gloss;    ///< of MetPlaces::glossyPoints
     std::vector<CacheInsight> insights;  ///< of MetPlaces::places; empty: none are wanted
     std::vector<WatchedSample> watched;  ///< of the pixel that is watched
+    GroupedLight groupedIrradiance{}, groupedGloss{};  ///< the same by light group
 };
 
 /// Camera rays from the film to their light.
@@ -64,6 +65,7 @@ struct RayBatch {
     MetPlaces met;
     DirectLight direct;
     std::vector<BouncedLight> bounced;  ///< of met.places; empty: no light bounces
+    GroupedBounce groupedBounced{};
 };
 
 }  // namespace shadowcache

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "render/estimators/group_split.h"
 #include "render/estimators/set_place.h"
 
 namespace shadowcache {
@@ -82,8 +83,14 @@ DirectLight lightDirectly(const FrameRequest& frame, const BatchPixels& pixels,
     workspace.watched.clear();
     frame.estimator.estimate(batch, workspace, light.irradiance);
     light.watched = workspace.watched;
-    if (!met.glossyPoints.empty())
+    const EstimatorContext& context = frame.estimator.context();
+    light.groupedIrradiance =
+        splitLight<Estimate>(context, light.irradiance, &Estimate::irradiance, workspace);
+    if (!met.glossyPoints.empty()) {
         frame.estimator.estimateGloss(batch, met.glossyPoints, workspace, light.gloss);
+        light.groupedGloss =
+            splitLight<GlossEstimate>(context, light.gloss, &GlossEstimate::radiance, workspace);
+    }
     const InsightSource* source = options.insight ? frame.estimator.insights() : nullptr;
     if (source)
         for (const MetPlace& place : met.places)

@@ -47,8 +47,10 @@ struct RunOptions {
     bool explain = false;                          ///< print what to expect, write nothing
     std::optional<std::array<int, 2>> debugPixel;  ///< print this pixel's story, write nothing
     int threads = 0;
-    bool list = false;   ///< print what the set has, do not render
-    bool serve = false;  ///< answer requests, of which all else is told
+    bool list = false;            ///< print what the set has, do not render
+    std::filesystem::path mix;    ///< picture whose light groups are mixed; empty: none is
+    std::vector<LampGain> gains;  ///< of its groups
+    bool serve = false;           ///< answer requests, of which all else is told
     /// Every option as given or defaulted, which frames' files record.
     std::vector<std::pair<std::string, std::string>> settings;
 };

@@ -1,9 +1,11 @@
 #include "render/library/lit_stage.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/error.h"
 #include "render/bounces/item_looks.h"
+#include "render/frame/aov_channels.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
 #include "render/frame/target_error.h"
@@ -24,18 +26,46 @@ LitStage::LitStage(const Scene& scene, const ShadowCache* cache, const Estimator
       cache_(cache),
       entry_(estimator),
       options_(options),
-      cacheName_(std::move(cacheName)),
-      light_(SetLight::of(scene, cache)) {
-    if (light_ && !estimator.lit) refuseEmitters(estimator, *light_);
+      cacheName_(std::move(cacheName)) {
+    findLamps();
     if (options.bounces == 0 || !cache) return;
     items_.emplace(*cache);
     transport_ = readTransport(*cache, *items_);
-    if (!transport_) {
-        items_.reset();
-        return;
-    }
-    looks_ = looksOf(scene, *items_, options.plain);
-    if (light_) ofEmitters_ = light_->predictItems(*items_);
+    if (!transport_) items_.reset();
+    predictLamps();
+}
+
+void LitStage::updateLamps() {
+    estimator_.reset();
+    groupedSolve_.reset();
+    solve_.reset();
+    findLamps();
+    predictLamps();
+}
+
+/// What shines, and in which group.
+void LitStage::findLamps() {
+    groups_.reset();
+    light_ = SetLight::of(scene_, cache_);
+    if (light_ && !entry_.lit) refuseEmitters(entry_, *light_);
+    if (options_.groups.empty()) return;
+    groups_ = std::make_unique<LightGroups>(options_.groups, scene_.mesh(),
+                                            light_ ? &light_->emitters() : nullptr);
+    for (const std::string& name : groups_->names())
+        if (std::ranges::find(aovNames(), name) != aovNames().end())
+            throw Error("--light-groups " + name +
+                        ": is the name of an AOV; expected GROUP=NAME with another one");
+}
+
+/// What it gives the cache's items.
+void LitStage::predictLamps() {
+    if (!transport_) return;
+    ofEmitters_ = light_ ? light_->predictItems(*items_) : std::vector<Rgb>();
+    // Other gains change what looks say of emission alone, of which counts of emitters know more.
+    if (looks_.empty() || ofEmitters_.empty()) looks_ = looksOf(scene_, *items_, options_.plain);
+    if (groups_)
+        lightOfGroups_ = ofEmitters_.empty() ? emittedByGroup(scene_, *items_, looks_, *groups_)
+                                             : light_->predictItems(*items_, *groups_);
 }
 
 bool LitStage::missesTransport() const {
@@ -68,19 +98,26 @@ void LitStage::requirePrediction(const RenderOptions& options) const {
 
 std::size_t LitStage::bounceBytes() const {
     if (!transport_) return 0;
-    return items_->memoryBytes() + transport_->memoryBytes() + ofEmitters_.size() * sizeof(Rgb) +
-           looks_.capacity() * sizeof looks_[0] + (solve_ ? solve_->memoryBytes() : 0);
+    return items_->memoryBytes() + transport_->memoryBytes() +
+           (ofEmitters_.size() + lightOfGroups_.size() * items_->size()) * sizeof(Rgb) +
+           looks_.capacity() * sizeof looks_[0] + (solve_ ? solve_->memoryBytes() : 0) +
+           (groupedSolve_ ? groupedSolve_->memoryBytes() : 0);
 }
 
 void LitStage::setEnvironment(const Environment& environment) {
     estimator_.reset();
+    groupedSolve_.reset();
     solve_.reset();
     if (transport_)
         solve_ = std::make_unique<BounceSolve>(*cache_, *items_, *transport_, environment, looks_,
                                                options_.bounces, ofEmitters_);
-    estimator_ = entry_.make({scene_, environment, cache_, options_.sequence, solve_.get(),
-                              light_ ? &light_->light() : nullptr},
-                             options_.estimator);
+    if (solve_ && groups_)
+        groupedSolve_ = std::make_unique<GroupedSolve>(*solve_, *transport_, looks_, lightOfGroups_,
+                                                       environment.luminanceIntegral() > 0);
+    estimator_ =
+        entry_.make({scene_, environment, cache_, options_.sequence, solve_.get(),
+                     light_ ? &light_->light() : nullptr, groups_.get(), groupedSolve_.get()},
+                    options_.estimator);
 }
 
 Picture LitStage::plan(const CameraMove& camera, int frame, const RenderOptions& options,

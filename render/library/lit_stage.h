@@ -9,6 +9,7 @@
 #include "common/cache/transport.h"
 #include "common/light/environment.h"
 #include "common/predict/bounce_solve.h"
+#include "common/predict/grouped_solve.h"
 #include "common/trace/scene.h"
 #include "render/frame/film.h"
 #include "render/frame/frame_request.h"
@@ -20,10 +21,11 @@ namespace shadowcache {
 
 /// How a stage is lit.
 struct LightingOptions {
-    EstimatorOptions estimator = {};      ///< of the one that is chosen
-    Sequence sequence = Sequence::sobol;  ///< of random numbers
-    int bounces = 0;                      ///< as RenderOptions::bounces
-    PlainLook plain = {};                 ///< as RenderOptions::plain
+    EstimatorOptions estimator = {};          ///< of the one that is chosen
+    Sequence sequence = Sequence::sobol;      ///< of random numbers
+    int bounces = 0;                          ///< as RenderOptions::bounces
+    PlainLook plain = {};                     ///< as RenderOptions::plain
+    std::vector<LightGroupRule> groups = {};  ///< whose light is kept apart; empty: all is one
 };
 
 /// A picture that is planned: how many rays each part gets.
@@ -58,7 +60,8 @@ public:
     /// @param estimator  of the table
     /// @param cacheName  of the cache in messages
     /// @throws Error naming the cache's file if that cannot be read any more, or the estimator if
-    /// the set shines and that is of the sky alone
+    /// the set shines and that is of the sky alone; --light-groups as LightGroups does, and for a
+    /// name that is an AOV's
     LitStage(const Scene& scene, const ShadowCache* cache, const EstimatorEntry& estimator,
              const LightingOptions& options, std::string cacheName = "cache");
 
@@ -87,6 +90,12 @@ public:
     /// @param environment  stays until the next one, or as long as the lit stage
     void setEnvironment(const Environment& environment);
 
+    /// Learns what shines in the scene's set, whose gains have changed. setEnvironment() must
+    /// follow.
+    ///
+    /// @throws Error as the constructor
+    void updateLamps();
+
     /// Of the environment that was set last.
     const Estimator& estimator() const { return *estimator_; }
 
@@ -103,6 +112,8 @@ public:
 private:
     bool missesTransport() const;
     bool missesLamps() const;
+    void findLamps();
+    void predictLamps();
 
     const Scene& scene_;
     const ShadowCache* cache_;
@@ -111,10 +122,13 @@ private:
     const std::string cacheName_;
     std::optional<ItemTable> items_;
     std::optional<Transport> transport_;
-    std::unique_ptr<const SetLight> light_;  ///< null: nothing shines
-    std::vector<ItemLook> looks_;            ///< by item
-    std::vector<Rgb> ofEmitters_;            ///< by item: as BounceSolve wants it
+    std::unique_ptr<const SetLight> light_;        ///< null: nothing shines
+    std::vector<ItemLook> looks_;                  ///< by item
+    std::vector<Rgb> ofEmitters_;                  ///< by item: as BounceSolve wants it
+    std::unique_ptr<const LightGroups> groups_;    ///< null: none are asked for
+    std::vector<std::vector<Rgb>> lightOfGroups_;  ///< by group: as GroupedSolve wants it
     std::unique_ptr<BounceSolve> solve_;
+    std::unique_ptr<GroupedSolve> groupedSolve_;
     std::unique_ptr<Estimator> estimator_;
 };
 

@@ -186,6 +186,21 @@ OptionRow lampRow(std::vector<LampGain>& gains) {
         .typed("NAME=GAIN");
 }
 
+OptionRow lightGroupsRow(std::vector<LightGroupRule>& groups) {
+    return ownTextsRow(
+               "light-groups",
+               [&groups](std::span<const std::string> texts) {
+                   groups.clear();
+                   for (const std::string& text : texts) groups.push_back(parseLightGroup(text));
+               },
+               "Write the light of some lamps, or of surfaces with an emissive material, as "
+               "channels of their own: NAME, each that matches for itself, or GROUP=NAME; * in "
+               "NAME "
+               "stands for any text, and the last NAME that matches counts. Together with `sky` "
+               "and `rest` they are the picture, of which --mix makes others")
+        .typed("NAME");
+}
+
 void addSet(Rows& rows, StageOptions& stage) {
     for (OptionRow& row : setRows(stage.set))
         add(rows, row.name == "set-frame" || row.name == "allow-external" ? kSurface : kSet, {row});
@@ -331,6 +346,7 @@ void addPicture(Rows& rows, PictureOptions& picture) {
     add(rows, kOutput,
         {wordsRow("aov", picture.aovs, aovNames(), "Additional channels, joined by commas")
              .named("", "aovs")});
+    add(rows, kPicture, {lightGroupsRow(picture.groups)});
     add(rows, kSurface, {albedoRow(options.plain.albedo), materialRow(options.plain.gloss)});
     add(rows, kPicture,
         {flagRow("transparent", options.transparent,
@@ -398,6 +414,29 @@ OptionRow debugRow(std::optional<std::array<int, 2>>& pixel) {
         .notKept();
 }
 
+OptionRow mixRow(std::filesystem::path& picture) {
+    return textRow("mix", picture,
+                   "Make the picture of other gains out of one that has light groups, an EXR of "
+                   "--light-groups; render nothing")
+        .notKept();
+}
+
+OptionRow gainRow(std::vector<LampGain>& gains) {
+    return ownTextsRow(
+               "gain",
+               [&gains](std::span<const std::string> texts) {
+                   gains.clear();
+                   for (const std::string& text : texts)
+                       gains.push_back(parseLampGain(text, "gain"));
+               },
+               "With --mix: multiply the light of a group by a factor or R,G,B, 0 to 1e6; * in "
+               "NAME stands for any text, and the last NAME that matches counts. The sky's group "
+               "is `sky`")
+        .typed("NAME=GAIN")
+        .needing("mix")
+        .notKept();
+}
+
 OptionRow timeLimitRow(double& seconds) {
     OptionRow row = numberRow(
         "time-limit", seconds, {0, 1e9},
@@ -426,6 +465,7 @@ void addRun(Rows& rows, RunOptions& run) {
                  "Stay, and render what requests on standard input ask for, as docs/serve.md has "
                  "them; beside it only --threads counts")
              .notKept(),
+         mixRow(run.mix), gainRow(run.gains),
          flagRow("explain", run.explain,
                  "Print the estimator, its inputs, and the expected noise and time; write no "
                  "picture")

@@ -41,19 +41,24 @@ PictureSettings resolve(const PictureOptions& asked, bool hasCache, bool gloss) 
         throw Error(
             "--material makes surfaces glossy, --surfaces diffuse leaves gloss out: "
             "expected one of them");
+    if (!asked.groups.empty() && options.preview && options.samples > 0)
+        throw Error(
+            "--light-groups with --preview: what rays add is filtered for all groups together; "
+            "expected --spp 0, which adds nothing, or no --preview");
     validate(options);
     requireFit(estimator, hasCache, options);
     return settings;
 }
 
 LightingOptions lightingOf(const PictureOptions& asked, const PictureSettings& settings) {
-    return {asked.estimators, asked.sequence, settings.options.bounces, settings.options.plain};
+    return {asked.estimators, asked.sequence, settings.options.bounces, settings.options.plain,
+            asked.groups};
 }
 
 bool isSame(const LightingOptions& a, const LightingOptions& b) {
     return a.estimator.cache.adaptive == b.estimator.cache.adaptive && a.sequence == b.sequence &&
            a.bounces == b.bounces && a.plain.albedo == b.plain.albedo &&
-           sameGloss(a.plain.gloss, b.plain.gloss);
+           sameGloss(a.plain.gloss, b.plain.gloss) && a.groups == b.groups;
 }
 
 }  // namespace shadowcache

@@ -17,6 +17,7 @@ struct PictureOptions {
     PixelRays rays{};
     std::optional<int> bounces{};  ///< none: kStandardBounces
     std::vector<std::string> aovs{};
+    std::vector<LightGroupRule> groups{};
     RenderOptions options{};
 };
 

@@ -53,18 +53,37 @@ void SetLight::readCounts(const ShadowCache& cache) {
     visibility_.emplace(emitters_.size(), std::move(counts));
 }
 
-std::vector<Rgb> SetLight::predictItems(const ItemTable& items) const {
-    if (!knowsAll_) return {};
-    std::vector<Rgb> irradiance(items.size());
+template <class Visit>
+void SetLight::forEachItem(const ItemTable& items, const Visit& visit) const {
     parallelFor(items.size(), 1024, [&](const Chunk& chunk) {
         EmitterLight::Tools tools(*light_);
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const auto item = static_cast<std::uint32_t>(i);
             const Vec3d place = items.position(item) - scene_.mesh().origin;
-            irradiance[i] = light_->predictItem(i, {Vec3f(place), items.normal(item)}, tools);
+            visit(i, Receiver{Vec3f(place), items.normal(item)}, tools);
         }
     });
+}
+
+std::vector<Rgb> SetLight::predictItems(const ItemTable& items) const {
+    if (!knowsAll_) return {};
+    std::vector<Rgb> irradiance(items.size());
+    forEachItem(items, [&](std::size_t i, const Receiver& place, EmitterLight::Tools& tools) {
+        irradiance[i] = light_->predictItem(i, place, tools);
+    });
     return irradiance;
+}
+
+std::vector<std::vector<Rgb>> SetLight::predictItems(const ItemTable& items,
+                                                     const LightGroups& groups) const {
+    GroupedLight light(items.size(), groups.size());
+    forEachItem(items, [&](std::size_t i, const Receiver& place, EmitterLight::Tools& tools) {
+        light_->predictItem(i, place, tools, {&groups, &light});
+    });
+    std::vector<std::vector<Rgb>> byGroup(groups.size());
+    for (std::size_t g = LightGroups::kSky + 1; g < groups.size(); ++g)
+        for (std::size_t i = 0; i < items.size(); ++i) byGroup[g].push_back(light[i][g]);
+    return byGroup;
 }
 
 void refuseEmitters(const EstimatorEntry& estimator, const SetLight& light) {

@@ -24,10 +24,16 @@ public:
 
     /// Irradiance of each item by its own counts; empty if some emitter is not counted.
     std::vector<Rgb> predictItems(const ItemTable& items) const;
+    /// The same of each light group, [group][item]; empty for the sky's.
+    std::vector<std::vector<Rgb>> predictItems(const ItemTable& items,
+                                               const LightGroups& groups) const;
 
 private:
     explicit SetLight(const Scene& scene, Emitters emitters);
     void readCounts(const ShadowCache& cache);
+    /// Calls visit(item, its place, tools of the thread) for each item, in parallel.
+    template <class Visit>
+    void forEachItem(const ItemTable& items, const Visit& visit) const;
 
     const Scene& scene_;
     const Emitters emitters_;

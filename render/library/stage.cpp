@@ -41,4 +41,10 @@ void Stage::loadCache(const std::filesystem::path& cache) {
         shadowcache::isStale(cache_->header(), fingerprint(mesh_), cache, options_.staleOk, note_);
 }
 
+void Stage::setGains(std::span<const LampGain> gains) {
+    requireMatches(gains, mesh_);
+    applyGains(gains, mesh_);
+    moving_->setGains(gains);
+}
+
 }  // namespace shadowcache

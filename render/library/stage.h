@@ -42,6 +42,12 @@ public:
     /// Cameras of the set, or of a file. They refer to the stage.
     CameraSource cameras(const CameraOptions& options) const { return {options, shots_}; }
 
+    /// Multiplies the light of what shines by these gains, in place of those that it has. A
+    /// LitStage is told by LitStage::updateLamps().
+    ///
+    /// @throws Error if a pattern matches nothing
+    void setGains(std::span<const LampGain> gains);
+
     /// @throws Error if a track has no such frame
     void requireFrame(int frame) const { moving_->requireFrame(frame); }
     /// Puts what moves where it is in a frame. @throws Error if a track has no such frame

@@ -32,12 +32,16 @@ struct Layer {
 };
 
 /// Channels by the names before their last dots, in the order of their letters' meaning.
-std::vector<Layer> layersOf(const std::vector<Channel>& channels) {
+///
+/// @param groups  names of light groups: their layers are called light:NAME
+std::vector<Layer> layersOf(const std::vector<Channel>& channels,
+                            const std::vector<std::string>& groups) {
     std::vector<Layer> layers;
     for (const Channel& channel : channels) {
         const std::size_t dot = channel.name.rfind('.');
         const bool isColor = std::string("RGBA").find(channel.name) != std::string::npos;
-        const std::string name = isColor ? "color" : channel.name.substr(0, dot);
+        std::string name = isColor ? "color" : channel.name.substr(0, dot);
+        if (std::ranges::find(groups, name) != groups.end()) name = "light:" + name;
         auto found = std::ranges::find(layers, name, &Layer::name);
         if (found == layers.end()) found = layers.insert(found, {name, {}});
         found->parts.push_back(&channel);
@@ -49,9 +53,10 @@ std::vector<Layer> layersOf(const std::vector<Channel>& channels) {
     return layers;
 }
 
-py::dict picturesOf(const std::vector<Channel>& channels, int width, int height) {
+py::dict picturesOf(const std::vector<Channel>& channels, const std::vector<std::string>& groups,
+                    int width, int height) {
     py::dict pictures;
-    for (const Layer& layer : layersOf(channels)) {
+    for (const Layer& layer : layersOf(channels, groups)) {
         const std::size_t count = layer.parts.size();
         std::vector<float> values(layer.parts.front()->values.size() * count);
         for (std::size_t k = 0; k < count; ++k)
@@ -66,7 +71,11 @@ py::dict picturesOf(const std::vector<Channel>& channels, int width, int height)
 
 py::dict readPicture(const fs::path& path) {
     const ExrFile file = longCall(py::none(), [&] { return readExr(path); });
-    return picturesOf(file.channels, file.width, file.height);
+    const auto named = file.metadata.find("shadowcache:" + std::string(kGroupsKey));
+    return picturesOf(
+        file.channels,
+        named == file.metadata.end() ? std::vector<std::string>() : groupsOf(named->second),
+        file.width, file.height);
 }
 
 /// The options of render(), written to a job.
@@ -97,16 +106,23 @@ void light(LitShot& shot, const PictureOptions& asked, const PictureSettings& se
     shot.stage = stage;
 }
 
-/// The picture's channels. To be called without the interpreter's lock.
-std::vector<Channel> renderChannels(LitShot& shot, const Camera& camera, int frame,
-                                    const PictureOptions& asked, std::vector<std::string>& notes) {
+/// The channels of a picture, and the names of its light groups.
+struct Rendered {
+    std::vector<Channel> channels;
+    std::vector<std::string> groups;
+};
+
+/// To be called without the interpreter's lock.
+Rendered renderChannels(LitShot& shot, const Camera& camera, int frame, const PictureOptions& asked,
+                        std::vector<std::string>& notes) {
     const PictureSettings settings = resolve(asked, shot.cache != nullptr, shot.set->options.gloss);
     light(shot, asked, settings);
     if (!shot.stage->note().empty()) notes.push_back(shot.stage->note());
     RenderStats stats;
     const Picture picture = shot.stage->plan(camera, frame, settings.options, stats,
                                              asked.rays.targetError.value_or(0));
-    return channels(picture.film(stats), asked.aovs);
+    const Film film = picture.film(stats);
+    return {channels(film, asked.aovs), film.groups};
 }
 
 /// A shot of these, lit as the cache's last one if that was of them.
@@ -127,12 +143,12 @@ py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject
     if (cache)
         isStale(cache->cache->header(), scene.set->fingerprint, "cache", job.stage.staleOk,
                 [&](const std::string& text, NoteKind) { notes.push_back(text); });
-    const std::vector<Channel> all = longCall(
+    const Rendered all = longCall(
         progress, [&] { return renderChannels(shot, camera, frame, job.picture, notes); }, threads);
     if (cache) cache->lit = std::move(shot);
     warn(notes);
     const FilmRectangle region = job.picture.options.region();
-    return picturesOf(all, region.width, region.height);
+    return picturesOf(all.channels, all.groups, region.width, region.height);
 }
 
 }  // namespace
@@ -148,7 +164,8 @@ void defineRender(py::module_& module) {
         "    chooses its random numbers with the seed.\n"
         "Returns a dict of float32 arrays: 'color' (height, width, 3), linear radiance, with\n"
         "transparent=True (height, width, 4), and each of the aovs, (height, width, 3) or\n"
-        "(height, width). An AOV is the mean over the camera rays of a pixel that met something, "
+        "(height, width); with light_groups the light of each as 'light:NAME', which together are\n"
+        "'color'. An AOV is the mean over the camera rays of a pixel that met something, "
         "where\n"
         "several surfaces meet as well: depth and position there lie between them, and normals "
         "are\n"

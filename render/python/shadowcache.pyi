@@ -193,6 +193,7 @@ def render(
     samples: int | None = ...,
     budget: str | None = ...,
     aovs: Sequence[str] | None = ...,
+    light_groups: Sequence[str] | None = ...,
     albedo: ArrayLike | None = ...,
     material: dict[str, float] | None = ...,
     transparent: bool | None = ...,

@@ -53,6 +53,15 @@ LoadRequest parseLoad(Fields& fields) {
     return {job.stage};
 }
 
+LampsRequest parseLamps(Fields& fields) {
+    RenderJob job;
+    fields.need(fields.texts("lamp"), "lamp");
+    std::vector<OptionRow> rows = optionRows(Part::set, job);
+    std::erase_if(rows, [](const OptionRow& row) { return row.name != "lamp"; });
+    fields.read(rows);
+    return {job.stage.set.mesh.gains};
+}
+
 EnvironmentRequest parseEnvironment(Fields& fields) {
     const auto map = fields.text("map");
     const auto radiance = fields.numbers("radiance", {1, 3});
@@ -111,6 +120,7 @@ RenderRequest parseRender(Fields& fields) {
 
 Command parseCommand(const std::string& name, Fields& fields, const Json& json) {
     if (name == "load") return parseLoad(fields);
+    if (name == "lamps") return parseLamps(fields);
     if (name == "environment") return parseEnvironment(fields);
     if (name == "camera") return parseCamera(fields, json);
     if (name == "size") return parseSize(fields);
@@ -119,8 +129,9 @@ Command parseCommand(const std::string& name, Fields& fields, const Json& json) 
     if (name == "render") return parseRender(fields);
     if (name == "stop") return StopRequest{};
     if (name == "quit") return QuitRequest{};
-    static const std::vector<std::string> kNames{
-        "load", "environment", "camera", "size", "region", "options", "render", "stop", "quit"};
+    static const std::vector<std::string> kNames{"load", "lamps",  "environment", "camera",
+                                                 "size", "region", "options",     "render",
+                                                 "stop", "quit"};
     throw Error(fmt::format("unknown request {}{}", name, suggestion(name, kNames)));
 }
 

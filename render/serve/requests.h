@@ -18,6 +18,11 @@ struct LoadRequest {
     StageOptions stage{};
 };
 
+/// Other gains of what shines in the set, in place of those it has.
+struct LampsRequest {
+    std::vector<LampGain> gains{};
+};
+
 struct EnvironmentRequest {
     LightPlan::Light light;
 };
@@ -53,8 +58,8 @@ struct StopRequest {};
 struct QuitRequest {};
 
 using Command =
-    std::variant<LoadRequest, EnvironmentRequest, CameraRequest, SizeRequest, RegionRequest,
-                 OptionsRequest, RenderRequest, StopRequest, QuitRequest>;
+    std::variant<LoadRequest, LampsRequest, EnvironmentRequest, CameraRequest, SizeRequest,
+                 RegionRequest, OptionsRequest, RenderRequest, StopRequest, QuitRequest>;
 
 /// A line, read.
 struct Request {

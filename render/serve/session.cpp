@@ -63,6 +63,7 @@ Session::Reply Session::run(std::uint64_t number, const Command& command) {
     };
     return std::visit(
         Overloaded{[&](const LoadRequest& request) { return load(request); },
+                   [&](const LampsRequest& request) { return dim(request); },
                    [&](const EnvironmentRequest& request) { return light(request); },
                    [&](const CameraRequest& request) { return see(request); },
                    [&](const SizeRequest& request) { return keep(size_, request); },
@@ -93,6 +94,14 @@ Session::Reply Session::load(const LoadRequest& request) {
     return {{"triangles", stage_->mesh().report.placed},
             {"cached", stage_->cache() != nullptr},
             {"stale", stage_->isStale()}};
+}
+
+Session::Reply Session::dim(const LampsRequest& request) {
+    if (!stage_) throw Error("lamps: no set, expected the request load before");
+    stage_->setGains(request.gains);
+    isLit_ = false;
+    isDimmed_ = true;
+    return Reply::object();
 }
 
 Session::Reply Session::light(const EnvironmentRequest& request) {
@@ -131,7 +140,10 @@ void Session::makeLit(const PictureSettings& settings) {
         lit_.emplace(stage_->scene(), stage_->cache(), settings.estimator, wanted,
                      stageOptions_.cache.string());
         if (!lit_->note().empty()) log_(lit_->note());
+    } else if (isDimmed_) {
+        lit_->updateLamps();
     }
+    isDimmed_ = false;
     lit_->requirePrediction(settings.options);
     if (!isLit_) lit_->setEnvironment(light_.environment());
     isLit_ = true;

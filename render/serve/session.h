@@ -40,6 +40,7 @@ public:
 
 private:
     Reply load(const LoadRequest& request);
+    Reply dim(const LampsRequest& request);
     Reply light(const EnvironmentRequest& request);
     Reply see(const CameraRequest& request);
     Reply render(std::uint64_t number, const RenderRequest& request);
@@ -58,7 +59,8 @@ private:
     RegionRequest region_;
     OptionsRequest options_;
     std::optional<LitStage> lit_;
-    bool isLit_ = false;  ///< lit_, by light_
+    bool isLit_ = false;     ///< lit_, by light_
+    bool isDimmed_ = false;  ///< lit_ has yet to learn of other gains
     std::set<std::filesystem::path> pixelFiles_;
 };
 

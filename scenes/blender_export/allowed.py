@@ -113,7 +113,7 @@ PROPERTIES = {
                  "show_bounds show_empty_image_only_axis_aligned show_empty_image_orthographic "
                  "show_empty_image_perspective show_in_front show_name show_texture_space show_transparent show_wire "
                  "use_empty_image_alpha"),
-        "lightgroup": Free("is of passes of light groups, which are named"),
+        "lightgroup": READ,
         "pass_index": Free("is of passes of indexes, which are named")},
     "CyclesObjectSettings": {
         **of(MOVES, "motion_steps use_deform_motion use_motion_blur"), **of(METHOD, "ao_distance"),
@@ -170,7 +170,7 @@ PROPERTIES = {
     "World": {
         **of(READ, "use_nodes node_tree color"), **of(INSIDE, "cycles cycles_visibility"),
         **of(METHOD, "light_settings"), "mist_settings": Free("is of the pass Mist, which is named"),
-        "lightgroup": Free("is of passes of light groups, which are named")},
+        "lightgroup": READ},
     "CyclesWorldSettings": {
         **of(METHOD, "sample_map_resolution sampling_method"), **of(GLASS, "is_caustics_light"),
         **of(VOLUMES, "homogeneous_volume volume_interpolation volume_sampling volume_step_size")},
@@ -205,6 +205,7 @@ PROPERTIES = {
                    "use_pass_subsurface_direct use_pass_subsurface_indirect use_pass_subsurface_color use_pass_shadow "
                    "use_pass_ambient_occlusion use_pass_cryptomatte_object use_pass_cryptomatte_material "
                    "use_pass_cryptomatte_asset"),
+        "lightgroups": READ,
         **of(READ, "use_pass_z use_pass_normal use_pass_position use_pass_diffuse_direct use_pass_diffuse_indirect "
                    "use_pass_diffuse_color use_pass_glossy_direct use_pass_glossy_indirect use_pass_glossy_color "
                    "use_pass_emit use_pass_environment")},

@@ -82,6 +82,7 @@ void writeTexts(const fs::path& folder) {
     };
     request("load", R"("set":["a.glb"],"cache":"a.vdb","up":"z","scale":0.1,"set-frame":3,)"
                     R"("surfaces":"diffuse","smooth":30,"dynamic":["d.glb@t.json"])");
+    request("lamps", R"("lamp":["desk*=2,1,0.5","*=0"])");
     request("environment", R"("map":"m.exr","rotate":[1,0,0,0,1,0,0,0,1],"gain":[1,2,3])");
     request("camera", R"("view":{"origin":[0,1,2],"forward":[0,0,-1],"up":[0,1,0],"yfov":0.9,)"
                       R"("lens":{"radius":0.1,"focus":3}})");

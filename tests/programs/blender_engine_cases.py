@@ -198,6 +198,67 @@ def denoising(found):
     assert (found["Denoising Depth.Z"] >= 0).all() and found["Denoising Depth.Z"].max() > 1
 
 
+def add_lamps():
+    lamps = []
+    for name, place, energy in (("Key", (2, -3, 3), 300), ("Fill", (-3, -2, 2), 200), ("Rim", (0, 4, 3), 150)):
+        lamp = bpy.data.objects.new(name, bpy.data.lights.new(name, "POINT"))
+        lamp.location, lamp.data.energy, lamp.data.shadow_soft_size = place, energy, 0.3
+        bpy.context.scene.collection.objects.link(lamp)
+        lamps.append(lamp)
+    return lamps
+
+
+def dimmed():
+    """Lamps are dimmed and coloured without an export, a bake or a load; from black they are exported."""
+    lamps = add_lamps()
+    make_world()
+    folder = bpy.context.scene.shadowcache.cache_folder
+    first = planes(render("SHADOWCACHE"), "Combined")
+    before = stamps()
+    lamps[0].data.energy *= 0.5
+    lamps[1].data.color = (0.2, 1, 0.4)
+    lamps[2].data.energy = 0
+    changed = planes(render("SHADOWCACHE"), "Combined")
+    assert stamps() == before, "a dimmed lamp exports"
+    for name in os.listdir(folder):
+        if name.endswith(".json"):
+            os.remove(os.path.join(folder, name))
+    exported = planes(render("SHADOWCACHE"), "Combined")
+    assert stamps() != before
+    expect_same("dimmed", changed, exported)
+    assert apart(changed, first)[0] > 0.05
+    before = stamps()
+    lamps[2].data.energy = 150
+    lit = planes(render("SHADOWCACHE"), "Combined")
+    assert stamps() != before and apart(lit, exported)[0] > 0.02
+    for lamp in lamps:
+        bpy.data.objects.remove(lamp)
+
+
+def light_groups():
+    """Passes Combined_NAME beside those of Cycles; with a control that must be told apart."""
+    scene, layer, lamps = bpy.context.scene, bpy.context.view_layer, add_lamps()
+    for name in ("lamps", "day", "none"):
+        layer.lightgroups.add(name=name)
+    make_world()
+    lamps[0].lightgroup = lamps[1].lightgroup = "lamps"
+    scene.world.lightgroup = "day"
+    wanted, found = render("CYCLES"), render("SHADOWCACHE")
+    for name in ("Combined_lamps", "Combined_day"):
+        expect_same(name, planes(found, name), planes(wanted, name), most_tiles=2 * MOST_TILES)  # Cycles' noise
+    assert not planes(found, "Combined_none").any()
+    # Rim and what emits are in no group.
+    rest = planes(found, "Combined") - planes(found, "Combined_lamps") - planes(found, "Combined_day")
+    assert rest.min() > -1e-4 and rest.mean() > 0.01 * planes(found, "Combined").mean()
+    lamps[1].lightgroup = ""
+    assert apart(planes(render("SHADOWCACHE"), "Combined_lamps"), planes(wanted, "Combined_lamps"))[0] > 0.1
+    for lamp in lamps:
+        bpy.data.objects.remove(lamp)
+    while layer.lightgroups:
+        bpy.ops.scene.view_layer_remove_lightgroup()
+    scene.world.lightgroup = ""
+
+
 def noise_target():
     """The error of a picture, by two of other seeds, is about the target; the light stays."""
     settings = bpy.context.scene.shadowcache
@@ -432,7 +493,8 @@ def flat_memory():
 def main():
     install()
     make_scene()
-    for case in (panels, estimates, worlds, all_passes, noise_target, film, animation, stale, first_picture, errors, killed, cancel, flat_memory):
+    for case in (panels, estimates, worlds, all_passes, light_groups, dimmed, noise_target, film, animation, stale, first_picture,
+                 errors, killed, cancel, flat_memory):
         start = time.monotonic()
         case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))

@@ -118,6 +118,27 @@ def test_render_has_the_bits_of_the_program(courtyard, tmp_path, options, argume
     assert mine["color"].max() > 0
 
 
+def test_light_groups_are_layers_that_add_up(tmp_path, camera):
+    (tmp_path / "night.mtl").write_text("newmtl wood\nKd .6 .5 .4\nnewmtl lamp\nKd 0 0 0\nKe 4 3 2\n")
+    (tmp_path / "night.obj").write_text(
+        "mtllib night.mtl\nusemtl wood\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n"
+        "usemtl lamp\nv -1 .8 -1\nv -.6 .8 -1\nv -.6 .8 0\nv -1 .8 0\nf 5 6 7 8\n")
+    scene = shadowcache.load_set(tmp_path / "night.obj")
+    options = {"size": (24, 16), "spp": 4, "bounces": 1}
+    mine = shadowcache.render(scene, None, shadowcache.Environment.constant(0.1), camera, light_groups=["*"], **options)
+    groups = [name for name in mine if name.startswith("light:")]
+    assert groups == ["light:sky", "light:lamp", "light:rest"]
+    np.testing.assert_allclose(sum(mine[name] for name in groups), mine["color"], rtol=1e-5, atol=1e-6)
+    assert mine["light:lamp"].max() > 0.01 and mine["light:sky"].max() > 0.01 and not mine["light:rest"].any()
+    run("shadowcache-render", tmp_path / "night.obj", "--env", ".1,.1,.1", "--eye", "3,2,4", "--look-at", "0,.3,0",
+        "--fov-y", 40, "--size", "24x16", "--spp", 4, "--bounces", 1, "--light-groups", "*", "-o", tmp_path / "a.exr")
+    theirs = shadowcache.read_exr(tmp_path / "a.exr")
+    assert set(mine) == set(theirs)
+    np.testing.assert_array_equal(mine["light:lamp"], theirs["light:lamp"])
+    with pytest.raises(shadowcache.Error, match="light_groups lump: no lamp.*lamp?"):
+        shadowcache.render(scene, None, shadowcache.Environment.constant(1), camera, light_groups=["lump"], **options)
+
+
 @pytest.mark.parametrize("options, lens", [
     ({"focus": 3}, {"radius": 0.2, "focus": 3}),
     ({"focus": 4, "blades": 6, "blade_rotation": 45}, {"radius": 0.2, "focus": 4, "blades": 6, "rotation": np.pi / 4}),

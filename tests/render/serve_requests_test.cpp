@@ -50,6 +50,19 @@ TEST(ServeRequests, LoadHasTheStandardsOfTheCommandLine) {
     EXPECT_EQ(all.stage.set.dynamic[0].track, "t.json");
 }
 
+TEST(ServeRequests, LampsHaveGains) {
+    const auto lamps =
+        commandOf<LampsRequest>(R"("request": "lamps", "lamp": ["*=0", "desk=2,1,0.5"])");
+    ASSERT_EQ(lamps.gains.size(), 2u);
+    EXPECT_EQ(lamps.gains[1].pattern, "desk");
+    EXPECT_EQ(lamps.gains[1].gain, Rgb(2, 1, 0.5f));
+    EXPECT_TRUE(commandOf<LampsRequest>(R"("request": "lamps", "lamp": [])").gains.empty());
+    for (const char* fields : {R"("lamp": ["desk"])", R"("lamp": ["desk=-1"])", R"("lamp": 1)",
+                               R"("gain": 1)", R"("lamp": [], "set": ["a"])"})
+        EXPECT_NE(errorOf(std::string(R"({"id": 1, "request": "lamps", )") + fields + "}"), "")
+            << fields;
+}
+
 TEST(ServeRequests, EnvironmentsTurnAndGain) {
     const auto map = commandOf<EnvironmentRequest>(
         R"("request": "environment", "map": "m.exr", "rotate": -12.5, "gain": 2)");

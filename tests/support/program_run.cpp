@@ -98,9 +98,10 @@ std::string programFolders() {
 ProgramRun runProgram(const std::string& name, const std::vector<std::string>& typed,
                       const std::filesystem::path& folder, const RunLimits& limits) {
     std::vector<std::string> arguments = typed;
-    const bool bounces = std::ranges::any_of(
-        typed, [](const std::string& word) { return word.starts_with("--bounces"); });
-    if (name == "render" && !bounces && !limits.standardBounces)
+    const bool says = std::ranges::any_of(typed, [](const std::string& word) {
+        return word.starts_with("--bounces") || word == "--mix";
+    });
+    if (name == "render" && !says && !limits.standardBounces)
         arguments.insert(arguments.begin(), {"--bounces", "0"});
     int out[2], err[2];
     if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) throw Error("no pipe");

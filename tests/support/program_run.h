@@ -34,7 +34,8 @@ bool runAndKill(const std::string& name, const std::vector<std::string>& argumen
 
 /// Runs one of the project's programs ("bake", "render", "farm", "info", "merge", "make-set") in
 /// `folder` to its end. Each of its two outputs must fit a pipe (64 kB). "render" shows direct
-/// light alone, which most tests are about, unless --bounces is among the arguments or the limits.
+/// light alone, which most tests are about, unless --bounces or --mix is among the arguments, or
+/// the limits say so.
 ProgramRun runProgram(const std::string& name, const std::vector<std::string>& arguments,
                       const std::filesystem::path& folder, const RunLimits& limits = {});
 
