@@ -13,12 +13,12 @@ void addLantern(SetMesh& mesh, const Placement& at) {
     addLathe(mesh, at, cap, 12, plain(kBronze, Finish::bronze));
 }
 
-/// A shade on a cord, open below and, a hand wide, above.
+/// A shade on a cord, open below; its socket closes it above.
 void addTableLamp(SetMesh& mesh, const Placement& at, double ceiling) {
     const Imath::V2d shade[] = {{0.27, -0.12}, {0.24, -0.03}, {0.15, 0.07}, {0.06, 0.12}};
     addLathe(mesh, at, shade, 28, plain({0.74f, 0.66f, 0.52f}));
-    const Imath::V2d cord[] = {{0.006, 0.07}, {0.006, ceiling}};
-    addLathe(mesh, at, cord, 6, plain(kBronze, Finish::bronze));
+    const Imath::V2d cord[] = {{0, 0.1}, {0.062, 0.1}, {0.05, 0.16}, {0.006, 0.18}, {0.006, ceiling}};
+    addLathe(mesh, at, cord, 12, plain({0.1f, 0.08f, 0.06f}));
     mesh.lamps.push_back({"lamp over the table", at(0, 0, 0), {1.0f, 0.72f, 0.44f}, 14, 0.045});
 }
 

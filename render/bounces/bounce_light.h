@@ -41,6 +41,8 @@ private:
     std::vector<VertexLight> predictLight(const PathVertices& level, int bounce) const;
     /// Adds what the rays of a level found to its light, in place of what was predicted of it.
     void addBounced(std::span<const Rgb> found, const PathLevel& next, PathLevel& level) const;
+    /// How the diffuse rays of a level are drawn.
+    Guides guide(const PathLevel& level, int bounce, BounceCounts& counts) const;
     int bouncesLeft(int bounce) const;
     GroupSizes sizesAt(int bounce) const;
     void clampLight(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light) const;
@@ -49,6 +51,7 @@ private:
     const EstimatorPlan* plan_;
     const BounceOptions options_;
     mutable Pool<Workspace> workspaces_;
+    mutable ItemGuides itemGuides_;
 };
 
 }  // namespace shadowcache

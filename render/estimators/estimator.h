@@ -18,6 +18,7 @@
 namespace shadowcache {
 
 class EmitterLight;
+class RadiosityTree;
 
 /// What every estimator works with; all outlive it.
 struct EstimatorContext {
@@ -30,6 +31,8 @@ struct EstimatorContext {
     /// What shines in the set, which direct light includes; null: nothing does, or rays of paths
     /// meet it.
     const EmitterLight* emitters = nullptr;
+    /// Where the light that bounces comes from, by `solve`; null: paths are not guided.
+    const RadiosityTree* radiosity = nullptr;
 };
 
 /// An estimator of irradiance. Immutable; thread-safe through one workspace a thread. Most derive

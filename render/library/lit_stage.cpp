@@ -1,5 +1,6 @@
 #include "render/library/lit_stage.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/error.h"
@@ -74,12 +75,18 @@ std::size_t LitStage::bounceBytes() const {
 
 void LitStage::setEnvironment(const Environment& environment) {
     estimator_.reset();
+    radiosity_.reset();
     solve_.reset();
-    if (transport_)
+    if (transport_) {
         solve_ = std::make_unique<BounceSolve>(*cache_, *items_, *transport_, environment, looks_,
                                                options_.bounces, ofEmitters_);
+        // What a camera's points receive has bounced once less.
+        radiosity_ = std::make_unique<RadiosityTree>(
+            *solve_, looks_, std::max(options_.bounces - 1, kUnlimitedBounces),
+            environment.luminanceWeights(), scene_.mesh().origin);
+    }
     estimator_ = entry_.make({scene_, environment, cache_, options_.sequence, solve_.get(),
-                              light_ ? &light_->light() : nullptr},
+                              light_ ? &light_->light() : nullptr, radiosity_.get()},
                              options_.estimator);
 }
 

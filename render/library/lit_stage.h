@@ -9,6 +9,7 @@
 #include "common/cache/transport.h"
 #include "common/light/environment.h"
 #include "common/predict/bounce_solve.h"
+#include "common/predict/radiosity_tree.h"
 #include "common/trace/scene.h"
 #include "render/frame/film.h"
 #include "render/frame/frame_request.h"
@@ -115,6 +116,7 @@ private:
     std::vector<ItemLook> looks_;            ///< by item
     std::vector<Rgb> ofEmitters_;            ///< by item: as BounceSolve wants it
     std::unique_ptr<BounceSolve> solve_;
+    std::unique_ptr<RadiosityTree> radiosity_;  ///< of `solve_`
     std::unique_ptr<Estimator> estimator_;
 };
 
