@@ -17,7 +17,7 @@ SHADOWCACHE_TUNED(std::size_t, kGuideBalls, 32);
 SHADOWCACHE_TUNED(int, kTrialRays, 16);
 
 /// By how much guided rays have to lower the second moment of what a ray finds.
-SHADOWCACHE_TUNED(double, kLeastGain, 1.25);
+SHADOWCACHE_TUNED(double, kLeastGain, 1.5);
 
 /// Shares of guided rays that are compared.
 constexpr double kShares[] = {0.25, 0.5, 0.75};
