@@ -41,6 +41,16 @@ SetMesh makeCourtyard() {
     return mesh;
 }
 
+SetMesh makeNight() {
+    SetMesh mesh = makeCourtyard();
+    courtyard::addLights(mesh);
+    return mesh;
+}
+
+std::vector<CameraKey> nightWalk() {
+    return {{{-9.6, 1.9, -2.4}, {-13.2, 1.3, 0.9}}, {{-9.9, 1.85, -1.6}, {-13.4, 1.25, 0.6}}};
+}
+
 std::vector<CameraKey> courtyardWalk() {
     return {{{8.45, 1.95, 5.15}, {-2.6, 2.95, -0.9}}, {{6.6, 1.95, 5.05}, {-4.0, 2.9, -0.6}},
             {{4.4, 1.95, 4.95}, {-6.0, 2.8, -0.2}},   {{2.0, 1.9, 4.75}, {-8.0, 2.6, 0.4}},

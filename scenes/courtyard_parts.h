@@ -96,6 +96,10 @@ void addBench(SetMesh& mesh, const Placement& at);
 void addTree(SetMesh& mesh, const Placement& at, std::int64_t seed);
 /// Low box with a clipped hedge.
 void addHedge(SetMesh& mesh, const Placement& at, double length, std::int64_t seed);
+/// The room's window, in the frame of its bay.
+inline constexpr Opening kWindow{-0.65, 0.65, 1.15, 2.75};
 void addRoom(SetMesh& mesh);
+/// Lanterns, the room's lamp, the window's pane.
+void addLights(SetMesh& mesh);
 
 }  // namespace shadowcache::scenes::courtyard

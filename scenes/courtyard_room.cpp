@@ -196,12 +196,11 @@ void addRoom(SetMesh& mesh) {
     const Placement at = sides()[static_cast<std::size_t>(Facing::west)].at;
     addShell(mesh, at);
     const Opening door{-0.72, 0.72, kFloor - 0.01, 2.75};
-    const Opening window{-0.65, 0.65, 1.15, 2.75};
     addFront(mesh, at, 1.5, door);
-    addFront(mesh, at, -1.5, window);
+    addFront(mesh, at, -1.5, kWindow);
     for (const double s : {-1.0, 1.0})
         addDoorLeaf(mesh, moved(at, 1.5 + s * 0.72, kFloor, 0.2, s * 1.75), 0.7, 2.4, -s);
-    addWindowBars(mesh, moved(at, -1.5, 0, 0), window);
+    addWindowBars(mesh, moved(at, -1.5, 0, 0), kWindow);
     const Placement sill = moved(at, -1.5, 0, 0);
     addSlab(mesh, sill, {-0.85, 1.05, -0.2}, {0.85, 1.15, 0.05}, 0.015,
             weathered(kStone, 0.12, 0.5));

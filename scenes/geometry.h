@@ -36,7 +36,27 @@ struct Placement {
 Placement moved(const Placement& at, double x, double y, double z, double yaw = 0);
 
 /// How a surface shines: the materials of a set, see kMaterials in glb_writer.cpp.
-enum class Finish { matte, honed, waxed, varnished, glazed, bronze, gilded, water };
+enum class Finish {
+    matte,
+    honed,
+    waxed,
+    varnished,
+    glazed,
+    bronze,
+    gilded,
+    water,
+    pane,
+    lantern
+};
+
+/// A lamp without a surface.
+struct PointLamp {
+    const char* name;
+    Vec3d position;
+    Rgb color;         ///< linear, at most 1
+    double intensity;  ///< cd
+    double radius;     ///< m
+};
 
 /// Triangles with a colour at every corner, in the order in which they were added.
 struct SetMesh {
@@ -44,6 +64,7 @@ struct SetMesh {
     std::vector<Rgb> colors;  ///< linear base colour
     std::vector<Vec3i> triangles;
     std::vector<Finish> finishes;  ///< of each triangle
+    std::vector<PointLamp> lamps;
 
     int addVertex(const Vec3d& p, const Rgb& color);
     /// Adds the triangle unless two corners fall together (the pole of a lathe).

@@ -2,6 +2,8 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 
 #include "common/base/error.h"
 #include "common/mesh/smooth_normals.h"
@@ -27,20 +29,34 @@ constexpr Material kMaterials[] = {
     {Finish::waxed, "waxed leaf", 0, 0.5},    {Finish::varnished, "varnished wood", 0, 0.3},
     {Finish::glazed, "glazed clay", 0, 0.15}, {Finish::bronze, "bronze", 1, 0.35},
     {Finish::gilded, "gilded", 1, 0.25},      {Finish::water, "water", 0, 0.03},
+    {Finish::pane, "pane", 0, 0},           {Finish::lantern, "lantern", 0, 1},
 };
 
-json describe(const Material& material) {
+/// Puts an extension into a part of the document, and its name into `used`.
+void extend(json& part, const char* name, const json& value, std::set<std::string>& used) {
+    part["extensions"][name] = value;
+    used.insert(name);
+}
+
+json describe(const Material& material, std::set<std::string>& used) {
     json described{
         {"name", material.name},
-        {"doubleSided", true},
+        {"doubleSided", material.finish != Finish::lantern},  // shines to its outside alone
         {"pbrMetallicRoughness",
          {{"metallicFactor", material.metallic}, {"roughnessFactor", material.roughness}}}};
-    const auto extend = [&](const char* name, const json& value) {
-        described["extensions"][name] = value;
+    const auto have = [&](const char* name, const json& value) {
+        extend(described, name, value, used);
     };
     // glTF has no Lambertian surface but one that reflects nothing.
-    if (material.finish == Finish::matte) extend("KHR_materials_specular", {{"specularFactor", 0}});
-    if (material.finish == Finish::water) extend("KHR_materials_ior", {{"ior", 1.33}});
+    if (material.finish == Finish::matte || material.finish == Finish::lantern)
+        have("KHR_materials_specular", {{"specularFactor", 0}});
+    if (material.finish == Finish::water) have("KHR_materials_ior", {{"ior", 1.33}});
+    if (material.finish == Finish::pane)
+        have("KHR_materials_transmission", {{"transmissionFactor", 1}});
+    if (material.finish == Finish::lantern) {
+        described["emissiveFactor"] = {1.0, 0.62, 0.3};
+        have("KHR_materials_emissive_strength", {{"emissiveStrength", 40}});
+    }
     return described;
 }
 
@@ -48,11 +64,12 @@ json describe(const Material& material) {
 class Glb {
 public:
     json document{{"asset", {{"version", "2.0"}, {"generator", "shadowcache-make-set"}}},
-                  {"extensionsUsed", {"KHR_materials_specular", "KHR_materials_ior"}},
                   {"scene", 0},
                   {"scenes", {{{"nodes", {0}}}}},
-                  {"nodes", {{{"mesh", 0}, {"name", "courtyard"}}}},
+                  {"nodes", {{{"mesh", 0}, {"name", "set"}}}},
                   {"meshes", {{{"primitives", json::array()}}}}};
+
+    std::set<std::string> extensions;  ///< that the document uses
 
     /// @param values  three floats each
     template <class T>
@@ -72,6 +89,7 @@ public:
     }
 
     void write(const std::filesystem::path& path) {
+        document["extensionsUsed"] = extensions;
         document["buffers"] = {{{"byteLength", data_.size()}}};
         std::string text = document.dump();
         text.resize((text.size() + 3) / 4 * 4, ' ');
@@ -131,14 +149,33 @@ void addPart(Glb& glb, const SetMesh& mesh, Finish finish, std::size_t material)
                                                        {"material", material}});
 }
 
+void addLamp(Glb& glb, const PointLamp& lamp) {
+    if (!glb.document.contains("extensions"))
+        extend(glb.document, "KHR_lights_punctual", {{"lights", json::array()}}, glb.extensions);
+    json& lights = glb.document["extensions"]["KHR_lights_punctual"]["lights"];
+    json node{
+        {"name", lamp.name},
+        {"translation", json{lamp.position.x, lamp.position.y, lamp.position.z}},
+    };
+    extend(node, "KHR_lights_punctual", {{"light", lights.size()}}, glb.extensions);
+    lights.push_back({{"name", lamp.name},
+                      {"type", "point"},
+                      {"color", {lamp.color.x, lamp.color.y, lamp.color.z}},
+                      {"intensity", lamp.intensity},
+                      {"extras", {{"radius", lamp.radius}}}});
+    glb.document["scenes"][0]["nodes"].push_back(glb.document["nodes"].size());
+    glb.document["nodes"].push_back(node);
+}
+
 }  // namespace
 
 void writeGlb(const std::filesystem::path& path, const SetMesh& mesh) {
     Glb glb;
     for (const Material& material : kMaterials) {
-        glb.document["materials"].push_back(describe(material));
+        glb.document["materials"].push_back(describe(material, glb.extensions));
         addPart(glb, mesh, material.finish, glb.document["materials"].size() - 1);
     }
+    for (const PointLamp& lamp : mesh.lamps) addLamp(glb, lamp);
     glb.write(path);
 }
 

@@ -51,7 +51,10 @@ void takePredicted(GroupedVertexLight& light, std::size_t number) {
 
 BounceLight::BounceLight(const Estimator& estimator, const EstimatorPlan* plan,
                          const BounceOptions& options)
-    : estimator_(estimator), plan_(plan), options_(options) {}
+    : estimator_(estimator),
+      plan_(plan),
+      options_(options),
+      itemGuides_(estimator.context()) {}
 
 int BounceLight::bouncesLeft(int bounce) const {
     return options_.most == kUnlimitedBounces ? kUnlimitedBounces : options_.most - bounce;
@@ -91,8 +94,8 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
         const DirectionNumbers numbers = bounce > 0 || options_.shared
                                              ? stratifiedNumbers(level.at.vertices, level.groups)
                                              : firstNumbers(receivers);
-        PathStep step = nextVertices(context, options_.plain, level.at, level.choices, numbers,
-                                     level.groups.order);
+        level.guides = guide(level, bounce, counts);
+        PathStep step = nextVertices(context, options_.plain, level, numbers);
         level.children = std::move(step.children);
         vertices = std::move(step.next);
         counts.pathRays += step.rays;
@@ -119,6 +122,14 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
                           std::move(next.groupedLight.mirrored)};
     clampLight(receivers, light, grouped);
     return grouped;
+}
+
+Guides BounceLight::guide(const PathLevel& level, int bounce, BounceCounts& counts) const {
+    const EstimatorContext& context = estimator_.context();
+    if (!options_.shared || !context.radiosity) return {};
+    return bounce == 0
+               ? Guides::ofClusters(context, level.at.vertices, level.groups, counts.pathRays)
+               : Guides::ofItems(itemGuides_, level.at.vertices, level.groups);
 }
 
 void BounceLight::addGroups(PathLevel& level) const {

@@ -48,6 +48,8 @@ private:
     void addBounced(std::span<const Rgb> found, const PathLevel& next, PathLevel& level) const;
     /// The same by light group.
     void addBounced(const GroupedLight& found, const PathLevel& next, PathLevel& level) const;
+    /// How the diffuse rays of a level are drawn.
+    Guides guide(const PathLevel& level, int bounce, BounceCounts& counts) const;
     int bouncesLeft(int bounce) const;
     GroupSizes sizesAt(int bounce) const;
     void clampLight(std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
@@ -57,6 +59,7 @@ private:
     const EstimatorPlan* plan_;
     const BounceOptions options_;
     mutable Pool<Workspace> workspaces_;
+    mutable ItemGuides itemGuides_;
 };
 
 }  // namespace shadowcache

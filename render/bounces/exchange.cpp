@@ -1,6 +1,7 @@
 #include "render/bounces/exchange.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <span>
@@ -17,15 +18,29 @@ constexpr std::size_t kGroupsOfChunk = 64;
 /// Least density of a member's own ray: it drew the place, whatever rounding makes of the cosines.
 constexpr float kLeastDensity = 1e-12f;
 
-/// Density, times pi, with which the diffuse rays of `from` meet the surface at `to`, if nothing
-/// lies between; 0 where `from` does not see its lit side.
-float densityAt(const PathVertex& from, const PathVertex& to) {
-    const Vec3f way = to.target - from.origin;
-    const float cosine = way.dot(from.normal), cosineThere = -way.dot(to.geometricNormal);
-    if (cosine <= 0 || cosineThere <= 0 || way.dot(from.geometricNormal) <= 0) return 0;
-    const float squared = std::max(way.length2(), std::numeric_limits<float>::min());
+/// How the diffuse rays of one vertex meet the surface at another one, if nothing lies between; 0
+/// where it does not see its lit side.
+struct Meeting {
+    float byCosine = 0;  ///< density of rays drawn by the cosine, times pi
+    float density = 0;   ///< that of its own
+};
+
+/// From a density of directions to one of places, within what a float can hold.
+float atPlace(float cosine, float squared, float cosineThere) {
     return std::min(cosine / squared * (cosineThere / squared),
                     std::numeric_limits<float>::max() / 1024);
+}
+
+Meeting meetingOf(const PathVertex& from, const DirectionGuide& guide, const PathVertex& to) {
+    const Vec3f way = to.target - from.origin;
+    const float cosine = way.dot(from.normal), cosineThere = -way.dot(to.geometricNormal);
+    if (cosine <= 0 || cosineThere <= 0 || way.dot(from.geometricNormal) <= 0) return {};
+    const float squared = std::max(way.length2(), std::numeric_limits<float>::min());
+    const float byCosine = atPlace(cosine, squared, cosineThere);
+    if (guide.isCosine()) return {byCosine, byCosine};
+    const float length = std::sqrt(squared);
+    const float density = guide.density(from.origin, cosine / length, way / length);
+    return {byCosine, atPlace(density * length, squared, cosineThere)};
 }
 
 /// One group of vertices at a time.
@@ -36,29 +51,30 @@ public:
         : scene_(scene), level_(level), next_(next), out_(out), grouped_(grouped) {}
 
     std::uint64_t run(std::span<const std::uint32_t> members) {
-        findDensities(members);
+        findMeetings(members);
         const std::size_t n = members.size();
         for (std::size_t j = 0; j < n; ++j) {
             const std::int32_t child = childOf(members[j]);
             if (child == VertexChildren::kNone) continue;
-            const auto column = std::span(density_).subspan(j * n, n);
-            const float sum = std::accumulate(column.begin(), column.end(), 0.0f);
+            const auto column = std::span(meetings_).subspan(j * n, n);
+            float sum = 0;
+            for (const Meeting& meeting : column) sum += meeting.density;
             const VertexLight& light = next_.light[static_cast<std::size_t>(child)];
             const Rgb radiance = diffuseRadiance(vertexMet(child), light) * static_cast<float>(kPi);
             findGroups(child);
             for (std::size_t k = 0; k < n; ++k) {
-                if (!(column[k] > 0)) continue;
+                if (!(column[k].byCosine > 0)) continue;
                 const Rgb tint = tintOf(members[k], vertexMet(child), k == j);
-                out_[members[k]] += radiance * tint * (column[k] / sum);
-                if (!ofGroups_.empty())
-                    addTo(grouped_[members[k]], ofGroups_, tint * (column[k] / sum));
+                const float weight = column[k].byCosine / sum;
+                out_[members[k]] += radiance * tint * weight;
+                if (!ofGroups_.empty()) addTo(grouped_[members[k]], ofGroups_, tint * weight);
             }
-            const Rgb tint = vertexMet(child).tint;
-            out_[members[j]] += light.mirrored * tint * static_cast<float>(kPi);
+            const Rgb share = vertexMet(child).tint * (static_cast<float>(kPi) *
+                                                       (column[j].byCosine / column[j].density));
+            out_[members[j]] += light.mirrored * share;
             if (!next_.groupedLight.mirrored.empty())
                 addTo(grouped_[members[j]],
-                      next_.groupedLight.mirrored[static_cast<std::size_t>(child)],
-                      tint * static_cast<float>(kPi));
+                      next_.groupedLight.mirrored[static_cast<std::size_t>(child)], share);
         }
         return rays_;
     }
@@ -87,10 +103,10 @@ private:
         return scene_.tint(origin, met.target - origin, 1);
     }
 
-    /// density_[j n + k]: that of member k's rays at what j's ray met.
-    void findDensities(std::span<const std::uint32_t> members) {
+    /// meetings_[j n + k]: that of member k's rays with what j's ray met.
+    void findMeetings(std::span<const std::uint32_t> members) {
         const std::size_t n = members.size();
-        density_.assign(n * n, 0);
+        meetings_.assign(n * n, {});
         rays_ = 0;
         for (std::size_t j = 0; j < n; ++j) {
             const std::int32_t child = childOf(members[j]);
@@ -98,24 +114,36 @@ private:
             const PathVertex& met = vertexMet(child);
             for (std::size_t k = 0; k < n; ++k) {
                 const PathVertex& from = level_.at.vertices[members[k]];
-                float& density = density_[j * n + k];
-                density = densityAt(from, met);
+                const DirectionGuide& guide = level_.guides.of(members[k]);
+                Meeting& meeting = meetings_[j * n + k];
+                meeting = meetingOf(from, guide, met);
                 if (k == j)
-                    density = std::max(density, kLeastDensity);
-                else if (density > 0)
-                    enqueue(from.origin, met.target - from.origin, density);
+                    meeting = ownMeeting(meeting, guide, level_.children[members[j]]);
+                else if (meeting.density > 0)
+                    enqueue(from.origin, met.target - from.origin, meeting);
             }
         }
         flush();
     }
 
-    void enqueue(const Vec3f& origin, const Vec3f& way, float& density) {
+    /// Of a member with what its own ray met: that drew it, whatever rounding makes of its
+    /// direction.
+    static Meeting ownMeeting(Meeting found, const DirectionGuide& guide,
+                              const VertexChildren& children) {
+        found.byCosine = std::max(found.byCosine, kLeastDensity);
+        found.density = guide.isCosine()
+                            ? found.byCosine
+                            : found.byCosine * (children.density / children.cosine);
+        return found;
+    }
+
+    void enqueue(const Vec3f& origin, const Vec3f& way, Meeting& meeting) {
         for (int k = 0; k < 3; ++k) {
             stream_.origin[k][queued_] = origin[k];
             stream_.direction[k][queued_] = way[k];
         }
         stream_.reach[queued_] = 1;
-        asked_[queued_] = &density;
+        asked_[queued_] = &meeting;
         if (++queued_ == RayStream::kSize) flush();
     }
 
@@ -130,7 +158,7 @@ private:
             };
             if (stream_.reach[i] < 0 ||
                 (moves && !scene_.isFree(vector(stream_.origin), vector(stream_.direction))))
-                *asked_[i] = 0;
+                *asked_[i] = {};
         }
         rays_ += queued_;
         queued_ = 0;
@@ -142,9 +170,9 @@ private:
     std::vector<Rgb>& out_;
     GroupedLight& grouped_;
     std::vector<Rgb> ofGroups_;
-    std::vector<float> density_;
+    std::vector<Meeting> meetings_;
     RayStream stream_{};
-    float* asked_[RayStream::kSize] = {};
+    Meeting* asked_[RayStream::kSize] = {};
     std::size_t queued_ = 0;
     std::uint64_t rays_ = 0;
 };

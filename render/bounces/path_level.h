@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "render/bounces/guides.h"
 #include "render/bounces/path_vertex.h"
 #include "render/bounces/vertex_groups.h"
 
@@ -12,6 +13,7 @@ struct PathLevel {
     PathVertices at;
     std::vector<VertexChoice> choices;
     VertexGroups groups;
+    Guides guides;
     std::vector<VertexChildren> children;  ///< empty: paths end here
     std::vector<VertexLight> light;
     GroupedVertexLight groupedLight;

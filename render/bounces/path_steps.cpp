@@ -25,20 +25,21 @@ struct PathRay {
     std::uint32_t from;  ///< vertex that sends it
     bool ofLobe;
     Rgb share;  ///< by which radiance that it finds counts at `from`
+    float cosine = 0, density = 0;  ///< as VertexChildren has them
 };
 
 /// One chunk of a level's vertices: their rays, and what these meet.
 class Steps {
 public:
-    Steps(const EstimatorContext& context, const PlainLook& plain, const PathVertices& level,
-          std::span<const VertexChoice> choices)
+    Steps(const EstimatorContext& context, const PlainLook& plain, const PathLevel& level)
         : scene_(context.scene),
           plain_(plain),
           weights_(context.environment.luminanceWeights()),
           emitters_(context.emitters),
           groups_(context.groups),
-          level_(level),
-          choices_(choices) {}
+          level_(level.at),
+          choices_(level.choices),
+          guides_(level.guides) {}
 
     /// A vertex that a ray met.
     struct Met {
@@ -46,6 +47,7 @@ public:
         std::uint32_t from;
         bool byLobe;
         bool moves;
+        float cosine, density;  ///< as VertexChildren has them
     };
 
     void run(std::span<const std::uint32_t> vertices, const DirectionNumbers& numbers) {
@@ -63,9 +65,13 @@ public:
 private:
     void sendDiffuse(std::uint32_t from, const std::array<float, 2>& numbers) {
         const PathVertex& v = level_.vertices[from];
-        const Vec3f direction = aroundNormal(v.normal, std::sqrt(1 - numbers[0]), numbers[1]);
-        if (direction.dot(v.geometricNormal) > 0)
-            rays_.push_back({direction, from, false, v.albedo});
+        const DirectionGuide& guide = guides_.of(from);
+        const Vec3f direction = guide.draw(v.origin, v.normal, numbers);
+        const float cosine = direction.dot(v.normal);
+        if (direction.dot(v.geometricNormal) <= 0 || (cosine <= 0 && !guide.isCosine())) return;
+        const float density = guide.density(v.origin, cosine, direction);
+        const float part = guide.isCosine() ? 1 : cosine / density;
+        rays_.push_back({direction, from, false, v.albedo * part, cosine, density});
     }
 
     void sendLobe(std::uint32_t from) {
@@ -119,7 +125,7 @@ private:
             v.lobe = static_cast<std::int32_t>(lobes.size());
             lobes.emplace_back(surface, v.normal, -ray.direction);
         }
-        met.push_back({v, ray.from, ray.ofLobe, hit.scene != &scene_});
+        met.push_back({v, ray.from, ray.ofLobe, hit.scene != &scene_, ray.cosine, ray.density});
     }
 
     const Scene& scene_;
@@ -129,6 +135,7 @@ private:
     const LightGroups* groups_;
     const PathVertices& level_;
     const std::span<const VertexChoice> choices_;
+    const Guides& guides_;
     std::vector<PathRay> rays_;
 };
 
@@ -172,21 +179,21 @@ DirectionNumbers firstNumbers(std::span<const BounceReceiver> receivers) {
 }
 
 PathStep nextVertices(const EstimatorContext& context, const PlainLook& plain,
-                      const PathVertices& level, std::span<const VertexChoice> choices,
-                      const DirectionNumbers& numbers, std::span<const std::uint32_t> order) {
+                      const PathLevel& level, const DirectionNumbers& numbers) {
+    const std::span<const std::uint32_t> order = level.groups.order;
     std::vector<std::vector<Steps::Met>> met((order.size() + kVerticesOfChunk - 1) /
                                              kVerticesOfChunk);
     std::vector<std::vector<GlossyLobe>> lobes(met.size());
     std::vector<std::uint64_t> counts(met.size());
     parallelFor(order.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
-        Steps steps(context, plain, level, choices);
+        Steps steps(context, plain, level);
         steps.run(order.subspan(chunk.begin, chunk.end - chunk.begin), numbers);
         counts[chunk.index] = steps.rayCount();
         met[chunk.index] = std::move(steps.met);
         lobes[chunk.index] = std::move(steps.lobes);
     });
     PathStep step;
-    step.children.resize(level.vertices.size());
+    step.children.resize(level.size());
     std::vector<PathVertex>& next = step.next.vertices;
     std::vector<std::uint32_t> ofSet;  // items are of the set alone, not of what moves
     for (std::size_t c = 0; c < met.size(); ++c) {
@@ -198,6 +205,10 @@ PathStep nextVertices(const EstimatorContext& context, const PlainLook& plain,
             VertexChildren& children = step.children[found.from];
             (found.byLobe ? children.lobe : children.diffuse) =
                 static_cast<std::int32_t>(next.size());
+            if (!found.byLobe) {
+                children.cosine = found.cosine;
+                children.density = found.density;
+            }
             if (!found.moves) ofSet.push_back(static_cast<std::uint32_t>(next.size()));
             next.push_back(found.vertex);
         }

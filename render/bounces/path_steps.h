@@ -3,7 +3,7 @@
 #include <span>
 
 #include "render/bounces/bounce_task.h"
-#include "render/bounces/path_vertex.h"
+#include "render/bounces/path_level.h"
 
 namespace shadowcache {
 
@@ -25,9 +25,7 @@ struct PathStep {
 /// no vertex: the sky's light is known otherwise, and such backs reflect nothing.
 ///
 /// @param plain  of what has no material
-/// @param order  the vertices that send rays, near by near; may hold others
 PathStep nextVertices(const EstimatorContext& context, const PlainLook& plain,
-                      const PathVertices& level, std::span<const VertexChoice> choices,
-                      const DirectionNumbers& numbers, std::span<const std::uint32_t> order);
+                      const PathLevel& level, const DirectionNumbers& numbers);
 
 }  // namespace shadowcache

@@ -62,6 +62,8 @@ struct VertexChildren {
 
     std::int32_t diffuse = kNone;
     std::int32_t lobe = kNone;
+    float cosine = 0;   ///< of the diffuse ray at the vertex
+    float density = 0;  ///< with which it was drawn, as DirectionGuide has it
 };
 
 /// Light of a vertex, as far as it is known.

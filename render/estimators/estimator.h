@@ -20,6 +20,7 @@ namespace shadowcache {
 class EmitterLight;
 class GroupedSolve;
 class LightGroups;
+class RadiosityTree;
 
 /// What every estimator works with; all outlive it.
 struct EstimatorContext {
@@ -36,6 +37,8 @@ struct EstimatorContext {
     const LightGroups* groups = nullptr;
     /// What `solve` predicts, by group; null without groups, or without a solve.
     const GroupedSolve* groupedSolve = nullptr;
+    /// Where the light that bounces comes from, by `solve`; null: paths are not guided.
+    const RadiosityTree* radiosity = nullptr;
 };
 
 /// An estimator of irradiance. Immutable; thread-safe through one workspace a thread. Most derive

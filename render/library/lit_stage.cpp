@@ -107,17 +107,30 @@ std::size_t LitStage::bounceBytes() const {
 void LitStage::setEnvironment(const Environment& environment) {
     estimator_.reset();
     groupedSolve_.reset();
+    radiosity_.reset();
     solve_.reset();
-    if (transport_)
+    if (transport_) {
         solve_ = std::make_unique<BounceSolve>(*cache_, *items_, *transport_, environment, looks_,
                                                options_.bounces, ofEmitters_);
-    if (solve_ && groups_)
-        groupedSolve_ = std::make_unique<GroupedSolve>(*solve_, *transport_, looks_, lightOfGroups_,
-                                                       environment.luminanceIntegral() > 0);
-    estimator_ =
-        entry_.make({scene_, environment, cache_, options_.sequence, solve_.get(),
-                     light_ ? &light_->light() : nullptr, groups_.get(), groupedSolve_.get()},
-                    options_.estimator);
+        // What a camera's points receive has bounced once less.
+        radiosity_ = std::make_unique<RadiosityTree>(
+            *solve_, looks_, std::max(options_.bounces - 1, kUnlimitedBounces),
+            environment.luminanceWeights(), scene_.mesh().origin);
+        if (groups_)
+            groupedSolve_ = std::make_unique<GroupedSolve>(*solve_, *transport_, looks_,
+                                                           lightOfGroups_,
+                                                           environment.luminanceIntegral() > 0);
+    }
+    estimator_ = entry_.make({.scene = scene_,
+                              .environment = environment,
+                              .cache = cache_,
+                              .sequence = options_.sequence,
+                              .solve = solve_.get(),
+                              .emitters = light_ ? &light_->light() : nullptr,
+                              .groups = groups_.get(),
+                              .groupedSolve = groupedSolve_.get(),
+                              .radiosity = radiosity_.get()},
+                             options_.estimator);
 }
 
 Picture LitStage::plan(const CameraMove& camera, int frame, const RenderOptions& options,

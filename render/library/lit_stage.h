@@ -10,6 +10,7 @@
 #include "common/light/environment.h"
 #include "common/predict/bounce_solve.h"
 #include "common/predict/grouped_solve.h"
+#include "common/predict/radiosity_tree.h"
 #include "common/trace/scene.h"
 #include "render/frame/film.h"
 #include "render/frame/frame_request.h"
@@ -129,6 +130,7 @@ private:
     std::vector<std::vector<Rgb>> lightOfGroups_;  ///< by group: as GroupedSolve wants it
     std::unique_ptr<BounceSolve> solve_;
     std::unique_ptr<GroupedSolve> groupedSolve_;
+    std::unique_ptr<RadiosityTree> radiosity_;  ///< of `solve_`
     std::unique_ptr<Estimator> estimator_;
 };
 
