@@ -1,6 +1,5 @@
 #include "render/app/command_line.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <string_view>
 #include <vector>
@@ -14,18 +13,18 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
-/// CLI11 would require these with --list and --serve, too.
+/// All but --list and --serve need these.
 void requireWhatRendersNeed(const RenderJob& job) {
-    if (job.run.output.empty()) throw CLI::RequiredError("--output");
+    if (job.run.output.empty()) throw FormError("--output is required");
     if (job.camera.name.empty() && !job.camera.eye)
-        throw CLI::RequiredError("--camera, or --eye with --look-at,");
+        throw FormError("--camera, or --eye with --look-at, is required");
 }
 
 /// Requests say all that a run takes.
-void requireNothingElse(const CLI::App& app) {
-    for (const CLI::Option* option : app.get_options())
-        if (option->count() > 0 && !option->check_lname("serve") && !option->check_lname("threads"))
-            throw CLI::ExcludesError("--serve", option->get_name());
+void requireNothingElse(const ParsedLine& parsed) {
+    for (const std::string& option : parsed.given)
+        if (option != "--serve" && option != "--threads")
+            throw FormError("--serve excludes " + option);
 }
 
 constexpr const char* kExamples =
@@ -43,26 +42,24 @@ constexpr const char* kExamples =
 }  // namespace
 
 std::optional<int> parseArguments(int argc, char** argv, RenderJob& job) {
-    CLI::App app(
-        "Renders a static set lit by an environment map, without bias, with fewer rays where a "
-        "cache "
-        "predicts the visibility and the light that bounces.",
-        "shadowcache-render");
-    beginCommandLine(app);
     std::vector<std::string> groups{"Options", "Settings file"};
     groups.insert(groups.end(), std::begin(kShortHelp), std::end(kShortHelp));
-    showInHelp(app, groups);
     std::vector<OptionRow> rows = optionRows(job);
     // Its requests name the set.
     if (std::any_of(argv, argv + argc, [](const char* word) { return "--serve"sv == word; }))
         rows.front().isRequired = false;
-    app.footer(kExamples);
-    const auto check = [&] {
-        if (job.run.serve) return requireNothingElse(app);
+    const auto check = [&](const ParsedLine& parsed) {
+        if (job.run.serve) return requireNothingElse(parsed);
         if (!job.run.list) requireWhatRendersNeed(job);
     };
-    if (const auto status = parseCommandLine(app, argc, argv, rows, check)) return status;
-    job.run.settings = settingsOf(app);
+    ParsedLine parsed = parseCommandLine(
+        {"shadowcache-render",
+         "Renders a static set lit by an environment map, without bias, with fewer rays where a "
+         "cache predicts the visibility and the light that bounces.",
+         kExamples, std::move(groups)},
+        argc, argv, rows, check);
+    if (parsed.status) return parsed.status;
+    job.run.settings = std::move(parsed.settings);
     return std::nullopt;
 }
 
