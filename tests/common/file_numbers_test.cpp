@@ -19,6 +19,7 @@
 #include "common/shot/view.h"
 #include "tests/support/extreme_numbers.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
@@ -79,13 +80,9 @@ void expectTraceable(const Camera& camera, const Scene& scene) {
     scene.visibility(rays, count);
 }
 
-TriangleMesh load(const std::filesystem::path& path) {
-    return loadMesh(std::span(&path, 1), {});
-}
-
 TEST(FileNumbers, CameraFiles) {
     const TemporaryFolder folder;
-    const auto mesh = load(folder.write("set.obj", squareObj()));
+    const auto mesh = loadFile(folder.write("set.obj", squareObj()));
     const Scene scene(mesh);
     const json good = json::parse(
         R"({"cam": {"yfov": 0.9, "fps": 12.0, "frames": [{"origin": [0.5, 0.5, 2.0],
@@ -107,7 +104,7 @@ TEST(FileNumbers, CameraFiles) {
 
 TEST(FileNumbers, TracksOfMovingFiles) {
     const TemporaryFolder folder;
-    const auto mesh = load(folder.write("set.obj", squareObj()));
+    const auto mesh = loadFile(folder.write("set.obj", squareObj()));
     const json good = json::parse(
         R"({"frames": [{"translation": [1.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0],
             "scale": [1.0, 2.0, 1.0]}]})");
@@ -172,7 +169,7 @@ GltfBuilder richGltf(const TemporaryFolder& folder) {
 
 /// Loads a file as a shot is loaded, and traces rays of its cameras in three frames.
 void useAsShot(const std::filesystem::path& path) {
-    const TriangleMesh mesh = load(path);
+    const TriangleMesh mesh = loadFile(path);
     Scene scene(mesh);
     for (const Vec3f& p : mesh.positions) ASSERT_TRUE(isInReach(Vec3d(p) / 2)) << p;
     const std::vector<std::filesystem::path> files{path};
