@@ -159,7 +159,10 @@ std::string programFolders() {
                          name, own.c_str());
     }
     std::string text;
-    for (const fs::path& folder : folders) text += (text.empty() ? "" : ":") + folder.string();
+    for (const fs::path& folder : folders) {
+        if (!text.empty()) text += ':';
+        text += folder.string();
+    }
     return text;
 }
 
