@@ -444,12 +444,12 @@ TEST(GltfMaterial, TextsThatAreNoUtf8AreMended) {
     // Latin-1, cut short, longer than need be, a surrogate, beyond Unicode.
     for (const char* name :
          {"caf\xe9", "abc\xc3", "ab\xc0\xaf", "a\xed\xa0\x80", "\xf4\x90\x80\x80"}) {
-        const TriangleMesh mesh = loadLooks(name);
+        const TriangleMesh mesh = load(name);
         EXPECT_EQ(mesh.report.triangles, 2u);
         EXPECT_EQ(mesh.report.leftOutOf.count(mended), 1u) << name;
     }
     for (const char* name : {"ab\xc3\xa9", "\xf0\x9f\x8e\xa5", "a\xe2\x82\xac"})
-        EXPECT_TRUE(loadLooks(name).report.leftOutOf.empty()) << name;
+        EXPECT_TRUE(load(name).report.leftOutOf.empty()) << name;
 }
 
 }  // namespace

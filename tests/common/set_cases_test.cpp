@@ -27,12 +27,12 @@ struct SetCase {
 };
 
 const Rgb kRed(1, 0, 0), kOrange(1, 0.503f, 0), kBlue(0, 0, 1);
-const Vec3d kSquare(2, 0, 2);
+const Vec3d kSquareSize(2, 0, 2);
 
 const SetCase kCases[] = {
     // glTF
-    {"integers_as_floats_material.gltf", 4, kSquare, kRed},
-    {"integers_as_floats_texture.gltf", 2, kSquare, kBlue},
+    {"integers_as_floats_material.gltf", 4, kSquareSize, kRed},
+    {"integers_as_floats_texture.gltf", 2, kSquareSize, kBlue},
     {"instances_optional.gltf", 6},
     {"instances_small_and_quantised.gltf", 4, Vec3d(0.04, 0, 0.02), kRed},
     {"instances_near_own_origin.gltf", 36, Vec3d(116, 1, 16)},
@@ -41,11 +41,11 @@ const SetCase kCases[] = {
     {"morph_node_weight_0.gltf", 2, {}, {}, "", 0},
     {"specular_glossiness.gltf", 2, {}, kRed},
     {"no_scenes.gltf", 2},
-    {"matrix_with_noise.gltf", 2, kSquare, kRed},
-    {"chunk_without_bytes.glb", 2, kSquare, kRed},
-    {"primitive_without_positions.gltf", 2, kSquare, kRed,
+    {"matrix_with_noise.gltf", 2, kSquareSize, kRed},
+    {"chunk_without_bytes.glb", 2, kSquareSize, kRed},
+    {"primitive_without_positions.gltf", 2, kSquareSize, kRed,
      "1 primitive whose positions are missing (left out)"},
-    {"png_with_bytes_behind.gltf", 2, kSquare, kBlue},
+    {"png_with_bytes_behind.gltf", 2, kSquareSize, kBlue},
     {"colors_by_blender.glb", 2, {}, Rgb(0.214f)},
     // OBJ
     {"byte_order_mark.obj", 2},
