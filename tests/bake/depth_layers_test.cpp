@@ -84,12 +84,12 @@ TEST(DepthLayers, BecomeItemsThatKnowTheirOwnSky) {
     BakeOptions options;
     options.spacing = kLayerSpacing;
     const BakeResult result = bake(scene, options);
-    constexpr int kUp = 2;
+    constexpr int kUpper = 2;
     double visible[2] = {0, 0};
     int found = 0;
     for (std::size_t i = 0; i < result.items.size(); ++i) {
         const PatchCode code = PatchCode::of(result.items.patch[i]);
-        if (result.items.voxel[i] != Vec3i(0, 0, 0) || code.side != kUp) continue;
+        if (result.items.voxel[i] != Vec3i(0, 0, 0) || code.side != kUpper) continue;
         ASSERT_EQ(code.subpatch, 0);
         const std::size_t cells = result.header.tiers().baseCells();
         double n = 0, d = 0;
