@@ -191,10 +191,10 @@ int main(int argc, char** argv) try {
     // What follows -- are no files of the set.
     char** const end = argv + argc;
     char** const separator = std::find(argv, end, std::string_view("--"));
-    const ParsedLine parsed = parseCommandLine(
-        {"shadowcache-farm", "Writes a job that bakes and renders a shot on many machines.",
-         kFooter},
-        static_cast<int>(separator - argv), argv, optionRows(arguments));
+    const ParsedLine parsed =
+        parseCommandLine({"shadowcache-farm",
+                          "Writes a job that bakes and renders a shot on many machines.", kFooter},
+                         static_cast<int>(separator - argv), argv, optionRows(arguments));
     if (parsed.status) return *parsed.status;
     run(arguments, {separator == end ? end : separator + 1, end});
     return kDone;

@@ -35,11 +35,12 @@ std::vector<OptionRow> optionRows(Arguments& a) {
     output.letter = 'o';
     // What is out of range is refused by writeScatter().
     OptionRow triangles = option_row::whole(
-        "triangles", [&a](std::int64_t n) { a.triangles = n; }, {}, "triangles of the scattered set");
+        "triangles", [&a](std::int64_t n) { a.triangles = n; }, {},
+        "triangles of the scattered set");
     triangles.standard = std::to_string(a.triangles);
-    std::vector<OptionRow> rows{
-        set.required(), output.required(),
-        textRow("camera", a.camera, "camera of 24 frames, a JSON file"), triangles};
+    std::vector<OptionRow> rows{set.required(), output.required(),
+                                textRow("camera", a.camera, "camera of 24 frames, a JSON file"),
+                                triangles};
     for (OptionRow& row : rows) row.group = "Options";
     return rows;
 }
@@ -49,8 +50,7 @@ void writeSet(const Arguments& a) {
     if (a.scatter) {
         if (glb) throw Error(a.output + ": the scattered set is written as PLY only");
         writeScatter(a.output, a.triangles);
-        if (!a.camera.empty())
-            writeCamera(a.camera, scatterWalk(a.triangles), 24, 12, 0.9);
+        if (!a.camera.empty()) writeCamera(a.camera, scatterWalk(a.triangles), 24, 12, 0.9);
         return;
     }
     const SetMesh mesh = makeCourtyard();
@@ -67,7 +67,8 @@ int main(int argc, char** argv) try {
     scenes::Arguments arguments;
     const ParsedLine parsed = parseCommandLine(
         {"shadowcache-make-set",
-         "Writes a bundled set (+Y up, metres) and a camera that moves through it.", scenes::kFooter},
+         "Writes a bundled set (+Y up, metres) and a camera that moves through it.",
+         scenes::kFooter},
         argc, argv, scenes::optionRows(arguments));
     if (parsed.status) return *parsed.status;
     scenes::writeSet(arguments);

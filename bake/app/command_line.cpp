@@ -104,11 +104,10 @@ std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
     const auto check = [&](const ParsedLine&) {
         if (job.output.empty() && !job.estimate) throw FormError("--output is required");
     };
-    ParsedLine parsed =
-        parseCommandLine({"shadowcache-bake",
-                          "Bakes the visibility of a static set into a sparse OpenVDB file.",
-                          kFooter},
-                         argc, argv, rows, check);
+    ParsedLine parsed = parseCommandLine(
+        {"shadowcache-bake", "Bakes the visibility of a static set into a sparse OpenVDB file.",
+         kFooter},
+        argc, argv, rows, check);
     if (parsed.status) return parsed.status;
     set.fps = job.shot.fps;
     job.files = set.files;
