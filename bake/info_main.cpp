@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -30,60 +29,73 @@ struct Arguments {
     bool json = false, verify = false;
     std::string place;
     std::vector<std::string> grids;
-    double environmentRotation = 0;
+    double rotation = 0;  ///< of maps about +Y, degrees
     int threads = 0;
 };
 
-void define(CLI::App& app, Arguments& a) {
-    app.add_option("CACHE", a.cache, "Cache, written by shadowcache-bake")->required();
-    auto* json = app.add_flag("--json", a.json, "Print as JSON");
-    app.add_flag("--verify", a.verify,
-                 "Read all of the file and compare it with its checksums; exit status 1 if it is "
-                 "not whole")
-        ->excludes(json);
-    app.add_option("--report", a.report,
-                   "Write an HTML page with settings, slices and histograms (.html)")
-        ->excludes(json);
-    auto* place =
-        app.add_option(
-               "--at", a.place,
-               "X,Y,Z,NX,NY,NZ: predicted visibility at a place with this normal; with -o also "
-               "as a lat-long picture (.png)")
-            ->group("A place");
-    const std::string group = "Grids for volume tools";
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  shadowcache-info room.vdb\n"
+    "  shadowcache-info room.vdb --json > room.json\n"
+    "  shadowcache-info room.vdb --verify\n"
+    "  shadowcache-info room.vdb --report room.html\n"
+    "  shadowcache-info room.vdb --at 1,0,2,0,1,0 -o sky.png\n"
+    "  shadowcache-info room.vdb --export-grid openness mean-direction -o grids.vdb\n"
+    "  shadowcache-info room.vdb --export-grid density:direction=0,1,0 -o noon.vdb\n"
+    "  shadowcache-info room.vdb --export-grid irradiance=sky.exr --env-rotate 90 -o "
+    "light.vdb";
+
+OptionRow grouped(OptionRow row, const char* group) {
+    row.group = group;
+    return row;
+}
+
+OptionRow gridsRow(std::vector<std::string>& grids) {
     std::string kinds;
     for (const std::string& kind : gridKinds()) kinds += (kinds.empty() ? "" : ",") + kind;
-    auto* grids = app.add_option("--export-grid", a.grids,
-                                 "[NAME:]KIND..., written to -o (.vdb). NAME is the grid's name; "
-                                 "many tools show `density` first. KIND is one of" +
-                                     gridKindsHelp())
-                      ->take_all()
-                      ->type_name("SPEC:{" + kinds + "}")
-                      ->excludes(place)
-                      ->excludes(json)
-                      ->group(group);
-    app.add_option("--env-rotate", a.environmentRotation,
-                   "Rotation of maps about +Y in degrees, counter-clockwise seen from above")
-        ->needs(grids)
-        ->capture_default_str()
-        ->group(group);
-    app.add_option("-o,--output", a.output, "File for --at or --export-grid")->group("Output");
-    app.footer(
-        "Examples:\n"
-        "  shadowcache-info room.vdb\n"
-        "  shadowcache-info room.vdb --json > room.json\n"
-        "  shadowcache-info room.vdb --verify\n"
-        "  shadowcache-info room.vdb --report room.html\n"
-        "  shadowcache-info room.vdb --at 1,0,2,0,1,0 -o sky.png\n"
-        "  shadowcache-info room.vdb --export-grid openness mean-direction -o grids.vdb\n"
-        "  shadowcache-info room.vdb --export-grid density:direction=0,1,0 -o noon.vdb\n"
-        "  shadowcache-info room.vdb --export-grid irradiance=sky.exr --env-rotate 90 -o "
-        "light.vdb");
+    OptionRow row = ownTextsRow(
+        "export-grid",
+        [&grids](std::span<const std::string> texts) { grids.assign(texts.begin(), texts.end()); },
+        "[NAME:]KIND..., written to -o (.vdb). NAME is the grid's name; many tools show `density` "
+        "first. KIND is one of" +
+            gridKindsHelp());
+    row.form = OptionForm::words;
+    return row.typed("SPEC:{" + kinds + "}").excluding("at json");
+}
+
+std::vector<OptionRow> optionRows(Arguments& a) {
+    OptionRow cache = textRow("CACHE", a.cache, "Cache, written by shadowcache-bake");
+    cache.isPositional = true;
+    OptionRow output = textRow("output", a.output, "File for --at or --export-grid");
+    output.letter = 'o';
+    const char* const grids = "Grids for volume tools";
+    return {grouped(cache.required(), "Options"),
+            grouped(flagRow("json", a.json, "Print as JSON"), "Options"),
+            grouped(flagRow("verify", a.verify,
+                            "Read all of the file and compare it with its checksums; exit status "
+                            "1 if it is not whole")
+                        .excluding("json"),
+                    "Options"),
+            grouped(textRow("report", a.report,
+                            "Write an HTML page with settings, slices and histograms (.html)")
+                        .excluding("json"),
+                    "Options"),
+            grouped(textRow("at", a.place,
+                            "X,Y,Z,NX,NY,NZ: predicted visibility at a place with this normal; "
+                            "with -o also as a lat-long picture (.png)"),
+                    "A place"),
+            grouped(gridsRow(a.grids), grids),
+            grouped(numberRow("env-rotate", a.rotation, {-1e6, 1e6},
+                              "Rotation of maps about +Y in degrees, counter-clockwise seen from "
+                              "above")
+                        .needing("export-grid"),
+                    grids),
+            grouped(output, "Output"),
+            grouped(threadsRow(a.threads), "Output")};
 }
 
 /// Refuses invalid options before the long work starts.
 void validate(const Arguments& a) {
-    requireRange("env-rotate", a.environmentRotation, -1e6, 1e6);
     if (!a.report.empty()) {
         requireExtension(a.report, ".html");
         requireWritable(a.report);
@@ -148,7 +160,7 @@ void run(const Arguments& a) {
     if (!a.report.empty()) writeReport(a, facts);
     if (requests.empty()) return;
     reportLeftovers(a.output);
-    exportGrids(requests, a.environmentRotation, facts.header, facts.items, a.cache, a.output);
+    exportGrids(requests, a.rotation, facts.header, facts.items, a.cache, a.output);
     std::string names;
     for (const GridRequest& request : requests) names += " " + request.name;
     print("grids" + names + " -> " + a.output.string() + "\n");
@@ -160,13 +172,11 @@ void run(const Arguments& a) {
 int main(int argc, char** argv) try {
     using namespace shadowcache;
     installFailureHandler();
-    CLI::App app("Inspects a shadow cache.", "shadowcache-info");
     Arguments arguments;
-    beginCommandLine(app);
-    define(app, arguments);
-    std::vector<OptionRow> rows{threadsRow(arguments.threads)};
-    rows[0].group = "Output";
-    if (const auto status = parseCommandLine(app, argc, argv, rows)) return *status;
+    const ParsedLine parsed =
+        parseCommandLine({"shadowcache-info", "Inspects a shadow cache.", kFooter}, argc, argv,
+                         optionRows(arguments));
+    if (parsed.status) return *parsed.status;
     run(arguments);
     return kDone;
 } catch (const std::exception& e) {

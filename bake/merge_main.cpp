@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <vector>
@@ -14,29 +13,46 @@
 #include "common/base/run_rows.h"
 #include "common/cli/command_line.h"
 
+namespace shadowcache {
+namespace {
+
+constexpr const char* kFooter =
+    "All caches must have the same set, spacing, direction level and kind of refinement.\n"
+    "The same shard twice is refused; shards that are missing are named. The caches are read\n"
+    "one after the other: memory is needed for the sum, not for all of them.\n\n"
+    "Examples:\n"
+    "  shadowcache-merge part*.vdb -o set.vdb\n"
+    "  shadowcache-merge seed1.vdb seed2.vdb -o better.vdb";
+
+std::vector<OptionRow> optionRows(std::vector<std::filesystem::path>& inputs,
+                                  std::filesystem::path& output) {
+    OptionRow caches = ownTextsRow(
+        "CACHE",
+        [&inputs](std::span<const std::string> texts) {
+            inputs.assign(texts.begin(), texts.end());
+        },
+        "Caches of one set: the shards of one bake, bakes for several shots, or with other seeds; "
+        "all of these at once and in any order, too");
+    caches.isPositional = true;
+    OptionRow out = textRow("output", output, "Cache to write (OpenVDB, .vdb)");
+    out.letter = 'o';
+    std::vector<OptionRow> rows{caches.required(), out.required(), progressRow()};
+    for (OptionRow& row : rows) row.group = "Options";
+    return rows;
+}
+
+}  // namespace
+}  // namespace shadowcache
+
 int main(int argc, char** argv) try {
     using namespace shadowcache;
     installFailureHandler();
-    CLI::App app("Merges several bakes of one set into one cache.", "shadowcache-merge");
     std::vector<std::filesystem::path> inputs;
     std::filesystem::path output;
-    beginCommandLine(app);
-    app.add_option("CACHE", inputs,
-                   "Caches of one set: the shards of one bake, bakes for several shots, or with "
-                   "other seeds; all of these at once and in any order, too")
-        ->required()
-        ->take_all();
-    app.add_option("-o,--output", output, "Cache to write (OpenVDB, .vdb)")->required();
-    std::vector<OptionRow> rows{progressRow()};
-    rows[0].group = "Options";
-    app.footer(
-        "All caches must have the same set, spacing, direction level and kind of refinement.\n"
-        "The same shard twice is refused; shards that are missing are named. The caches are read\n"
-        "one after the other: memory is needed for the sum, not for all of them.\n\n"
-        "Examples:\n"
-        "  shadowcache-merge part*.vdb -o set.vdb\n"
-        "  shadowcache-merge seed1.vdb seed2.vdb -o better.vdb");
-    if (const auto status = parseCommandLine(app, argc, argv, rows)) return *status;
+    const ParsedLine parsed = parseCommandLine(
+        {"shadowcache-merge", "Merges several bakes of one set into one cache.", kFooter}, argc,
+        argv, optionRows(inputs, output));
+    if (parsed.status) return *parsed.status;
     requireExtension(output, ".vdb");
     requireWritable(output);
     installInterruptHandler();

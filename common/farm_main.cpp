@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -160,7 +159,10 @@ std::string programFolders() {
                          name, own.c_str());
     }
     std::string text;
-    for (const fs::path& folder : folders) text += (text.empty() ? "" : ":") + folder.string();
+    for (const fs::path& folder : folders) {
+        if (!text.empty()) text += ':';
+        text += folder.string();
+    }
     return text;
 }
 
@@ -185,17 +187,15 @@ void run(const Arguments& a, std::vector<std::string> forRenderer) {
 int main(int argc, char** argv) try {
     using namespace shadowcache;
     installFailureHandler();
-    CLI::App app("Writes a job that bakes and renders a shot on many machines.",
-                 "shadowcache-farm");
     Arguments arguments;
-    beginCommandLine(app);
-    const std::vector<OptionRow> rows = optionRows(arguments);
-    app.footer(kFooter);
-    // CLI11 would take what follows -- for files of the set.
+    // What follows -- are no files of the set.
     char** const end = argv + argc;
     char** const separator = std::find(argv, end, std::string_view("--"));
-    if (const auto status = parseCommandLine(app, static_cast<int>(separator - argv), argv, rows))
-        return *status;
+    const ParsedLine parsed =
+        parseCommandLine({"shadowcache-farm",
+                          "Writes a job that bakes and renders a shot on many machines.", kFooter},
+                         static_cast<int>(separator - argv), argv, optionRows(arguments));
+    if (parsed.status) return *parsed.status;
     run(arguments, {separator == end ? end : separator + 1, end});
     return kDone;
 } catch (const std::exception& e) {

@@ -1,7 +1,5 @@
 #include "bake/app/command_line.h"
 
-#include <CLI/CLI.hpp>
-
 #include "bake/library/bake_rows.h"
 #include "common/base/option_text.h"
 #include "common/base/run_rows.h"
@@ -101,22 +99,22 @@ constexpr const char* kFooter =
 }  // namespace
 
 std::optional<int> parseArguments(int argc, char** argv, BakeJob& job) {
-    CLI::App app("Bakes the visibility of a static set into a sparse OpenVDB file.",
-                 "shadowcache-bake");
-    beginCommandLine(app);
     SetOptions set;
     const std::vector<OptionRow> rows = optionRows(job, set);
-    app.footer(kFooter);
-    const auto check = [&] {
-        if (job.output.empty() && !job.estimate) throw CLI::RequiredError("--output");
+    const auto check = [&](const ParsedLine&) {
+        if (job.output.empty() && !job.estimate) throw FormError("--output is required");
     };
-    if (const auto status = parseCommandLine(app, argc, argv, rows, check)) return status;
+    ParsedLine parsed = parseCommandLine(
+        {"shadowcache-bake", "Bakes the visibility of a static set into a sparse OpenVDB file.",
+         kFooter},
+        argc, argv, rows, check);
+    if (parsed.status) return parsed.status;
     set.fps = job.shot.fps;
     job.files = set.files;
     job.mesh = meshOptionsOf(set);
     job.mesh.gloss = true;  // has what emits
-    job.isLevelGiven = app.count("--level") > 0;
-    job.settings = settingsOf(app);
+    job.isLevelGiven = parsed.isGiven("--level");
+    job.settings = std::move(parsed.settings);
     return std::nullopt;
 }
 

@@ -33,7 +33,7 @@ struct BakeJob {
     bool resume = false;
     double checkpointSeconds = 30;
     std::uint64_t memory = 0;  ///< bytes of finished items to keep until the end; 0: all
-    std::vector<std::pair<std::string, std::string>> settings;  ///< as settingsOf() has them
+    std::vector<std::pair<std::string, std::string>> settings;  ///< as ParsedLine has them
 };
 
 /// Refuses invalid options before the long work starts. @throws Error

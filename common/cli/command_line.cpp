@@ -191,28 +191,22 @@ void requireValues(const CLI::App& app) {
                     throw CLI::ValidationError(option->get_name(), "expected a value");
 }
 
-}  // namespace
-
-void beginCommandLine(CLI::App& app) {
+/// As CLI11 needs it before any option is defined.
+void begin(CLI::App& app, const CommandLine& line) {
     app.option_defaults()->take_last();
-    app.set_version_flag("--version", app.get_name() + " " + kVersion);
+    app.set_version_flag("--version", line.program + " " + kVersion);
     // Unknown keys of a settings file are treated like unknown options.
     app.allow_config_extras(CLI::config_extras_mode::capture);
     app.config_formatter(std::make_shared<SettingsFormat>());
-}
-
-void showInHelp(CLI::App& app, std::vector<std::string> groups) {
+    app.footer(line.footer);
+    if (line.groupsInHelp.empty()) return;
     app.set_help_all_flag("--help-all", "Print all options and exit");
-    app.formatter(std::make_shared<ShortHelp>(std::move(groups)));
+    app.formatter(std::make_shared<ShortHelp>(line.groupsInHelp));
 }
 
-std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
-                                    std::span<const OptionRow> rows,
-                                    const std::function<void()>& check) {
-    if (findRow(rows, "progress")) setProgressStyle(standardProgressStyle());
-    addRows(app, rows);
+void addFilesAndPrinters(CLI::App& app, std::filesystem::path& written,
+                         std::span<const OptionRow> rows) {
     const std::string group = "Settings file";
-    std::filesystem::path written;
     app.set_config("--config", "",
                    "Read options from a file (TOML); command-line options take precedence")
         ->type_name("TEXT")
@@ -220,34 +214,21 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, char** argv,
     app.add_option("--write-config", written, "Write the options of this run to a file (.toml)")
         ->configurable(false)
         ->group(group);
-    const auto addPrinter = [&app](const char* name, std::string (*text)(const CLI::App&)) {
-        app.add_flag_callback(name, [&app, text] { printAndEnd(text(app)); })
+    const auto addPrinter = [&app](const char* name, std::function<std::string()> text) {
+        app.add_flag_callback(name, [text = std::move(text)] { printAndEnd(text()); })
             ->configurable(false)
             ->group("");
     };
-    addPrinter("--man-page", manPage);
-    addPrinter("--bash-completion", bashCompletion);
-    app.add_flag_callback("--options", [rows] { printAndEnd(optionsAsJson(rows)); })
-        ->configurable(false)
-        ->group("");
-    try {
-        app.parse(argc, argv);
-        requireValues(app);
-        readRows(app, rows);
-        check();
-    } catch (const CLI::Success& e) {
-        return app.exit(e);
-    } catch (const CLI::ParseError& e) {
-        return reportWrongUsage(app, e, argv[argc - 1]);
-    } catch (const FormError& e) {
-        return reportWrongUsage(app, CLI::ValidationError(e.what()), argv[argc - 1]);
-    }
-    if (!written.empty()) {
-        requireExtension(written, ".toml");
-        // Only what was given: a default, read back, would count as given and may exclude another.
-        writeWhole(written, app.config_to_str(false, false));
-    }
-    return std::nullopt;
+    addPrinter("--man-page", [&app] { return manPage(app); });
+    addPrinter("--bash-completion", [&app] { return bashCompletion(app); });
+    addPrinter("--options", [rows] { return optionsAsJson(rows); });
+}
+
+std::vector<std::string> givenOptions(const CLI::App& app) {
+    std::vector<std::string> given;
+    for (const CLI::Option* option : app.get_options())
+        if (option->count() > 0) given.push_back(option->get_name());
+    return given;
 }
 
 std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app) {
@@ -263,6 +244,43 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const CLI::App& app)
         if (!value.empty()) settings.emplace_back(option->get_single_name(), value);
     }
     return settings;
+}
+
+}  // namespace
+
+bool ParsedLine::isGiven(const std::string& option) const {
+    return std::ranges::find(given, option) != given.end();
+}
+
+ParsedLine parseCommandLine(const CommandLine& line, int argc, char** argv,
+                            std::span<const OptionRow> rows,
+                            const std::function<void(const ParsedLine&)>& check) {
+    if (findRow(rows, "progress")) setProgressStyle(standardProgressStyle());
+    CLI::App app(line.summary, line.program);
+    begin(app, line);
+    addRows(app, rows);
+    std::filesystem::path written;
+    addFilesAndPrinters(app, written, rows);
+    ParsedLine parsed;
+    try {
+        app.parse(argc, argv);
+        requireValues(app);
+        parsed.given = givenOptions(app);
+        parsed.settings = settingsOf(app);
+        readRows(app, rows);
+        check(parsed);
+    } catch (const CLI::Success& e) {
+        parsed.status = app.exit(e);
+    } catch (const CLI::ParseError& e) {
+        parsed.status = reportWrongUsage(app, e, argv[argc - 1]);
+    } catch (const FormError& e) {
+        parsed.status = reportWrongUsage(app, CLI::ValidationError(e.what()), argv[argc - 1]);
+    }
+    if (parsed.status || written.empty()) return parsed;
+    requireExtension(written, ".toml");
+    // Only what was given: a default, read back, would count as given and may exclude another.
+    writeWhole(written, app.config_to_str(false, false));
+    return parsed;
 }
 
 }  // namespace shadowcache

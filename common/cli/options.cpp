@@ -33,7 +33,8 @@ void addRow(CLI::App& app, const OptionRow& row) {
         option->take_all()->expected(1, CLI::detail::expected_max_vector_size);
         option->allow_extra_args(row.form == OptionForm::words || row.isPositional);
     }
-    if (row.form == OptionForm::words) option->delimiter(',');
+    // Words of the program's own, which are no choices, may hold commas.
+    if (row.form == OptionForm::words && !row.choices.empty()) option->delimiter(',');
     option->required(row.isRequired);
     option->configurable(row.isKept)->group(row.group);
 }

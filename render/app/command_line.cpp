@@ -1,6 +1,5 @@
 #include "render/app/command_line.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <initializer_list>
 #include <string_view>
@@ -13,20 +12,19 @@ namespace shadowcache {
 
 namespace {
 
-/// CLI11 would require these with --list and --serve, too.
+/// All but --list, --serve and --mix need these.
 void requireWhatRendersNeed(const RenderJob& job) {
-    if (job.run.output.empty()) throw CLI::RequiredError("--output");
+    if (job.run.output.empty()) throw FormError("--output is required");
     if (job.camera.name.empty() && !job.camera.eye)
-        throw CLI::RequiredError("--camera, or --eye with --look-at,");
+        throw FormError("--camera, or --eye with --look-at, is required");
 }
 
 /// Refuses all options but some beside one that renders nothing of its own.
-void requireOnly(const CLI::App& app, const char* with, std::initializer_list<const char*> those) {
-    for (const CLI::Option* option : app.get_options()) {
-        const bool isKnown =
-            std::ranges::any_of(those, [&](const char* name) { return option->check_lname(name); });
-        if (option->count() > 0 && !isKnown) throw CLI::ExcludesError(with, option->get_name());
-    }
+void requireOnly(const ParsedLine& parsed, std::string_view with,
+                 std::initializer_list<std::string_view> those) {
+    for (const std::string& option : parsed.given)
+        if (option != with && std::ranges::find(those, option) == those.end())
+            throw FormError(std::string(with) + " excludes " + option);
 }
 
 /// Whether an option is on a command line, as a word of its own or with its value.
@@ -55,31 +53,30 @@ constexpr const char* kExamples =
 }  // namespace
 
 std::optional<int> parseArguments(int argc, char** argv, RenderJob& job) {
-    CLI::App app(
-        "Renders a static set lit by an environment map, without bias, with fewer rays where a "
-        "cache "
-        "predicts the visibility and the light that bounces.",
-        "shadowcache-render");
-    beginCommandLine(app);
     std::vector<std::string> groups{"Options", "Settings file"};
     groups.insert(groups.end(), std::begin(kShortHelp), std::end(kShortHelp));
-    showInHelp(app, groups);
     std::vector<OptionRow> rows = optionRows(job);
     // Requests name the set, and pictures need none.
     if (isGiven("--serve", argc, argv) || isGiven("--mix", argc, argv))
         rows.front().isRequired = false;
-    app.footer(kExamples);
-    const auto check = [&] {
+    const auto check = [&](const ParsedLine& parsed) {
         // Requests say all that a run takes.
-        if (job.run.serve) return requireOnly(app, "--serve", {"serve", "threads"});
+        if (job.run.serve) return requireOnly(parsed, "--serve", {"--threads"});
         if (!job.run.mix.empty()) {
-            if (job.run.output.empty()) throw CLI::RequiredError("--output");
-            return requireOnly(app, "--mix", {"mix", "gain", "output", "half", "png", "exposure"});
+            if (job.run.output.empty()) throw FormError("--output is required");
+            return requireOnly(parsed, "--mix",
+                               {"--gain", "--output", "--half", "--png", "--exposure"});
         }
         if (!job.run.list) requireWhatRendersNeed(job);
     };
-    if (const auto status = parseCommandLine(app, argc, argv, rows, check)) return status;
-    job.run.settings = settingsOf(app);
+    ParsedLine parsed = parseCommandLine(
+        {"shadowcache-render",
+         "Renders a static set lit by an environment map, without bias, with fewer rays where a "
+         "cache predicts the visibility and the light that bounces.",
+         kExamples, std::move(groups)},
+        argc, argv, rows, check);
+    if (parsed.status) return parsed.status;
+    job.run.settings = std::move(parsed.settings);
     // Pictures are those of the cache, whoever bakes it.
     for (auto& [name, value] : job.run.settings)
         if (name == "bake") name = "cache";

@@ -58,7 +58,7 @@ std::shared_ptr<CacheObject> openCache(const fs::path& path, const py::object& m
     });
 }
 
-py::tuple stateOf(const CacheObject& cache) {
+py::tuple stateOfCache(const CacheObject& cache) {
     return py::make_tuple(pickledPath(cache.path, "Cache"), cache.memory,
                           cache.cache->header().fingerprint, cache.cache->itemCount());
 }
@@ -142,7 +142,7 @@ py::dict headerOf(const CacheObject& cache) {
                     "version"_a = header.version);
 }
 
-std::string reprOf(const CacheObject& cache) {
+std::string reprOfCache(const CacheObject& cache) {
     TextWriter text;
     text << "<shadowcache.Cache: " << cache.cache->itemCount() << " items, spacing "
          << cache.cache->header().spacing << " m, "
@@ -191,8 +191,8 @@ void defineCache(py::module_& module) {
             "    (..., 3) each, broadcast; normals and directions of any length.\n"
             "Returns float32 in [0, 1] of the common shape (...); NaN where the cache has no item\n"
             "or an input is not finite or a zero vector.")
-        .def(py::pickle(&stateOf, &cacheOf))
-        .def("__repr__", reprOf);
+        .def(py::pickle(&stateOfCache, &cacheOf))
+        .def("__repr__", reprOfCache);
     BakeOptions standard;
     std::optional<double> none;
     static const std::string kBakeHelp =

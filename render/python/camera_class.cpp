@@ -52,7 +52,7 @@ Camera cameraOf(const py::object& eye, const py::object& lookAt, std::optional<d
     return camera;
 }
 
-std::string reprOf(const Camera& camera) {
+std::string reprOfCamera(const Camera& camera) {
     TextWriter text;
     text << "<shadowcache.Camera: at (" << camera.origin.x << ", " << camera.origin.y << ", "
          << camera.origin.z << "), along (" << camera.forward.x << ", " << camera.forward.y << ", "
@@ -108,7 +108,7 @@ void defineCamera(py::module_& module) {
         .def_property_readonly(
             "lens_radius", [](const Camera& c) { return c.lens.radius; },
             "Of the aperture [m]; 0: all is sharp.")
-        .def("__repr__", [](const Camera& camera) { return reprOf(camera); });
+        .def("__repr__", [](const Camera& camera) { return reprOfCamera(camera); });
 }
 
 }  // namespace shadowcache::python

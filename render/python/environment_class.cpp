@@ -56,7 +56,7 @@ std::shared_ptr<EnvironmentObject> loadEnvironment(const fs::path& path, double 
     });
 }
 
-py::tuple stateOf(const EnvironmentObject& environment) {
+py::tuple stateOfEnvironment(const EnvironmentObject& environment) {
     return py::make_tuple(pickledPath(environment.path, "Environment"), environment.rotation,
                           environment.light->luminanceIntegral());
 }
@@ -221,7 +221,7 @@ py::tuple lookUp(const EnvironmentObject& environment, const py::object& directi
     return py::make_tuple(samples.radiance, samples.density);
 }
 
-std::string reprOf(const EnvironmentObject& environment) {
+std::string reprOfEnvironment(const EnvironmentObject& environment) {
     TextWriter text;
     text << "<shadowcache.Environment: " << environment.name << ", " << environment.map->image.width
          << " x " << environment.map->image.height << ", rotated by " << environment.rotation
@@ -270,8 +270,8 @@ void defineEnvironment(py::module_& module) {
         .def_property_readonly(
             "notes", [](const EnvironmentObject& e) { return e.map->notes; },
             "What reading the map chose or mended, in lines for people.")
-        .def(py::pickle(&stateOf, &environmentOfState))
-        .def("__repr__", [](const EnvironmentObject& e) { return reprOf(e); });
+        .def(py::pickle(&stateOfEnvironment, &environmentOfState))
+        .def("__repr__", [](const EnvironmentObject& e) { return reprOfEnvironment(e); });
 }
 
 }  // namespace shadowcache::python

@@ -194,7 +194,7 @@ SceneObject loadScene(const py::object& set, const py::object& triangles, const 
     return scene;
 }
 
-py::tuple stateOf(const SceneObject& scene) {
+py::tuple stateOfScene(const SceneObject& scene) {
     py::list files;
     for (const fs::path& file : scene.files) files.append(pickledPath(file, "Scene"));
     if (scene.files.empty()) pickledPath({}, "Scene");
@@ -217,7 +217,7 @@ Box3d boundsOf(const LoadedSet& set) {
     return bounds;
 }
 
-std::string reprOf(const SceneObject& scene) {
+std::string reprOfScene(const SceneObject& scene) {
     const Vec3d size = boundsOf(*scene.set).size();
     TextWriter text;
     text << "<shadowcache.Scene: " << scene.set->mesh.report.placed << " triangles, " << size.x
@@ -264,8 +264,8 @@ void defineScene(py::module_& module) {
             py::arg("name"), py::kw_only(), py::arg("frame") = 1, py::arg("fps") = 24.0,
             "The Camera of a frame: one of the set's glTF cameras by its name, or a camera file\n"
             "(.json).")
-        .def(py::pickle(&stateOf, &sceneOf))
-        .def("__repr__", reprOf);
+        .def(py::pickle(&stateOfScene, &sceneOf))
+        .def("__repr__", reprOfScene);
     RenderJob standard;
     static const std::string kLoadHelp =
         "Loads a set, and returns its Scene.\n\n"

@@ -24,7 +24,7 @@ namespace py = pybind11;
 namespace {
 
 /// Rays that a thread takes at a time.
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kRaysAtOnce = 4096;
 
 /// Calls `begin(first, count)` for rays that are next, and then `trace(first, rays, numbers)` for
 /// those that are some, a few near ones at a time.
@@ -34,7 +34,7 @@ template <std::size_t kSize, class Begin, class Trace>
 void forEachBundle(const Broadcast& all, const Begin& begin, const Trace& trace) {
     forEachPart(all, kMostOfPart, [&](std::size_t first, const auto& vectors) {
         const Places rays{vectors[0], vectors[1]};
-        parallelFor(rays.size(), kChunk, [&](const Chunk& chunk) {
+        parallelFor(rays.size(), kRaysAtOnce, [&](const Chunk& chunk) {
             begin(first + chunk.begin, chunk.end - chunk.begin);
             std::array<std::size_t, kSize> numbers;
             std::size_t count = 0;

@@ -10,7 +10,7 @@
 namespace shadowcache {
 namespace {
 
-constexpr double kSpacing = 1;
+constexpr double kLayerSpacing = 1;
 
 /// Horizontal surfaces over all of the voxel around the origin.
 TriangleMesh surfacesAt(const std::vector<float>& heights) {
@@ -21,7 +21,7 @@ TriangleMesh surfacesAt(const std::vector<float>& heights) {
 
 /// Layers of the voxel around the origin, of the surface that faces up or down.
 std::vector<std::vector<Piece>> layersOf(const TriangleMesh& mesh) {
-    const VoxelFrame frame(mesh, kSpacing);
+    const VoxelFrame frame(mesh, kLayerSpacing);
     std::vector<Piece> pieces;
     const std::uint64_t key = frame.key({0, 0, 0});
     const Scene scene(mesh);
@@ -82,14 +82,14 @@ TEST(DepthLayers, BecomeItemsThatKnowTheirOwnSky) {
     TriangleMesh mesh = surfacesAt({-0.2f, 0.2f});
     const Scene scene(mesh);
     BakeOptions options;
-    options.spacing = kSpacing;
+    options.spacing = kLayerSpacing;
     const BakeResult result = bake(scene, options);
-    constexpr int kUp = 2;
+    constexpr int kUpper = 2;
     double visible[2] = {0, 0};
     int found = 0;
     for (std::size_t i = 0; i < result.items.size(); ++i) {
         const PatchCode code = PatchCode::of(result.items.patch[i]);
-        if (result.items.voxel[i] != Vec3i(0, 0, 0) || code.side != kUp) continue;
+        if (result.items.voxel[i] != Vec3i(0, 0, 0) || code.side != kUpper) continue;
         ASSERT_EQ(code.subpatch, 0);
         const std::size_t cells = result.header.tiers().baseCells();
         double n = 0, d = 0;

@@ -15,8 +15,8 @@
 namespace shadowcache {
 namespace {
 
-constexpr double kSpacing = 1;
-constexpr int kUp = 2;
+constexpr double kUnitSpacing = 1;
+constexpr int kUpperSide = 2;
 
 /// A floor whose part x < edge lies in a closed box; in the voxel around the origin the side of the
 /// box stands on it.
@@ -31,10 +31,10 @@ TriangleMesh halfHidden(float edge) {
     return mesh;
 }
 
-BakeResult baked(const TriangleMesh& mesh, bool adaptive = true) {
+BakeResult bakedOf(const TriangleMesh& mesh, bool adaptive = true) {
     const Scene scene(mesh);
     BakeOptions options;
-    options.spacing = kSpacing;
+    options.spacing = kUnitSpacing;
     options.level = 3;
     options.adaptive = adaptive;
     return bake(scene, options);
@@ -45,7 +45,7 @@ std::vector<SubpatchCode> subpatchesOf(const CacheItems& items, const Vec3i& vox
     std::vector<SubpatchCode> parts;
     for (std::size_t i = 0; i < items.size(); ++i) {
         const PatchCode code = PatchCode::of(items.patch[i]);
-        if (items.voxel[i] == voxel && code.side == kUp && items.position[i].y < 0.25f)
+        if (items.voxel[i] == voxel && code.side == kUpperSide && items.position[i].y < 0.25f)
             parts.push_back(code.subpatch);
     }
     return parts;
@@ -121,16 +121,16 @@ TEST(PatchCode, SubpatchesTileTheirParent) {
 TEST(Subpatches, OfAPatchHoldAllOfIt) {
     const TriangleMesh mesh = halfHidden(0.2f);
     const Scene scene(mesh);
-    const VoxelFrame frame(mesh, kSpacing);
+    const VoxelFrame frame(mesh, kUnitSpacing);
     const auto fragments = placeFragments(mesh, frame);
     const auto inVoxel = [&](const Fragment& f) { return f.voxelKey == frame.key({0, 0, 0}); };
     const auto begin = std::find_if(fragments.begin(), fragments.end(), inVoxel);
     const auto end = std::find_if_not(begin, fragments.end(), inVoxel);
     const auto patches = makePatches(scene, frame, {begin, end}, 1);
     const auto floor = std::find_if(patches.begin(), patches.end(),
-                                    [](const Patch& p) { return p.code.side == kUp; });
+                                    [](const Patch& p) { return p.code.side == kUpperSide; });
     ASSERT_NE(floor, patches.end());
-    const auto subpatches = makeSubpatches(scene, frame.center({0, 0, 0}), kSpacing, *floor);
+    const auto subpatches = makeSubpatches(scene, frame.center({0, 0, 0}), kUnitSpacing, *floor);
     ASSERT_EQ(subpatches.size(), 4u);
     double area = 0;
     for (const Patch& q : subpatches) {
@@ -140,11 +140,12 @@ TEST(Subpatches, OfAPatchHoldAllOfIt) {
                 EXPECT_LE(std::abs(static_cast<double>(origin[axis]) - q.box.center[axis]),
                           q.box.half[axis] + 1e-4);
     }
-    EXPECT_NEAR(area, kSpacing * kSpacing, 1e-5);
+    EXPECT_NEAR(area, kUnitSpacing * kUnitSpacing, 1e-5);
 }
 
 TEST(Subpatches, AreMadeWhereTheSkyDiffers) {
-    const std::vector<SubpatchCode> parts = subpatchesOf(baked(halfHidden(0.2f)).items, {0, 0, 0});
+    const std::vector<SubpatchCode> parts =
+        subpatchesOf(bakedOf(halfHidden(0.2f)).items, {0, 0, 0});
     // Down to the smallest along the edge, as coarse as it goes elsewhere.
     EXPECT_EQ(std::count_if(parts.begin(), parts.end(),
                             [](SubpatchCode p) { return subdivisionsOf(p) == kMaxSubdivisions; }),
@@ -154,8 +155,8 @@ TEST(Subpatches, AreMadeWhereTheSkyDiffers) {
     TriangleMesh open;
     test::addFloor(open, 0, -1.5f, 1.5f, -1.5f, 1.5f);
     test::addFloor(open, 20, -1, 1, -1, 1);
-    EXPECT_EQ(subpatchesOf(baked(open).items, {0, 0, 0}), std::vector<SubpatchCode>{0});
-    EXPECT_EQ(subpatchesOf(baked(halfHidden(0.2f), false).items, {0, 0, 0}),
+    EXPECT_EQ(subpatchesOf(bakedOf(open).items, {0, 0, 0}), std::vector<SubpatchCode>{0});
+    EXPECT_EQ(subpatchesOf(bakedOf(halfHidden(0.2f), false).items, {0, 0, 0}),
               std::vector<SubpatchCode>{0});
 }
 
@@ -169,17 +170,17 @@ TEST(Subpatches, OfFoldedSurfaceAreNone) {
         test::addQuad(mesh, {x, 0.09f, -0.5f}, {x, 0.09f, 0.5f}, {x + 0.1f, 0, 0.5f},
                       {x + 0.1f, 0, -0.5f});
     }
-    for (const SubpatchCode part : subpatchesOf(baked(mesh).items, {0, 0, 0})) EXPECT_EQ(part, 0);
+    for (const SubpatchCode part : subpatchesOf(bakedOf(mesh).items, {0, 0, 0})) EXPECT_EQ(part, 0);
 }
 
 TEST(Subpatches, AreTheSameInShardsAndInParts) {
-    const BakeResult whole = baked(halfHidden(0.2f));
+    const BakeResult whole = bakedOf(halfHidden(0.2f));
     const TriangleMesh mesh = halfHidden(0.2f);
     const Scene scene(mesh);
     CacheItems sum;
     for (int shard = 0; shard < 3; ++shard) {
         BakeOptions options;
-        options.spacing = kSpacing;
+        options.spacing = kUnitSpacing;
         options.level = 3;
         options.shards = 3;
         options.shard = shard;
@@ -203,7 +204,7 @@ TEST(Subpatches, AreTheSameInShardsAndInParts) {
 
 // A bake that cut a patch and one that did not make one cache, in which the parts count.
 TEST(Subpatches, MergeWithWholePatches) {
-    const BakeResult cut = baked(halfHidden(0.2f)), whole = baked(halfHidden(0.2f), false);
+    const BakeResult cut = bakedOf(halfHidden(0.2f)), whole = bakedOf(halfHidden(0.2f), false);
     const test::TestCache cache(
         cut.header, mergeItems(cut.items, whole.items, cut.header.tiers(), Overlap::add));
     EXPECT_LT(openAt(cache.cache(), 0.0, 0.1), 0.06f);
@@ -219,15 +220,15 @@ TEST(Lookup, KeepsToItsLayer) {
         if (!floorBelow) mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 2);
         for (Vec3f& p : mesh.positions) p.y += 0.45f;
         test::addFloor(mesh, 0.55f, 0.25f, 1.4f, -1.4f, 1.4f);
-        const test::TestCache cache(baked(mesh));
+        const test::TestCache cache(bakedOf(mesh));
         return openAt(cache.cache(), 0.4, 0.1, 0.55);
     };
     EXPECT_GT(openAbove(true), 0.55f * openAbove(false));
 }
 
 TEST(Lookup, GoesByThePartOfThePlace) {
-    const test::TestCache cache(baked(halfHidden(0.2f)));
-    const test::TestCache whole(baked(halfHidden(0.2f), false));
+    const test::TestCache cache(bakedOf(halfHidden(0.2f)));
+    const test::TestCache whole(bakedOf(halfHidden(0.2f), false));
     for (const double z : {-0.3, 0.0, 0.21}) {
         SCOPED_TRACE(z);
         EXPECT_LT(openAt(cache.cache(), 0.0, z), 0.01f);
@@ -239,7 +240,7 @@ TEST(Lookup, GoesByThePartOfThePlace) {
 
 // Along a line that crosses from parts to whole patches nothing jumps.
 TEST(Lookup, HasNoSeamsWhereTheCutPatchesEnd) {
-    const test::TestCache cache(baked(halfHidden(0.2f)));
+    const test::TestCache cache(bakedOf(halfHidden(0.2f)));
     float before = openAt(cache.cache(), 0.3, 0.1);
     for (int i = 1; i < 450; ++i) {
         const double x = 0.3 + 0.002 * i;

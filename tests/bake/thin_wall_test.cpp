@@ -14,7 +14,7 @@
 namespace shadowcache {
 namespace {
 
-constexpr double kSpacing = 0.25;
+constexpr double kWallSpacing = 0.25;
 
 /// Places in the middle of a closed room's walls, and what the cache says of both sides.
 class ThinWall {
@@ -45,7 +45,7 @@ public:
 private:
     BakeResult baked() const {
         BakeOptions options;
-        options.spacing = kSpacing;
+        options.spacing = kWallSpacing;
         return bake(scene_, options);
     }
 

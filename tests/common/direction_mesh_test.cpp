@@ -157,7 +157,7 @@ TEST(DirectionMesh, KeepsItsFormat) {
 
 /// p-value that directions uniform over the sphere, their heights bent by `tilt`, fall into the
 /// cells of level 1 by area.
-double uniformityPValue(double tilt) {
+double cellsPValue(double tilt) {
     constexpr int kLevel = 1;
     constexpr int kSamples = 500000;
     std::vector<double> observed(cellCount(kLevel)), expected;
@@ -177,12 +177,12 @@ double uniformityPValue(double tilt) {
 }
 
 TEST(LocateCell, CountsUniformDirectionsByArea) {
-    EXPECT_GT(uniformityPValue(0.0), test::significance(1));
+    EXPECT_GT(cellsPValue(0.0), test::significance(1));
 }
 
 // Control: the test above must see a 3 % tilt of the density.
 TEST(LocateCell, SeesAThreePercentTilt) {
-    EXPECT_LT(uniformityPValue(0.03), test::significance(1));
+    EXPECT_LT(cellsPValue(0.03), test::significance(1));
 }
 
 }  // namespace

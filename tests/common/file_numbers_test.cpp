@@ -19,20 +19,21 @@
 #include "common/shot/view.h"
 #include "tests/support/extreme_numbers.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 /// The texts that come of replacing one number of a JSON text by an extreme one, for each of both.
-void forEachChange(const json& good, const std::function<void(const std::string&)>& use) {
-    const json flat = good.flatten();
+void forEachChange(const Json& good, const std::function<void(const std::string&)>& use) {
+    const Json flat = good.flatten();
     for (const auto& [key, value] : flat.items()) {
         if (!value.is_number()) continue;
-        json marked = good;
-        marked[json::json_pointer(key)] = "@number@";
+        Json marked = good;
+        marked[Json::json_pointer(key)] = "@number@";
         const std::string text = marked.dump();
         const std::size_t at = text.find("\"@number@\"");
         for (const std::string& number : extremeNumbers()) {
@@ -79,15 +80,11 @@ void expectTraceable(const Camera& camera, const Scene& scene) {
     scene.visibility(rays, count);
 }
 
-TriangleMesh load(const std::filesystem::path& path) {
-    return loadMesh(std::span(&path, 1), {});
-}
-
 TEST(FileNumbers, CameraFiles) {
     const TemporaryFolder folder;
-    const auto mesh = load(folder.write("set.obj", squareObj()));
+    const auto mesh = loadFile(folder.write("set.obj", squareObj()));
     const Scene scene(mesh);
-    const json good = json::parse(
+    const Json good = Json::parse(
         R"({"cam": {"yfov": 0.9, "fps": 12.0, "frames": [{"origin": [0.5, 0.5, 2.0],
             "forward": [0.0, -0.5, -1.0], "up": [0.0, 1.0, 0.0]}]}})");
     int read = 0, refused = 0;
@@ -107,8 +104,8 @@ TEST(FileNumbers, CameraFiles) {
 
 TEST(FileNumbers, TracksOfMovingFiles) {
     const TemporaryFolder folder;
-    const auto mesh = load(folder.write("set.obj", squareObj()));
-    const json good = json::parse(
+    const auto mesh = loadFile(folder.write("set.obj", squareObj()));
+    const Json good = Json::parse(
         R"({"frames": [{"translation": [1.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0],
             "scale": [1.0, 2.0, 1.0]}]})");
     const Camera camera = lookAt({0.5, 0.5, 2}, {0.5, 0.5, 0}, {0, 1, 0}, 0.9);
@@ -137,7 +134,7 @@ GltfBuilder richGltf(const TemporaryFolder& folder) {
     const int view = file.view(readBytes(folder.path() / "a.png"));
     file.append("images", {{"bufferView", view}, {"mimeType", "image/png"}});
     file.append("textures", {{"source", 0}});
-    const json transform{{"offset", {0.1, 0.2}}, {"scale", {2.0, 2.0}}, {"rotation", 0.3}};
+    const Json transform{{"offset", {0.1, 0.2}}, {"scale", {2.0, 2.0}}, {"rotation", 0.3}};
     file.append("materials", {{"alphaMode", "MASK"},
                               {"alphaCutoff", 0.4},
                               {"pbrMetallicRoughness",
@@ -172,7 +169,7 @@ GltfBuilder richGltf(const TemporaryFolder& folder) {
 
 /// Loads a file as a shot is loaded, and traces rays of its cameras in three frames.
 void useAsShot(const std::filesystem::path& path) {
-    const TriangleMesh mesh = load(path);
+    const TriangleMesh mesh = loadFile(path);
     Scene scene(mesh);
     for (const Vec3f& p : mesh.positions) ASSERT_TRUE(isInReach(Vec3d(p) / 2)) << p;
     const std::vector<std::filesystem::path> files{path};
@@ -194,7 +191,7 @@ TEST(FileNumbers, GltfText) {
     folder.write("a.bin", file.data());
     useAsShot(folder.write("a.gltf", file.gltf("a.bin")));
     int read = 0, refused = 0;
-    forEachChange(json::parse(file.gltf("a.bin")), [&](const std::string& text) {
+    forEachChange(Json::parse(file.gltf("a.bin")), [&](const std::string& text) {
         const auto path = folder.write("a.gltf", text);
         ++(isRead([&] { useAsShot(path); }) ? read : refused);
     });

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-TriangleMesh loadBytes(const std::string& name, const std::string& bytes) {
+TriangleMesh loadShaded(const std::string& name, const std::string& bytes) {
     const TemporaryFolder folder;
     const auto path = folder.write(name, bytes);
     return loadMesh({&path, 1}, {.shadingNormals = true});
@@ -31,7 +31,7 @@ void expectSquare(const TriangleMesh& mesh) {
 TEST(GltfCompression, DracoIsRead) {
     for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
         SCOPED_TRACE(method);
-        expectSquare(loadBytes("a.glb", dracoFile(dracoSquare(method)).glb()));
+        expectSquare(loadShaded("a.glb", dracoFile(dracoSquare(method)).glb()));
     }
     const TemporaryFolder folder;
     const GltfBuilder file = dracoFile(dracoSquare(draco::MESH_EDGEBREAKER_ENCODING));
@@ -42,7 +42,7 @@ TEST(GltfCompression, DracoIsRead) {
 
 TEST(GltfCompression, DamagedDracoIsRefused) {
     const auto refuse = [](const GltfBuilder& file, const std::string& cause) {
-        expectError([&] { loadBytes("a.glb", file.glb()); }, "a.glb", cause);
+        expectError([&] { loadShaded("a.glb", file.glb()); }, "a.glb", cause);
     };
     const std::string stream = dracoSquare(draco::MESH_EDGEBREAKER_ENCODING);
     refuse(dracoFile("no stream at all"),
@@ -63,7 +63,7 @@ TEST(GltfCompression, DamagedDracoIsRefused) {
     for (std::size_t size = 0; size < stream.size(); ++size) {
         SCOPED_TRACE(size);
         try {
-            loadBytes("a.glb", dracoFile(stream.substr(0, size) + std::string(4, '\0')).glb());
+            loadShaded("a.glb", dracoFile(stream.substr(0, size) + std::string(4, '\0')).glb());
         } catch (const Error& e) {
             EXPECT_NE(std::string(e.what()).find("a.glb"), std::string::npos) << e.what();
         }
@@ -76,7 +76,7 @@ TEST(GltfCompression, DracoOfHugeCountsIsRefused) {
     constexpr std::size_t kCounts = 11;
     stream.replace(kCounts, 2, std::string("\xff\xff\xff\xff\x7f\xff\xff\xff\xff\x7f"));
     const auto refuse = [&](const std::string& cause) {
-        expectError([&] { loadBytes("a.glb", dracoFile(stream).glb()); }, "a.glb", cause);
+        expectError([&] { loadShaded("a.glb", dracoFile(stream).glb()); }, "a.glb", cause);
     };
     refuse("34359738367 triangles or points");
     constexpr std::size_t kMinorVersion = 6, kFlags = 10;
@@ -115,7 +115,7 @@ TEST(GltfCompression, DracoMayHoldManyTriangles) {
     GltfBuilder file = dracoFile({buffer.data(), buffer.size()}, kSide * kSide);
     file.json["accessors"][1]["count"] = 3 * grid.num_faces();
     EXPECT_GT(grid.num_faces(), 349525u);
-    EXPECT_EQ(loadBytes("a.glb", file.glb()).triangles.size(), grid.num_faces());
+    EXPECT_EQ(loadShaded("a.glb", file.glb()).triangles.size(), grid.num_faces());
 }
 
 /// All attributes that a set has, quantized as exporters do.
@@ -160,7 +160,7 @@ TEST(GltfCompression, DracoHoldsNormalsPlacesAndColours) {
     add("NORMAL", idOf(normals), 5126, "VEC3", false);
     add("TEXCOORD_0", idOf(places), 5126, "VEC2", false);
     add("COLOR_0", idOf(colors), 5121, "VEC4", true);
-    const TriangleMesh mesh = loadBytes("a.glb", file.glb());
+    const TriangleMesh mesh = loadShaded("a.glb", file.glb());
     expectSquare(mesh);
     ASSERT_EQ(mesh.normals.size(), 4u);
     for (const Vec3f& n : mesh.normals) EXPECT_NEAR(n.x, 0.6f, 0.01f);
@@ -273,11 +273,11 @@ TEST(GltfCompression, WebpIsRead) {
         file.json["extensionsRequired"] = {"EXT_texture_webp"};
         return file.glb();
     };
-    const TriangleMesh mesh = loadBytes("a.glb", fileOf(webp));
+    const TriangleMesh mesh = loadShaded("a.glb", fileOf(webp));
     EXPECT_EQ(albedoAt(mesh, 0, 0.25f, 0, Rgb(0.5f)), Rgb(1, 0, 0));
     EXPECT_EQ(albedoAt(mesh, 0, 0.75f, 0, Rgb(0.5f)), Rgb(0, 1, 0));
     for (std::size_t cut = 4; cut + 13 < webp.size(); ++cut)
-        EXPECT_NE(describe(loadBytes("a.glb", fileOf(webp.substr(0, webp.size() - cut))).report)
+        EXPECT_NE(describe(loadShaded("a.glb", fileOf(webp.substr(0, webp.size() - cut))).report)
                       .find("1 texture whose picture"),
                   std::string::npos);
     EXPECT_EQ(describe(mesh.report).find("whose picture"), std::string::npos);

@@ -6,6 +6,7 @@
 #include "common/import/load_mesh.h"
 #include "common/mesh/placed_mesh.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
@@ -13,20 +14,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-GltfBuilder square() {
-    GltfBuilder file = squareGltf();
-    file.root({{"mesh", 0}});
-    return file;
-}
-
-TriangleMesh load(const GltfBuilder& file) {
-    const TemporaryFolder folder;
-    const auto path = folder.write("a.glb", file.glb());
-    return loadMesh({&path, 1}, {});
-}
-
 TEST(GltfExtensions, OfNodesAndMeshesAreNamed) {
-    GltfBuilder file = square();
+    GltfBuilder file = squareScene();
     file.root(
         {{"mesh", 0}, {"translation", {2, 0, 0}}, {"extensions", {{"MSFT_lod", {{"ids", {0}}}}}}});
     file.append("nodes", {{"extensions", {{"MSFT_lod", Json::object()}}}});  // not in the scene
@@ -49,7 +38,7 @@ TEST(GltfExtensions, OfNodesAndMeshesAreNamed) {
         {{"scene", "EXT_lights_image_based is left out"}, 1},
         {{"camera", "EXT_lens is left out"}, 1},
         {{"file", "KHR_texture_basisu is left out"}, 1}};
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadGlb(file);
     EXPECT_EQ(mesh.report.leftOutOf, wanted);
     EXPECT_NE(describe(mesh.report).find("; 1 mesh whose EXT_some_mesh is left out"),
               std::string::npos)
@@ -57,10 +46,10 @@ TEST(GltfExtensions, OfNodesAndMeshesAreNamed) {
 }
 
 TEST(GltfExtensions, ManyNamesAreCountedTogether) {
-    GltfBuilder file = square();
+    GltfBuilder file = squareScene();
     for (int i = 0; i < 1000; ++i)
         file.json["meshes"][0]["extensions"][fmt::format("EXT_\n\33{}", i)] = Json::object();
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadGlb(file);
     EXPECT_EQ(mesh.report.leftOutOf.size(), 21u);
     EXPECT_EQ(mesh.report.leftOutOf.at({"mesh", "other extension is left out"}), 980u);
     const std::string text = describe(mesh.report);
@@ -70,28 +59,28 @@ TEST(GltfExtensions, ManyNamesAreCountedTogether) {
 }
 
 TEST(GltfExtensions, PointsAndLinesAreNamed) {
-    GltfBuilder file = square();
+    GltfBuilder file = squareScene();
     auto& primitives = file.json["meshes"][0]["primitives"];
     for (const int mode : {0, 1}) {
         primitives.push_back(primitives[0]);
         primitives.back()["mode"] = mode;
     }
     const LeftOutOf wanted{{{"primitive", "points or lines are left out"}, 2}};
-    EXPECT_EQ(load(file).report.leftOutOf, wanted);
+    EXPECT_EQ(loadGlb(file).report.leftOutOf, wanted);
 }
 
 TEST(GltfExtensions, ThatAreReadAreNotNamed) {
-    GltfBuilder file = square();
+    GltfBuilder file = squareScene();
     file.json["extensionsUsed"] = {"KHR_mesh_quantization", "KHR_texture_transform",
                                    "KHR_materials_ior", "EXT_mesh_gpu_instancing",
                                    "KHR_node_visibility"};
-    EXPECT_TRUE(load(file).report.leftOutOf.empty());
+    EXPECT_TRUE(loadGlb(file).report.leftOutOf.empty());
 }
 
 /// A required extension is refused by its name, whatever else is wrong with the file.
 TEST(GltfExtensions, RequiredOnesAreRefusedFirst) {
     const TemporaryFolder folder;
-    GltfBuilder file = square();
+    GltfBuilder file = squareScene();
     file.json["extensionsRequired"] = {"KHR_mesh_quantization", "EXT_unheard_of"};
     file.json["bufferViews"][0]["byteOffset"] = 1 << 20;
     file.json["accessors"][0].erase("type");
@@ -111,29 +100,29 @@ TEST(GltfExtensions, RequiredOnesThatAreReadAreNoReasonToRefuse) {
          {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_materials_pbrSpecularGlossiness",
           "KHR_materials_variants", "KHR_materials_sheen", "KHR_lights_punctual",
           "EXT_mesh_gpu_instancing", "KHR_node_visibility", "KHR_xmp_json_ld"}) {
-        GltfBuilder file = square();
+        GltfBuilder file = squareScene();
         file.json["extensionsRequired"] = {name};
-        EXPECT_EQ(load(file).triangles.size(), 2u) << name;
+        EXPECT_EQ(loadGlb(file).triangles.size(), 2u) << name;
     }
 }
 
 TEST(GltfExtensions, HiddenNodesHideThoseBelowThem) {
-    GltfBuilder file = square();
+    GltfBuilder file = squareScene();
     const int child = file.append("nodes", {{"mesh", 0}, {"translation", {5, 0, 0}}});
     file.root(
         {{"children", {child}}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}});
-    EXPECT_EQ(placedCount(load(file)), 2u);
+    EXPECT_EQ(placedCount(loadGlb(file)), 2u);
     file.json["nodes"].back()["extensions"]["KHR_node_visibility"]["visible"] = true;
-    EXPECT_EQ(placedCount(load(file)), 4u);
+    EXPECT_EQ(placedCount(loadGlb(file)), 4u);
 }
 
 TEST(GltfExtensions, FilesWithoutScenesShowAllRoots) {
-    GltfBuilder file = square();
+    GltfBuilder file = squareScene();
     const int child = file.append("nodes", {{"mesh", 0}, {"translation", {5, 0, 0}}});
     file.root({{"children", {child}}});
     file.json.erase("scene");
     file.json.erase("scenes");
-    EXPECT_EQ(placedCount(load(file)), 4u);
+    EXPECT_EQ(placedCount(loadGlb(file)), 4u);
 }
 
 }  // namespace

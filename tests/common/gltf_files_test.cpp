@@ -8,24 +8,13 @@
 #include "common/import/set_files.h"
 #include "common/shot/gltf_shot.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
 namespace {
 
 using Json = nlohmann::json;
-
-GltfBuilder square() {
-    GltfBuilder file = squareGltf();
-    file.root({{"mesh", 0}});
-    return file;
-}
-
-TriangleMesh loadBytes(const std::string& name, const std::string& bytes) {
-    const TemporaryFolder folder;
-    const auto path = folder.write(name, bytes);
-    return loadMesh({&path, 1}, {});
-}
 
 std::string said(const GltfBuilder& file) {
     return describe(loadBytes("a.glb", file.glb()).report);
@@ -47,7 +36,7 @@ std::string base64(const std::string& bytes) {
 }
 
 TEST(GltfUris, DataAreOfAnyMediaType) {
-    const GltfBuilder file = square();
+    const GltfBuilder file = squareScene();
     for (const char* type :
          {"application/octet-stream", "application/gltf-buffer", "", "text/plain",
           "application/binary", "application/octet-stream;charset=utf-8"})
@@ -66,7 +55,7 @@ TEST(GltfUris, DataAreOfAnyMediaType) {
 TEST(GltfUris, OfFilesMayBeEscapedAndTheirBuffersShorter) {
     const TemporaryFolder folder;
     std::filesystem::create_directories(folder.path() / "sub dir");
-    const GltfBuilder file = square();
+    const GltfBuilder file = squareScene();
     folder.write("sub dir/my buffer.bin", file.data() + "and more");
     for (const char* uri :
          {"sub%20dir/my%20buffer.bin", "sub dir/my buffer.bin", "./sub%20dir//my%20buffer.bin"}) {
@@ -81,7 +70,7 @@ TEST(GltfUris, OfFilesMayBeEscapedAndTheirBuffersShorter) {
 
 TEST(GltfUris, APlusIsAPlus) {
     const TemporaryFolder folder;
-    const GltfBuilder file = square();
+    const GltfBuilder file = squareScene();
     folder.write("a+b.bin", file.data());
     folder.write("a b.bin", std::string(file.data().size(), '\0'));
     for (const char* uri : {"a+b.bin", "a%2Bb.bin", "a%2bb.bin"}) {
@@ -92,7 +81,7 @@ TEST(GltfUris, APlusIsAPlus) {
 
 /// A camera that nobody asks for costs nothing; one without a name has a number.
 TEST(GltfCameras, AreFoundByNameOrNumber) {
-    GltfBuilder file = square();
+    GltfBuilder file = squareScene();
     const auto add = [&](const Json& camera, const Json& node) {
         Json placed = node;
         placed["camera"] = file.append("cameras", camera);
@@ -131,7 +120,7 @@ TEST(GlbChunks, OfOtherKindsArePassedOver) {
         return bytes.replace(8, 4, bytesOf(static_cast<std::uint32_t>(bytes.size())));
     };
     const std::string more = bytesOf(std::uint32_t{4}) + "XTRAabcd";
-    const std::string good = square().glb();
+    const std::string good = squareScene().glb();
     EXPECT_EQ(loadBytes("a.glb", resized(good + more)).triangles.size(), 2u);
     EXPECT_EQ(loadBytes("a.glb", good + "bytes behind").triangles.size(), 2u);
     EXPECT_EQ(loadBytes("a.gltf", good).triangles.size(), 2u);
@@ -143,7 +132,7 @@ TEST(GlbChunks, OfOtherKindsArePassedOver) {
 }
 
 TEST(GltfVersions, ThatAreNeededAndNewerAreRefused) {
-    GltfBuilder file = square();
+    GltfBuilder file = squareScene();
     file.json["asset"] = {{"version", "2.1"}, {"minVersion", "2.0"}};
     EXPECT_EQ(said(file), "2 triangles");
     file.json["asset"]["minVersion"] = "2.1";
@@ -158,13 +147,13 @@ TEST(GltfPrimitives, WhatIsNotWholeIsNamed) {
     EXPECT_NE(said(file).find("1 primitive whose last corners make no triangle and are left out"),
               std::string::npos)
         << said(file);
-    GltfBuilder empty = square();
+    GltfBuilder empty = squareScene();
     const int none =
         empty.append("accessors", {{"componentType", 5126}, {"count", 0}, {"type", "VEC3"}});
     empty.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", none}}}});
     empty.json["meshes"][0]["primitives"].push_back({{"attributes", {{"NORMAL", 0}}}});
     EXPECT_EQ(said(empty), "2 triangles; 2 primitives whose positions are missing (left out)");
-    GltfBuilder bare = square();
+    GltfBuilder bare = squareScene();
     bare.append("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 7, 1, 1}}}}});
     bare.json["meshes"][0]["primitives"][0]["material"] = 0;
     EXPECT_EQ(said(bare), std::string("2 triangles; 1 ") + kClampedMaterials);
@@ -172,7 +161,7 @@ TEST(GltfPrimitives, WhatIsNotWholeIsNamed) {
 
 TEST(GltfShapes, OfAnotherKindAreRefused) {
     const auto refused = [](const char* list, const Json& object, const std::string& cause) {
-        GltfBuilder file = square();
+        GltfBuilder file = squareScene();
         const int index = file.append(list, object);
         if (list == std::string("samplers")) {
             file.append("textures", {{"sampler", index}});

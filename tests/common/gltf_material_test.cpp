@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-TriangleMesh load(const GltfBuilder& file, bool gloss = true) {
+TriangleMesh loadLooks(const GltfBuilder& file, bool gloss = true) {
     const TemporaryFolder folder;
     const auto path = folder.write("a.glb", file.glb());
     MeshOptions options;
@@ -95,17 +95,17 @@ TEST(GltfMaterial, PicturesOf16BitsKeepThem) {
 }
 
 TEST(GltfMaterial, FactorsAreTheSpecifications) {
-    const TriangleMesh mesh =
-        load(squareWith({{"pbrMetallicRoughness",
-                          {{"baseColorFactor", {0.5, 0.25, 1, 1}},
-                           {"metallicFactor", 0.2},
-                           {"roughnessFactor", 0.3}}},
-                         {"emissiveFactor", {0.1, 0.2, 0.4}},
-                         {"extensions",
-                          {{"KHR_materials_ior", {{"ior", 2}}},
-                           {"KHR_materials_specular",
-                            {{"specularFactor", 0.5}, {"specularColorFactor", {1, 0.5, 100}}}},
-                           {"KHR_materials_emissive_strength", {{"emissiveStrength", 10}}}}}}));
+    const TriangleMesh mesh = loadLooks(
+        squareWith({{"pbrMetallicRoughness",
+                     {{"baseColorFactor", {0.5, 0.25, 1, 1}},
+                      {"metallicFactor", 0.2},
+                      {"roughnessFactor", 0.3}}},
+                    {"emissiveFactor", {0.1, 0.2, 0.4}},
+                    {"extensions",
+                     {{"KHR_materials_ior", {{"ior", 2}}},
+                      {"KHR_materials_specular",
+                       {{"specularFactor", 0.5}, {"specularColorFactor", {1, 0.5, 100}}}},
+                      {"KHR_materials_emissive_strength", {{"emissiveStrength", 10}}}}}}));
     const Surface s = at(mesh, 0.6f, 0.2f);
     EXPECT_TRUE(s.glossy);
     EXPECT_FLOAT_EQ(s.roughness, 0.3f);
@@ -121,7 +121,7 @@ TEST(GltfMaterial, FactorsAreTheSpecifications) {
 }
 
 TEST(GltfMaterial, WithoutFactorsIsARoughMetal) {
-    const Surface s = at(load(squareWith(Json::object())), 0.6f, 0.2f);
+    const Surface s = at(loadLooks(squareWith(Json::object())), 0.6f, 0.2f);
     EXPECT_TRUE(s.glossy);
     EXPECT_EQ(s.roughness, 1);
     EXPECT_EQ(s.diffuse, Rgb(0.0f));
@@ -131,14 +131,14 @@ TEST(GltfMaterial, WithoutFactorsIsARoughMetal) {
 TEST(GltfMaterial, IsLambertianWhereGlossIsNotRead) {
     const GltfBuilder file = squareWith(
         {{"emissiveFactor", {1, 1, 1}}, {"pbrMetallicRoughness", {{"metallicFactor", 0.5}}}});
-    const Surface s = at(load(file, false), 0.6f, 0.2f);
+    const Surface s = at(loadLooks(file, false), 0.6f, 0.2f);
     EXPECT_FALSE(s.glossy);
     EXPECT_EQ(s.diffuse, Rgb(1.0f));
     EXPECT_EQ(s.emission, Rgb(0.0f));
 }
 
 TEST(GltfMaterial, FactorsOutOfRangeAreBroughtIntoIt) {
-    const TriangleMesh mesh = load(
+    const TriangleMesh mesh = loadLooks(
         squareWith({{"pbrMetallicRoughness", {{"metallicFactor", -3}, {"roughnessFactor", 1e9}}},
                     {"emissiveFactor", {-1, 1e300, 0}},
                     {"extensions",
@@ -155,16 +155,16 @@ TEST(GltfMaterial, FactorsOutOfRangeAreBroughtIntoIt) {
 
 TEST(GltfMaterial, AnIndexOfRefractionOfZeroReflectsEverything) {
     const TriangleMesh mesh =
-        load(squareWith({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
-                         {"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}}));
+        loadLooks(squareWith({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+                              {"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}}));
     EXPECT_EQ(at(mesh, 0.6f, 0.2f).f0, Rgb(1.0f));
 }
 
 TEST(GltfMaterial, UnlitEmitsItsColor) {
     const TriangleMesh mesh =
-        load(squareWith({{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 1, 1}}}},
-                         {"emissiveFactor", {1, 1, 1}},
-                         {"extensions", {{"KHR_materials_unlit", Json::object()}}}}));
+        loadLooks(squareWith({{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 1, 1}}}},
+                              {"emissiveFactor", {1, 1, 1}},
+                              {"extensions", {{"KHR_materials_unlit", Json::object()}}}}));
     const Surface s = at(mesh, 0.6f, 0.2f);
     EXPECT_TRUE(s.unlit);
     EXPECT_FALSE(s.glossy);
@@ -183,7 +183,7 @@ TEST(GltfMaterial, TexturesOfEverySlot) {
     // Written as sRGB: 0.5 is stored as 188 of 255.
     addPicture(file, Rgb(1, 0.5f, 0), Rgb(0, 0, 1));
     addPicture(file, Rgb(0.5f, 0.25f, 0), Rgb(0, 0, 1));
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadLooks(file);
     const Surface left = at(mesh, 0.3f, 0.2f), right = at(mesh, 0.7f, 0.2f);
     EXPECT_FLOAT_EQ(left.roughness, 0.8f * 188 / 255);
     EXPECT_EQ(left.f90, Rgb(1.0f));
@@ -211,7 +211,7 @@ TEST(GltfMaterial, SlotsHaveTexturePlacesOfTheirOwn) {
     file.json["meshes"].push_back(file.json["meshes"][0]);
     file.json["meshes"][1]["primitives"][0].erase("material");
     file.root({{"mesh", 1}, {"translation", {5, 0, 0}}});
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadLooks(file);
     ASSERT_EQ(mesh.moreTexcoords.size(), 2u);
     for (const auto& layer : mesh.moreTexcoords) EXPECT_EQ(layer.size(), mesh.positions.size());
     // The square without material comes first.
@@ -227,7 +227,7 @@ TEST(GltfMaterial, SpecularTextures) {
     GltfBuilder file = squareWith({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
                                    {"extensions", {{"KHR_materials_specular", both}}}});
     addPicture(file, Rgb(1, 0, 0), Rgb(0, 1, 0));
-    const Surface s = at(load(file), 0.3f, 0.2f);
+    const Surface s = at(loadLooks(file), 0.3f, 0.2f);
     EXPECT_FLOAT_EQ(s.f0.x, 0.04f);
     EXPECT_EQ(s.f0.y, 0);
     EXPECT_EQ(s.f90.y, 1);
@@ -252,7 +252,7 @@ TEST(GltfMaterial, SpecularGlossinessIsRead) {
     Json material{{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}}},
                   {"alphaMode", "BLEND"},
                   {"extensions", {{"KHR_materials_pbrSpecularGlossiness", older}}}};
-    const TriangleMesh mesh = load(squareWith(material));
+    const TriangleMesh mesh = loadLooks(squareWith(material));
     EXPECT_TRUE(mesh.report.leftOut.empty());
     EXPECT_EQ(mesh.materials[0].opacity, 0.75f);
     const Surface s = at(mesh, 0.3f, 0.2f);
@@ -264,8 +264,8 @@ TEST(GltfMaterial, SpecularGlossinessIsRead) {
     EXPECT_EQ(s.f90.x, 1);
     // Without numbers all of them are 1.
     material["extensions"]["KHR_materials_pbrSpecularGlossiness"] = Json::object();
-    EXPECT_EQ(at(load(squareWith(material)), 0.3f, 0.2f).f0, Rgb(1.0f));
-    EXPECT_EQ(at(load(squareWith(material)), 0.3f, 0.2f).roughness, 0);
+    EXPECT_EQ(at(loadLooks(squareWith(material)), 0.3f, 0.2f).f0, Rgb(1.0f));
+    EXPECT_EQ(at(loadLooks(squareWith(material)), 0.3f, 0.2f).roughness, 0);
 }
 
 TEST(GltfMaterial, SpecularGlossinessHasTextures) {
@@ -279,7 +279,7 @@ TEST(GltfMaterial, SpecularGlossinessHasTextures) {
     const int image = file.append(
         "images", {{"bufferView", file.view(pngWithOpacity())}, {"mimeType", "image/png"}});
     file.append("textures", {{"source", image}, {"sampler", 0}});
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadLooks(file);
     const Surface left = at(mesh, 0.3f, 0.2f), right = at(mesh, 0.8f, 0.2f);
     EXPECT_EQ(left.baseColor, Rgb(0, 0, 1));
     EXPECT_EQ(left.f0, Rgb(0.5f, 0, 0));
@@ -288,7 +288,7 @@ TEST(GltfMaterial, SpecularGlossinessHasTextures) {
     EXPECT_NEAR(left.roughness, 0.9f, 0.51f / 255);
     EXPECT_NEAR(right.roughness, 0.5f, 0.51f / 255);
     // Diffuse surfaces keep the base colour alone.
-    EXPECT_EQ(at(load(file, false), 0.3f, 0.2f).diffuse, Rgb(0, 0, 1));
+    EXPECT_EQ(at(loadLooks(file, false), 0.3f, 0.2f).diffuse, Rgb(0, 0, 1));
 }
 
 /// Smooth glass.
@@ -304,7 +304,7 @@ TEST(GltfMaterial, TransmissionTintsWhatPasses) {
         squareWith(pane({{"transmissionFactor", 0.8}, {"transmissionTexture", {{"index", 0}}}}));
     addPicture(file, {1, 0, 0}, {0, 1, 1});
     file.json["extensionsRequired"] = {"KHR_materials_transmission"};
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadLooks(file);
     EXPECT_TRUE(mesh.report.leftOut.empty());
     EXPECT_TRUE(mesh.materials[0].doubleSided);
     const Surface left = at(mesh, 0.3f, 0.2f), right = at(mesh, 0.8f, 0.2f);
@@ -317,14 +317,14 @@ TEST(GltfMaterial, TransmissionTintsWhatPasses) {
     EXPECT_NEAR(1 - passage.stopped, wanted, 1e-5f);
     EXPECT_NEAR(passage.tint.x * wanted, 0.96f * 0.4f, 1e-5f);
     // Panes are panes where surfaces are diffuse, too.
-    EXPECT_EQ(at(load(file, false), 0.3f, 0.2f).transmitted, left.transmitted);
+    EXPECT_EQ(at(loadLooks(file, false), 0.3f, 0.2f).transmitted, left.transmitted);
 }
 
 TEST(GltfMaterial, OpacityCoversWhatTransmits) {
     Json material = pane({{"transmissionFactor", 1}});
     material["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0.25};
     material["alphaMode"] = "BLEND";
-    const TriangleMesh mesh = load(squareWith(material));
+    const TriangleMesh mesh = loadLooks(squareWith(material));
     const Passage passage = passageAt(mesh, mesh.materials[0], 0, 0.1f, 0.2f, -1);
     EXPECT_NEAR(passage.stopped, 0.25f * 0.04f, 1e-6f);
     EXPECT_NEAR(passage.weight, 1 / 0.04f, 1e-2f);
@@ -332,7 +332,7 @@ TEST(GltfMaterial, OpacityCoversWhatTransmits) {
 
 TEST(GltfMaterial, TransmissionOutOfRangeIsClamped) {
     for (const auto& [factor, wanted] : {std::pair(7.0, 1.0f), {-1.0, 0.0f}}) {
-        const TriangleMesh mesh = load(squareWith(pane({{"transmissionFactor", factor}})));
+        const TriangleMesh mesh = loadLooks(squareWith(pane({{"transmissionFactor", factor}})));
         EXPECT_EQ(mesh.materials[0].finish.transmission, wanted);
         EXPECT_EQ(mesh.report.remarks.size(), 1u);
         EXPECT_EQ(mesh.materials[0].isPane(), wanted > 0);
@@ -342,21 +342,21 @@ TEST(GltfMaterial, TransmissionOutOfRangeIsClamped) {
 TEST(GltfMaterial, WhatIsNoPaneIsNamed) {
     using LeftOut = std::map<std::string, std::size_t>;
     const Json clear{{"transmissionFactor", 1}};
-    EXPECT_EQ(
-        load(squareWith(pane(clear, {{"KHR_materials_volume", Json::object()}}))).report.leftOut,
-        (LeftOut{{"volume of glass (rendered as panes)", 1}}));
+    EXPECT_EQ(loadLooks(squareWith(pane(clear, {{"KHR_materials_volume", Json::object()}})))
+                  .report.leftOut,
+              (LeftOut{{"volume of glass (rendered as panes)", 1}}));
     Json frosted = pane(clear);
     frosted["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
-    EXPECT_EQ(load(squareWith(frosted)).report.leftOut,
+    EXPECT_EQ(loadLooks(squareWith(frosted)).report.leftOut,
               (LeftOut{{"blur by rough glass (light passes straight)", 1}}));
-    EXPECT_EQ(
-        load(squareWith(pane({{"transmissionFactor", 1}, {"transmissionTexture", Json::object()}})))
-            .report.leftOut,
-        (LeftOut{{"transmissionTexture", 1}}));
-    EXPECT_EQ(
-        load(squareWith(pane(clear, {{"KHR_materials_pbrSpecularGlossiness", Json::object()}})))
-            .report.leftOut,
-        (LeftOut{{"KHR_materials_transmission", 1}}));
+    EXPECT_EQ(loadLooks(squareWith(pane(
+                            {{"transmissionFactor", 1}, {"transmissionTexture", Json::object()}})))
+                  .report.leftOut,
+              (LeftOut{{"transmissionTexture", 1}}));
+    EXPECT_EQ(loadLooks(squareWith(
+                            pane(clear, {{"KHR_materials_pbrSpecularGlossiness", Json::object()}})))
+                  .report.leftOut,
+              (LeftOut{{"KHR_materials_transmission", 1}}));
 }
 
 TEST(GltfMaterial, WhatIsLeftOutIsCounted) {
@@ -370,7 +370,7 @@ TEST(GltfMaterial, WhatIsLeftOutIsCounted) {
     file.json["meshes"][1]["primitives"][0]["material"] = 1;
     file.root({{"mesh", 1}, {"translation", {5, 0, 0}}});
     file.json["extensionsRequired"] = {"KHR_materials_iridescence"};
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadLooks(file);
     const std::map<std::string, std::size_t> wanted{{"KHR_materials_clearcoat", 2},
                                                     {"KHR_materials_iridescence", 2}};
     EXPECT_EQ(mesh.report.leftOut, wanted);
@@ -391,7 +391,7 @@ TEST(GltfMaterial, MissingTexturesAreRefused) {
     refuse(pane({{"transmissionFactor", 1}, {"transmissionTexture", {{"index", 3}}}}),
            "KHR_materials_transmission: transmissionTexture: texture 3");
     // One without a number is left out.
-    const TriangleMesh bare = load(squareWith(
+    const TriangleMesh bare = loadLooks(squareWith(
         {{"extensions", {{"KHR_materials_specular", {{"specularTexture", {{"texCoord", 1}}}}}}}}));
     EXPECT_EQ(bare.report.leftOut.at("specularTexture"), 1u);
     GltfBuilder file =
@@ -399,7 +399,7 @@ TEST(GltfMaterial, MissingTexturesAreRefused) {
     file.append("images", {{"uri", "lamp.png"}});
     file.append("textures", {{"source", 0}});
     // Without its picture it would shine all over.
-    const TriangleMesh dark = load(file);
+    const TriangleMesh dark = loadLooks(file);
     EXPECT_EQ(dark.report.leftOutOf.at(
                   {"texture", "picture was not found (left out): image 0 (lamp.png)"}),
               1u);
@@ -414,7 +414,7 @@ TEST(GltfMaterial, ADamagedPictureLeavesItsTextureOut) {
         const int image =
             file.append("images", {{"bufferView", file.view(picture)}, {"mimeType", "image/png"}});
         file.append("textures", {{"source", image}});
-        return load(file);
+        return loadLooks(file);
     };
     const std::string whole = pngWithOpacity();
     for (const std::string& damaged : {whole.substr(0, 40), std::string("no picture at all")}) {

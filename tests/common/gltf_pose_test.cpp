@@ -8,18 +8,13 @@
 #include "common/mesh/placed_mesh.h"
 #include "common/shot/moving_set.h"
 #include "tests/support/gltf_posed.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
 namespace {
 
 using Json = nlohmann::json;
-
-TriangleMesh load(const GltfBuilder& file, const MeshOptions& options = {}) {
-    const TemporaryFolder folder;
-    const auto path = folder.write("a.glb", file.glb());
-    return loadMesh({&path, 1}, options);
-}
 
 void expectRefused(const GltfBuilder& file, const std::string& cause) {
     const TemporaryFolder folder;
@@ -44,23 +39,23 @@ TEST(GltfMorph, NodesHaveWeightsOfTheirOwn) {
     GltfBuilder file = morphedSquare();
     file.json["meshes"][0]["weights"] = {0.5, 0};
     file.root({{"mesh", 0}});
-    expectNear(vertices(load(file))[2], {1, 1, 0.5});
+    expectNear(vertices(loadGlb(file))[2], {1, 1, 0.5});
     file.json["nodes"][0]["weights"] = {0, 0};
-    expectNear(vertices(load(file))[2], {1, 1, 0});
+    expectNear(vertices(loadGlb(file))[2], {1, 1, 0});
     file.json["nodes"][0]["weights"] = {-1, 0.25};
-    expectNear(vertices(load(file))[2], {1.5, 1, -1});
-    expectNear(vertices(load(file))[0], {0, 0, -1});
+    expectNear(vertices(loadGlb(file))[2], {1.5, 1, -1});
+    expectNear(vertices(loadGlb(file))[0], {0, 0, -1});
     // Fewer than targets, and more.
     file.json["nodes"][0]["weights"] = {2};
-    expectNear(vertices(load(file))[2], {1, 1, 2});
+    expectNear(vertices(loadGlb(file))[2], {1, 1, 2});
     file.json["nodes"][0]["weights"] = {2, 0, 7};
-    expectNear(vertices(load(file))[2], {1, 1, 2});
+    expectNear(vertices(loadGlb(file))[2], {1, 1, 2});
 }
 
 TEST(GltfMorph, MovesNormals) {
     GltfBuilder file = morphedSquare();
     file.root({{"mesh", 0}, {"weights", {1, 0}}});
-    const TriangleMesh mesh = load(file, {.shadingNormals = true});
+    const TriangleMesh mesh = loadGlb(file, {.shadingNormals = true});
     ASSERT_FALSE(mesh.normals.empty());
     expectNear(Vec3d(mesh.normals[0]), Vec3d(1, 0, 1).normalized());
 }
@@ -70,7 +65,7 @@ TEST(GltfMorph, NodesOfOneFormShareIt) {
     file.root({{"mesh", 0}, {"weights", {1, 0}}});
     file.root({{"mesh", 0}, {"weights", {1, 0}}, {"translation", {5, 0, 0}}});
     file.root({{"mesh", 0}, {"translation", {0, 5, 0}}});
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadGlb(file);
     EXPECT_EQ(mesh.instances.size(), 2u);
     EXPECT_EQ(mesh.triangles.size(), 4u);
     const Box3d box = placedBounds(mesh);
@@ -90,12 +85,12 @@ TEST(GltfMorph, TargetsThatDoNotFitAreRefused) {
 
 TEST(GltfSkin, JointsPlaceTheVertices) {
     SkinnedBar bar = skinnedBar();
-    const auto still = vertices(load(bar.file));
+    const auto still = vertices(loadGlb(bar.file));
     expectNear(still[0], {0, 0, 0});
     expectNear(still[4], {1, 2, 0});
     const double h = std::sqrt(0.5);
     bar.file.json["nodes"][bar.upper]["rotation"] = {0, 0, h, h};
-    const auto bent = vertices(load(bar.file));
+    const auto bent = vertices(loadGlb(bar.file));
     expectNear(bent[1], {1, 0, 0});
     expectNear(bent[4], {-1, 2, 0});
     expectNear(bent[5], {-1, 1, 0});
@@ -103,19 +98,19 @@ TEST(GltfSkin, JointsPlaceTheVertices) {
     expectNear(bent[2], {0.5, 1.5, 0});
     // What moves the whole skeleton moves the mesh.
     bar.file.json["nodes"][bar.lower]["translation"] = {0, 0, 3};
-    expectNear(vertices(load(bar.file))[4], {-1, 2, 3});
+    expectNear(vertices(loadGlb(bar.file))[4], {-1, 2, 3});
 }
 
 TEST(GltfSkin, TurnsNormalsAndKeepsTheFront) {
     SkinnedBar bar = skinnedBar();
     const double h = std::sqrt(0.5);
     bar.file.json["nodes"][bar.upper]["rotation"] = {h, 0, 0, h};
-    const TriangleMesh bent = load(bar.file, {.shadingNormals = true});
+    const TriangleMesh bent = loadGlb(bar.file, {.shadingNormals = true});
     expectNear(Vec3d(bent.normals[4]), {0, -1, 0});
     // A mirrored skeleton: the winding is mended, so that the front stays with the normals.
     bar.file.json["nodes"][bar.upper]["rotation"] = {0, 0, 0, 1};
     bar.file.json["nodes"][bar.lower]["scale"] = {-1, 1, 1};
-    const TriangleMesh mirrored = load(bar.file, {.shadingNormals = true});
+    const TriangleMesh mirrored = loadGlb(bar.file, {.shadingNormals = true});
     for (std::uint32_t i = 0; i < 4; ++i) EXPECT_GT(placedNormal(mirrored, i).z, 0.99f);
     for (const Vec3f& n : mirrored.normals) EXPECT_GT(n.z, 0.99f);
 }
@@ -128,7 +123,7 @@ TEST(GltfSkin, WeightsAreSharesOfTheirSum) {
                                           50,  50, 0, 0, 0,   0, 0, 0, 100, 0,  0, 0};
     weights = bar.file.accessor(bytes, "VEC4", 4);
     bar.file.json["accessors"].back()["normalized"] = true;
-    const auto found = vertices(load(bar.file));
+    const auto found = vertices(loadGlb(bar.file));
     expectNear(found[0], {0, 0, 0});
     expectNear(found[2], {1, 2, 0});
     expectNear(found[5], {0, 4, 0});
@@ -185,7 +180,7 @@ TEST(GltfInstancing, PlacesEachCopy) {
     attributes["_ID"] = file.scalars({1, 2, 3});
     node["translation"] = {0, 0, 10};
     file.root(node);
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadGlb(file);
     ASSERT_EQ(mesh.instances.size(), 3u);
     EXPECT_EQ(placedCount(mesh), 6u);
     const auto corner = [&](std::uint32_t triangle, std::size_t k) {
@@ -310,8 +305,8 @@ TEST(GltfMorph, AnimatedWeightsMoveTheMesh) {
     file.animate(node, "weights", "LINEAR", {0, 1}, {0, 0, 1, 0.5});
     const int still = file.root({{"mesh", 0}, {"translation", {9, 0, 0}}, {"weights", {7, 0}}});
     file.animate(still, "weights", "STEP", {0, 1}, {0, 0, 0, 0});
-    EXPECT_EQ(load(file).triangles.size(), 2u);
-    const TriangleMesh half = load(file, {.stillAt = 0.5});
+    EXPECT_EQ(loadGlb(file).triangles.size(), 2u);
+    const TriangleMesh half = loadGlb(file, {.stillAt = 0.5});
     EXPECT_EQ(half.triangles.size(), 4u);
     expectNear(vertices(half)[2], {1.5, 1, 0.5});
     expectNear(vertices(half)[6], {10, 1, 0});
@@ -319,7 +314,7 @@ TEST(GltfMorph, AnimatedWeightsMoveTheMesh) {
     GltfBuilder cubic = morphedSquare();
     cubic.animate(cubic.root({{"mesh", 0}}), "weights", "CUBICSPLINE", {0, 1},
                   {0, 0, 0, 0, 0, 0, 0, 0, 2, 1, 0, 0});
-    expectNear(vertices(load(cubic, {.stillAt = 0.5}))[2], {2, 1, 1});
+    expectNear(vertices(loadGlb(cubic, {.stillAt = 0.5}))[2], {2, 1, 1});
     cubic.json["animations"][0]["samplers"][0]["output"] = cubic.scalars({0, 1, 2});
     expectRefused(cubic, "3 numbers for 2 keys, expected 6 for each");
 }

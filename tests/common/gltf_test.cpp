@@ -19,18 +19,13 @@
 #include "common/mesh/placed_mesh.h"
 #include "common/trace/scene.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
 namespace {
 
 using Json = nlohmann::json;
-
-TriangleMesh load(const GltfBuilder& file) {
-    const TemporaryFolder folder;
-    const auto path = folder.write("a.glb", file.glb());
-    return loadMesh({&path, 1}, {});
-}
 
 double area(const TriangleMesh& mesh) {
     double sum = 0;
@@ -107,7 +102,7 @@ TEST(Gltf, EveryComponentTypeOfIndicesAndPositions) {
     const auto withIndices = [](int indices, GltfBuilder& file) {
         file.mesh({{"attributes", {{"POSITION", 0}}}, {"indices", indices}});
         file.root({{"mesh", 0}});
-        EXPECT_NEAR(area(load(file)), 1, 1e-6);
+        EXPECT_NEAR(area(loadGlb(file)), 1, 1e-6);
     };
     GltfBuilder bytes, shorts, words;
     for (GltfBuilder* file : {&bytes, &shorts, &words}) file->vectors(kSquare);
@@ -120,7 +115,7 @@ TEST(Gltf, EveryComponentTypeOfIndicesAndPositions) {
         {{"attributes",
           {{"POSITION", plain.vectors({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0})}}}});
     plain.root({{"mesh", 0}});
-    EXPECT_NEAR(area(load(plain)), 1, 1e-6);
+    EXPECT_NEAR(area(loadGlb(plain)), 1, 1e-6);
 
     // KHR_mesh_quantization: whole numbers, normalized and scaled back by the node.
     GltfBuilder quantized;
@@ -137,7 +132,7 @@ TEST(Gltf, EveryComponentTypeOfIndicesAndPositions) {
     quantized.mesh({{"attributes", {{"POSITION", positions}}},
                     {"indices", quantized.accessor(kSquareIndices, "SCALAR", 1)}});
     quantized.root({{"mesh", 0}, {"scale", {3, 3, 3}}});
-    EXPECT_NEAR(area(load(quantized)), 36, 1e-5);
+    EXPECT_NEAR(area(loadGlb(quantized)), 36, 1e-5);
 }
 
 TEST(Gltf, SparseAccessors) {
@@ -157,7 +152,7 @@ TEST(Gltf, SparseAccessors) {
     file.mesh({{"attributes", {{"POSITION", positions}}},
                {"indices", file.accessor(kSquareIndices, "SCALAR", 1)}});
     file.root({{"mesh", 0}});
-    EXPECT_NEAR(area(load(file)), 1, 1e-6);
+    EXPECT_NEAR(area(loadGlb(file)), 1, 1e-6);
     file.json["accessors"][0]["count"] = 3;
     const TemporaryFolder folder;
     const auto path = folder.write("a.glb", file.glb());
@@ -172,7 +167,7 @@ TEST(Gltf, StripsAndFansKeepTheirWinding) {
         file.mesh({{"attributes", {{"POSITION", file.vectors(mode == 5 ? strip : fan)}}},
                    {"mode", mode}});
         file.root({{"mesh", 0}});
-        const TriangleMesh mesh = load(file);
+        const TriangleMesh mesh = loadGlb(file);
         const Scene scene(mesh);
         ASSERT_EQ(mesh.triangles.size(), 3u);
         for (std::uint32_t i = 0; i < 3; ++i) EXPECT_GT(scene.normal(i).z, 0.99f) << mode;
@@ -190,7 +185,7 @@ TEST(Gltf, MirroringNodesKeepTheSides) {
         const int child = file.append("nodes", {{"mesh", 0}, {"scale", {-1, 2, 0.5}}});
         file.root({{"children", {child}}, {"translation", {5, 0, 0}}});
         if (shared) file.root({{"mesh", 0}, {"translation", {10, 0, 0}}});
-        const TriangleMesh mesh = load(file);
+        const TriangleMesh mesh = loadGlb(file);
         ASSERT_EQ(mesh.instances.size(), shared ? 2u : 0u);
         const Scene scene(mesh);
         const Hit hit = look(scene, 4.5, 1.5);
@@ -211,7 +206,7 @@ TEST(Gltf, InstancesShareTheirTriangles) {
         file.root({{"mesh", 0}, {"translation", {2 * i, 0, 0}}, {"scale", {1, 1 + i % 2, 1}}});
     // A map without inverse cannot be an instance; it is flattened.
     file.root({{"mesh", 0}, {"translation", {-2, 0, 0}}, {"scale", {1, 1, 0}}});
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadGlb(file);
     EXPECT_EQ(mesh.triangles.size(), 4u);
     EXPECT_EQ(mesh.instances.size(), 50u);
     EXPECT_EQ(placedCount(mesh), 102u);
@@ -239,7 +234,7 @@ TEST(Gltf, StreamsOfRaysMeetInstances) {
                    {"translation", {3 * number(), 3 * number(), 3 * number()}},
                    {"rotation", {number(), number(), number(), number()}},
                    {"scale", {i % 3 == 0 ? -1 : 1, 1, 0.8}}});
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadGlb(file);
     ASSERT_EQ(mesh.instances.size(), 80u);
     const Scene scene(mesh);
     for (int round = 0; round < 50; ++round) {
@@ -269,12 +264,12 @@ TEST(Gltf, StreamsOfRaysMeetInstances) {
 
 TEST(Gltf, BaseColourIsFactorTimesTextureTimesVertexColour) {
     GltfBuilder file = texturedSquare({{"index", 0}}, {{"baseColorFactor", {0.5, 0.25, 1, 1}}});
-    EXPECT_EQ(colorAt(load(file), 0.25, 0.5), Rgb(0.5f, 0, 0));
-    EXPECT_EQ(colorAt(load(file), 0.75, 0.5), Rgb(0, 0.25f, 0));
+    EXPECT_EQ(colorAt(loadGlb(file), 0.25, 0.5), Rgb(0.5f, 0, 0));
+    EXPECT_EQ(colorAt(loadGlb(file), 0.75, 0.5), Rgb(0, 0.25f, 0));
     const int colors = file.accessor(
         std::vector<float>{.5, .5, .5, .5, .5, .5, .5, .5, .5, .5, .5, .5}, "VEC3", 3);
     file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = colors;
-    EXPECT_EQ(colorAt(load(file), 0.25, 0.5), Rgb(0.25f, 0, 0));
+    EXPECT_EQ(colorAt(loadGlb(file), 0.25, 0.5), Rgb(0.25f, 0, 0));
 }
 
 /// The example of the extension's text: the lower left quadrant, turned clockwise by 90 degrees.
@@ -285,7 +280,7 @@ TEST(Gltf, TextureTransform) {
           {{"KHR_texture_transform",
             {{"offset", {0, 1}}, {"rotation", 1.57079632679}, {"scale", {0.5, 0.5}}}}}}},
         Json::object());
-    const TriangleMesh mesh = load(file);
+    const TriangleMesh mesh = loadGlb(file);
     for (const Vec3f& at : mesh.texcoords) {
         EXPECT_GE(at.x, -1e-6f);
         EXPECT_LE(at.x, 0.5f + 1e-6f);
@@ -307,16 +302,16 @@ TEST(Gltf, CutOutsLetLightThrough) {
         file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = colors;
         file.root({{"mesh", 0}});
         if (shared) file.root({{"mesh", 0}, {"translation", {0, 5, 0}}});
-        const TriangleMesh mesh = load(file);
+        const TriangleMesh mesh = loadGlb(file);
         const Scene scene(mesh);
         EXPECT_TRUE(open(scene, 0.3, 0.5));
         EXPECT_FALSE(open(scene, 0.7, 0.5));
         EXPECT_FALSE(look(scene, 0.3, 0.5).found);
         EXPECT_TRUE(look(scene, 0.7, 0.5).found);
         file.json["materials"][0]["alphaCutoff"] = 0.8;
-        EXPECT_NE(fingerprint(load(file)), fingerprint(mesh));
+        EXPECT_NE(fingerprint(loadGlb(file)), fingerprint(mesh));
         file.json["materials"][0]["alphaMode"] = "BLEND";
-        const TriangleMesh blended = load(file);
+        const TriangleMesh blended = loadGlb(file);
         EXPECT_EQ(blended.report.blended, 1u);
         EXPECT_NE(fingerprint(blended), fingerprint(mesh));
     }
@@ -399,9 +394,9 @@ TEST(Gltf, AnimationOfNodesAndTheirParents) {
 TEST(Gltf, WhereEverythingMovesTheReasonIsTold) {
     GltfBuilder file = squareGltf();
     file.animate(file.root({{"mesh", 0}}), "translation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0});
-    expectError([&] { load(file); }, "a.glb", "everything moves: all nodes with a mesh, 1,");
+    expectError([&] { loadGlb(file); }, "a.glb", "everything moves: all nodes with a mesh, 1,");
     file.root({{"mesh", 0}});
-    EXPECT_EQ(load(file).triangles.size(), 2u);
+    EXPECT_EQ(loadGlb(file).triangles.size(), 2u);
 }
 
 }  // namespace

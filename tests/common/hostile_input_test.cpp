@@ -15,15 +15,12 @@
 #include "common/import/texture_decoder.h"
 #include "common/mesh/mesh.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
 namespace {
-
-TriangleMesh load(const std::filesystem::path& path) {
-    return loadMesh(std::span(&path, 1), {});
-}
 
 std::string squareExr() {
     const TemporaryFolder folder;
@@ -64,7 +61,7 @@ struct Kind {
 };
 
 std::vector<Kind> kinds() {
-    const auto mesh = [](const std::filesystem::path& path) { load(path); };
+    const auto mesh = [](const std::filesystem::path& path) { loadFile(path); };
     const auto image = [](const std::filesystem::path& path) { readRadiance(path); };
     return {{"a.obj", squareObj(), mesh, false},
             {"a.off", squareOff(), mesh, true},
@@ -99,7 +96,7 @@ TEST(HostileInput, MissingEmptyAndDirectory) {
         expectError([&] { kind.read(path / "in" / "it"); }, path.string(), "no such file");
         std::filesystem::remove(path);
     }
-    expectError([] { load("/dev/null"); }, "/dev/null", "extension");
+    expectError([] { loadFile("/dev/null"); }, "/dev/null", "extension");
     expectError([] { readRadiance("/dev/null"); }, "/dev/null", "");
 }
 
@@ -123,10 +120,11 @@ TEST(HostileInput, CutOffFiles) {
 TEST(HostileInput, CutOffTextsThatOnlyTheLastLineShows) {
     const TemporaryFolder folder;
     const std::string head = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    expectError([&] { load(folder.write("a.obj", head + "f 1 2")); }, "a.obj", "line 5: file ends");
-    expectError([&] { load(folder.write("a.obj", head + "v 1 2\n")); }, "a.obj",
+    expectError([&] { loadFile(folder.write("a.obj", head + "f 1 2")); }, "a.obj",
+                "line 5: file ends");
+    expectError([&] { loadFile(folder.write("a.obj", head + "v 1 2\n")); }, "a.obj",
                 "line 5: vertex with 2 numbers");
-    expectError([&] { load(folder.write("a.obj", "v 0 0 0\n")); }, "a.obj", "has no face");
+    expectError([&] { loadFile(folder.write("a.obj", "v 0 0 0\n")); }, "a.obj", "has no face");
 }
 
 TEST(HostileInput, ForeignFiles) {
@@ -146,7 +144,7 @@ TEST(HostileInput, ForeignFiles) {
         const auto path = folder.write(kind.name, "\x89PNG\r\n\x1a\n" + std::string(200, '\0'));
         expectError([&] { kind.read(path); }, path.string(), "");
     }
-    expectError([&] { load(folder.write("a.fbx", "Kaydara")); }, "a.fbx",
+    expectError([&] { loadFile(folder.write("a.fbx", "Kaydara")); }, "a.fbx",
                 "extension '.fbx', expected one of .glb, .gltf, .obj, .off, .om, .ply, .stl");
 }
 
@@ -154,10 +152,11 @@ TEST(HostileInput, NewerFiles) {
     const TemporaryFolder folder;
     std::string ply = squarePly();
     ply.replace(ply.find("1.0"), 3, "2.0");
-    expectError([&] { load(folder.write("a.ply", ply)); }, "a.ply", "version 2.0, expected 1.0");
+    expectError([&] { loadFile(folder.write("a.ply", ply)); }, "a.ply",
+                "version 2.0, expected 1.0");
     std::string om = squareOm();
     om[3] = '\x63';
-    expectError([&] { load(folder.write("a.om", om)); }, "a.om",
+    expectError([&] { loadFile(folder.write("a.om", om)); }, "a.om",
                 "OM version 3.3, expected at most");
     std::string exr = squareExr();
     exr[4] = 3;
@@ -167,7 +166,8 @@ TEST(HostileInput, NewerFiles) {
     hdr.replace(hdr.find("rgbe"), 4, "xyze");
     expectError([&] { readRadiance(folder.write("a.hdr", hdr)); }, "a.hdr",
                 "expected FORMAT=32-bit_rle_rgbe");
-    expectError([&] { load(folder.write("a.off", "4OFF\n3 1 3\n")); }, "a.off", "'4OFF', expected");
+    expectError([&] { loadFile(folder.write("a.off", "4OFF\n3 1 3\n")); }, "a.off",
+                "'4OFF', expected");
 }
 
 /// Limits this test's memory, so that an allocation for a count that no file backs shows.
@@ -201,26 +201,26 @@ TEST(HostileInput, CountsThatNoFileBacks) {
             for (const std::string element : {"vertex 4", "face 2"}) {
                 const std::string name = element.substr(0, element.size() - 1);
                 const auto path = folder.write("a.ply", replaced(good, element, name + count));
-                expectError([&] { load(path); }, "a.ply", "");
+                expectError([&] { loadFile(path); }, "a.ply", "");
             }
         }
         for (const std::string& counts : {count + " 2", "4 " + count}) {
             const auto path = folder.write("a.off", replaced(squareOff(), "4 2", counts));
-            expectError([&] { load(path); }, "a.off", "");
+            expectError([&] { loadFile(path); }, "a.off", "");
         }
         const auto path = folder.write("b.hdr", replaced(flatHdr(), "+X 2", "+X " + count));
         expectError([&] { readRadiance(path); }, "b.hdr", "");
     }
     std::string list = replaced(squarePly(), "uchar int", "uint int");
     list[list.size() - 26] = '\xff';
-    expectError([&] { load(folder.write("a.ply", list)); }, "a.ply", "truncated");
+    expectError([&] { loadFile(folder.write("a.ply", list)); }, "a.ply", "truncated");
     std::string stl = squareStl();
     stl[83] = '\x7f';
-    expectError([&] { load(folder.write("a.stl", stl)); }, "a.stl",
+    expectError([&] { loadFile(folder.write("a.stl", stl)); }, "a.stl",
                 "truncated, or neither STL text");
     std::string om = squareOm();
     om[7] = '\x7f';
-    expectError([&] { load(folder.write("a.om", om)); }, "a.om", "do not hold");
+    expectError([&] { loadFile(folder.write("a.om", om)); }, "a.om", "do not hold");
     std::string exr = squareExr();
     const std::size_t window = exr.find("dataWindow") + sizeof "dataWindow" + sizeof "box2i" + 4;
     exr.replace(window + 8, 4, bytesOf(100000));

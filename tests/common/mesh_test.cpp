@@ -13,20 +13,16 @@
 #include "common/import/mesh_options.h"
 #include "common/import/triangulate.h"
 #include "common/mesh/mesh_fingerprint.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
 namespace {
 
-TriangleMesh load(const std::vector<std::filesystem::path>& files,
-                  const MeshOptions& options = {}) {
+TriangleMesh loadAll(const std::vector<std::filesystem::path>& files,
+                     const MeshOptions& options = {}) {
     return loadMesh(files, options);
-}
-
-TriangleMesh loadText(const std::string& name, const std::string& bytes) {
-    const TemporaryFolder folder;
-    return load({folder.write(name, bytes)});
 }
 
 double area(const TriangleMesh& mesh) {
@@ -54,9 +50,9 @@ TEST(Mesh, EveryFormatGivesTheSameSquare) {
         folder.write("t.ply", squarePlyText()), folder.write("b.ply", squarePly()),
         folder.write("b.stl", squareStl()),     folder.write("t.stl", squareStlText()),
         folder.write("a.om", squareOm())};
-    const std::uint64_t expected = fingerprint(load({files[0]}));
+    const std::uint64_t expected = fingerprint(loadAll({files[0]}));
     for (const auto& file : files) {
-        const TriangleMesh mesh = load({file});
+        const TriangleMesh mesh = loadAll({file});
         EXPECT_EQ(mesh.triangles.size(), 2u) << file;
         EXPECT_EQ(mesh.positions.size(), 4u) << file;
         EXPECT_EQ(mesh.origin, Vec3d(0.5, 0.5, 0.0)) << file;
@@ -68,7 +64,7 @@ TEST(Mesh, EveryFormatGivesTheSameSquare) {
 }
 
 TEST(Mesh, ReadsHalfEdgesAndColorsOfOm2) {
-    const TriangleMesh mesh = loadText("a.om", squareAndTriangleOm2());
+    const TriangleMesh mesh = loadBytes("a.om", squareAndTriangleOm2());
     EXPECT_DOUBLE_EQ(area(mesh), 1.5);
     EXPECT_EQ(mesh.report.polygons, 1u);
     ASSERT_EQ(mesh.colors.size(), 5u);
@@ -77,11 +73,11 @@ TEST(Mesh, ReadsHalfEdgesAndColorsOfOm2) {
 }
 
 TEST(Mesh, ReadsEveryFormOfObjFace) {
-    const TriangleMesh mesh = loadText("a.obj",
-                                       "v 0 0 0 1 0.5 0.25\r\nv 1 0 0\r\nvt 0 0\r\nvn 0 0 1\r\n"
-                                       "v 1 1 +0\r\nv 0 1 0\r\no thing\r\ns off\r\n"
-                                       "f 1/1/1 2/1/1 3/1/1\r\nf -4//1 -2//-1 \\\r\n-1//1\r\n"
-                                       "f 1/1 2/1 4/1\r\nl 1 2\r\n");
+    const TriangleMesh mesh = loadBytes("a.obj",
+                                        "v 0 0 0 1 0.5 0.25\r\nv 1 0 0\r\nvt 0 0\r\nvn 0 0 1\r\n"
+                                        "v 1 1 +0\r\nv 0 1 0\r\no thing\r\ns off\r\n"
+                                        "f 1/1/1 2/1/1 3/1/1\r\nf -4//1 -2//-1 \\\r\n-1//1\r\n"
+                                        "f 1/1 2/1 4/1\r\nl 1 2\r\n");
     EXPECT_EQ(mesh.report.facesRead, 3u);
     EXPECT_DOUBLE_EQ(area(mesh), 1.5);
     ASSERT_EQ(mesh.colors.size(), 4u);
@@ -108,17 +104,17 @@ TEST(Mesh, ReadsBigEndianDoublesListsAndForeignElementsOfPly) {
     bytes += '\1' + swapped(7.0f) + swapped(std::uint16_t{3});
     for (const std::uint32_t corner : {0u, 1u, 2u}) bytes += swapped(corner);
 
-    const TriangleMesh mesh = loadText("a.ply", bytes);
+    const TriangleMesh mesh = loadBytes("a.ply", bytes);
     EXPECT_NEAR(area(mesh), 1e-6, 1e-12);  // far from the origin, yet not rounded to floats there
     ASSERT_EQ(mesh.colors.size(), 3u);
     EXPECT_EQ(mesh.colors[2], Rgb(1.0f, 0.0f, 0.0f));
 }
 
 TEST(Mesh, ReadsOffWithNormalsColorsAndComments) {
-    const TriangleMesh mesh = loadText("a.off",
-                                       "CNOFF # magic\n# counts\n3 1 3\n\n0 0 0 0 0 1 1 0 0 1\n"
-                                       "1 0 0 0 0 1 0.5 0.5 0.5 1\n0 1 0 0 0 1 0 0 0\n"
-                                       "3 0 1 2 10 20 30\n");
+    const TriangleMesh mesh = loadBytes("a.off",
+                                        "CNOFF # magic\n# counts\n3 1 3\n\n0 0 0 0 0 1 1 0 0 1\n"
+                                        "1 0 0 0 0 1 0.5 0.5 0.5 1\n0 1 0 0 0 1 0 0 0\n"
+                                        "3 0 1 2 10 20 30\n");
     ASSERT_EQ(mesh.colors.size(), 3u);
     EXPECT_EQ(mesh.colors[0], Rgb(1.0f, 0.0f, 0.0f));
     EXPECT_EQ(mesh.colors[1], Rgb(srgbToLinear(0.5f)));
@@ -128,19 +124,20 @@ TEST(Mesh, RotatesScalesAndJoins) {
     const TemporaryFolder folder;
     const auto first = folder.write("a.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 1 2 3\n");
     const auto second = folder.write("b.obj", "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 1 2 3\n");
-    const TriangleMesh mesh = load({first, second}, {.zUp = true, .scale = 2.0});
+    const TriangleMesh mesh = loadAll({first, second}, {.zUp = true, .scale = 2.0});
     ASSERT_EQ(mesh.triangles.size(), 2u);
     EXPECT_EQ(mesh.origin, Vec3d(1.0, 8.0, -1.0));
     EXPECT_EQ(mesh.origin + Vec3d(mesh.positions[2]), Vec3d(0.0, 6.0, -2.0));
     EXPECT_EQ(mesh.origin + Vec3d(mesh.positions[4]), Vec3d(2.0, 10.0, 0.0));
-    EXPECT_EQ(fingerprint(mesh), fingerprint(load({second, first}, {.zUp = true, .scale = 2.0})));
+    EXPECT_EQ(fingerprint(mesh),
+              fingerprint(loadAll({second, first}, {.zUp = true, .scale = 2.0})));
 }
 
 TEST(Mesh, CountsEveryDefectAndLosesNothing) {
     // Of 9 faces: a quad, a bad index, a NaN corner, a quad with an Inf corner, a face of two
     // corners, one with a corner twice, a sliver without area; vertices 8 and 9 are used by no good
     // face.
-    const TriangleMesh mesh = loadText(
+    const TriangleMesh mesh = loadBytes(
         "a.obj",
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv nan 0 0\nv 0 1e999 0\nv 5 5 5\nv 6 6 6\n"
         "vn 0 0 -7\nf 1 2 3 4\nf 1 2 99\nf 1 2 6\nf 1 2 3 7\nf 1 2\nf 1 1 2\nf 1 2 5\n"
@@ -166,16 +163,16 @@ TEST(Mesh, CountsEveryDefectAndLosesNothing) {
 TEST(Mesh, CountsMixedWindingAcrossSeams) {
     // The shared edge's vertices are written twice: the second triangle runs along it the same way.
     const std::string head = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 0 1 -0\nv 1 1 0\nf 1 2 3\n";
-    EXPECT_EQ(loadText("a.obj", head + "f 4 5 6\n").report.mixedWinding, 1u);
-    EXPECT_EQ(loadText("a.obj", head + "f 5 4 6\n").report.mixedWinding, 0u);
+    EXPECT_EQ(loadBytes("a.obj", head + "f 4 5 6\n").report.mixedWinding, 1u);
+    EXPECT_EQ(loadBytes("a.obj", head + "f 5 4 6\n").report.mixedWinding, 0u);
 }
 
 TEST(Mesh, StlKeepsTrianglesThatShareBadOrEqualCorners) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    const TriangleMesh mesh = loadText("a.stl", stl({{0, 0, 0, 1, 0, 0, 0, 1, 0},
-                                                     {0, 0, 0, 0, 0, 0, 0, 1, 0},
-                                                     {nan, 0, 0, 2, 0, 0, 0, 3, 0},
-                                                     {0, 0, 1, 2, 0, 1, 0, 3, 1}}));
+    const TriangleMesh mesh = loadBytes("a.stl", stl({{0, 0, 0, 1, 0, 0, 0, 1, 0},
+                                                      {0, 0, 0, 0, 0, 0, 0, 1, 0},
+                                                      {nan, 0, 0, 2, 0, 0, 0, 3, 0},
+                                                      {0, 0, 1, 2, 0, 1, 0, 3, 1}}));
     EXPECT_EQ(mesh.report.triangles, 2u);
     EXPECT_EQ(mesh.report.degenerate, 1u);
     EXPECT_EQ(mesh.report.badVertexFaces, 1u);
@@ -189,10 +186,10 @@ TEST(Mesh, FingerprintIgnoresNumberingOnly) {
     const std::string moved = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1.0000001\nf 1 2 3\nf 1 3 4\n";
     const std::string shifted = "v 1 0 0\nv 2 0 0\nv 1 1 0\nv 1 0 1\nf 1 2 3\nf 1 3 4\n";
     const std::string rewired = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 2 3 4\n";
-    const std::uint64_t expected = fingerprint(loadText("a.obj", a));
-    EXPECT_EQ(fingerprint(loadText("a.obj", renumbered)), expected);
+    const std::uint64_t expected = fingerprint(loadBytes("a.obj", a));
+    EXPECT_EQ(fingerprint(loadBytes("a.obj", renumbered)), expected);
     for (const auto& other : {moved, shifted, rewired}) {
-        EXPECT_NE(fingerprint(loadText("a.obj", other)), expected) << other;
+        EXPECT_NE(fingerprint(loadBytes("a.obj", other)), expected) << other;
     }
 }
 

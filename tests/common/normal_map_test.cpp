@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-TriangleMesh load(const GltfBuilder& file, bool shadingNormals = true) {
+TriangleMesh loadShaded(const GltfBuilder& file, bool shadingNormals = true) {
     const TemporaryFolder folder;
     const auto path = folder.write("a.glb", file.glb());
     MeshOptions options;
@@ -91,7 +91,7 @@ TEST(NormalMap, IsTheSameThroughEveryBasis) {
         SCOPED_TRACE(given.normals ? (given.tangents ? "tangents" : "normals") : "nothing");
         GltfBuilder file = mappedSquare(given);
         file.root({{"mesh", 0}});
-        const TriangleMesh mesh = load(file);
+        const TriangleMesh mesh = loadShaded(file);
         EXPECT_EQ(mesh.tangents.empty(), !given.normals);
         for (const std::uint32_t triangle : {0u, 1u})
             expectNear(normalOf(mesh, triangle, Vec3d(0, 0, 1)), kWanted);
@@ -109,7 +109,7 @@ TEST(NormalMap, OfMirroredAndTurnedNodes) {
             file.root({{"mesh", 0}, {"scale", {-2, 2, 2}}});
             if (shared)  // a quarter turn about x: y to z, z to -y
                 file.root({{"mesh", 0}, {"rotation", {std::sqrt(0.5), 0, 0, std::sqrt(0.5)}}});
-            const TriangleMesh mesh = load(file);
+            const TriangleMesh mesh = loadShaded(file);
             expectNear(normalOf(mesh, 0, Vec3d(0, 0, 1)), {-kWanted.x, kWanted.y, kWanted.z});
             if (!shared) continue;
             expectNear(normalOf(mesh, 2, Vec3d(0, -1, 0)), {kWanted.x, -kWanted.z, kWanted.y});
@@ -119,7 +119,7 @@ TEST(NormalMap, OfMirroredAndTurnedNodes) {
 TEST(NormalMap, ScalesWhatLiesAlongTheSurface) {
     GltfBuilder file = mappedSquare({true, false}, 0.5);
     file.root({{"mesh", 0}});
-    expectNear(normalOf(load(file), 0, Vec3d(0, 0, 1)),
+    expectNear(normalOf(loadShaded(file), 0, Vec3d(0, 0, 1)),
                Vec3d(kWanted.x / 2, kWanted.y / 2, kWanted.z).normalized());
 }
 
@@ -143,10 +143,10 @@ TEST(NormalMap, WithoutABasisBendsNothing) {
     GltfBuilder flat = mappedSquare({true, false});
     flat.json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
     flat.root({{"mesh", 0}});
-    EXPECT_EQ(normalOf(load(flat), 0, up), up);
+    EXPECT_EQ(normalOf(loadShaded(flat), 0, up), up);
     GltfBuilder whole = mappedSquare({true, true});
     whole.root({{"mesh", 0}});
-    EXPECT_EQ(normalOf(load(whole, false), 0, up), up);
+    EXPECT_EQ(normalOf(loadShaded(whole, false), 0, up), up);
     const float nan = std::nanf("");
     for (const float bad : {0.0f, nan}) {
         GltfBuilder file = mappedSquare({true, false});
@@ -154,7 +154,7 @@ TEST(NormalMap, WithoutABasisBendsNothing) {
             std::vector<float>{bad, 0, 0, 1, bad, 0, 0, 1, bad, 0, 0, 1, bad, 0, 0, 1}, "VEC4", 4);
         file.root({{"mesh", 0}});
         // The texture coordinates stand in.
-        expectNear(normalOf(load(file), 0, up), kWanted);
+        expectNear(normalOf(loadShaded(file), 0, up), kWanted);
     }
 }
 

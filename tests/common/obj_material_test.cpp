@@ -54,7 +54,7 @@ protected:
 const Rgb kBlack(0.0f), kWhite(1.0f), kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1);
 
 /// At (x, y) of the square, of triangles (0,0) (1,0) (1,1) and (0,0) (1,1) (0,1).
-Surface at(const TriangleMesh& mesh, float x, float y) {
+Surface squareAt(const TriangleMesh& mesh, float x, float y) {
     return y <= x ? surfaceAt(mesh, 0, x - y, y, {}) : surfaceAt(mesh, 1, x, y - x, {});
 }
 
@@ -74,17 +74,17 @@ TEST_F(ObjMaterial, ColorsStandAsTheyAre) {
 TEST_F(ObjMaterial, PicturesHaveTheirFirstRowOnTop) {
     picture("four.png", {kRed, kGreen, kBlue, kWhite});
     const TriangleMesh mesh = square("Kd .5 .5 .5\nmap_Kd four.png\n");
-    expectColor(at(mesh, 0.25f, 0.75f).baseColor, kRed * 0.5f);
-    expectColor(at(mesh, 0.75f, 0.75f).baseColor, kGreen * 0.5f);
-    expectColor(at(mesh, 0.25f, 0.25f).baseColor, kBlue * 0.5f);
+    expectColor(squareAt(mesh, 0.25f, 0.75f).baseColor, kRed * 0.5f);
+    expectColor(squareAt(mesh, 0.75f, 0.75f).baseColor, kGreen * 0.5f);
+    expectColor(squareAt(mesh, 0.25f, 0.25f).baseColor, kBlue * 0.5f);
     // Black beside a picture is none.
-    expectColor(at(square("Kd 0 0 0\nmap_Kd four.png\n"), 0.25f, 0.75f).baseColor, kRed);
+    expectColor(squareAt(square("Kd 0 0 0\nmap_Kd four.png\n"), 0.25f, 0.75f).baseColor, kRed);
 }
 
 TEST_F(ObjMaterial, OptionsOfPictures) {
     picture("four image.png", {kRed, kGreen, kBlue, kWhite});
     const auto corner = [&](const std::string& options) {
-        return at(square("map_Kd " + options + " four image.png\n"), 0.25f, 0.25f).baseColor;
+        return squareAt(square("map_Kd " + options + " four image.png\n"), 0.25f, 0.25f).baseColor;
     };
     expectColor(corner(""), kBlue);
     expectColor(corner("-o .5 0 0"), kWhite);
@@ -115,7 +115,7 @@ TEST_F(ObjMaterial, OpacityByNumberAndPicture) {
     EXPECT_EQ(mesh.report.blended, 1u);
     EXPECT_LT(opacityAt(mesh, material, 0, 0, 0.75f), 0.5f);     // (.75, .75): black
     EXPECT_GT(opacityAt(mesh, material, 0, 0.5f, 0.25f), 0.5f);  // (.75, .25): white
-    expectColor(at(mesh, 0.75f, 0.25f).baseColor, kRed);
+    expectColor(squareAt(mesh, 0.75f, 0.25f).baseColor, kRed);
 }
 
 TEST_F(ObjMaterial, GlossOfBothKinds) {
@@ -139,8 +139,9 @@ TEST_F(ObjMaterial, GlossOfBothKinds) {
 
 TEST_F(ObjMaterial, EmissionIsRead) {
     picture("four.png", {kRed, kGreen, kBlue, kWhite});
-    expectColor(at(square("Ke 2 3 4\n"), 0.5f, 0.5f).emission, Rgb(2, 3, 4));
-    expectColor(at(square("Ke 2 2 2\nmap_Ke four.png\n"), 0.25f, 0.75f).emission, kRed * 2.0f);
+    expectColor(squareAt(square("Ke 2 3 4\n"), 0.5f, 0.5f).emission, Rgb(2, 3, 4));
+    expectColor(squareAt(square("Ke 2 2 2\nmap_Ke four.png\n"), 0.25f, 0.75f).emission,
+                kRed * 2.0f);
 }
 
 TEST_F(ObjMaterial, FacesHaveTheMaterialInForce) {
@@ -165,8 +166,8 @@ TEST_F(ObjMaterial, SeamsSplitVertices) {
         load(std::string(kSquareOfTexcoords) +
              "vt .75 .75\nmtllib a.mtl\nusemtl one\nf 1/1 2/2 3/3\nf 1/5 3/5 4/5\n");
     EXPECT_EQ(mesh.positions.size(), 6u);
-    expectColor(at(mesh, 0.25f, 0.75f).baseColor, kGreen);
-    expectColor(at(mesh, 0.75f, 0.25f).baseColor, kWhite);
+    expectColor(squareAt(mesh, 0.25f, 0.75f).baseColor, kGreen);
+    expectColor(squareAt(mesh, 0.75f, 0.25f).baseColor, kWhite);
     EXPECT_EQ(mesh.report.nonManifoldEdges, 0u);
 }
 
@@ -269,21 +270,23 @@ TEST_F(ObjMaterial, PicturesFarOutAreAsNearby) {
          {std::pair(4e6, 4e6), {-123456789.0, 1e12}, {1e5, -3e7}, {0.0, 0.0}}) {
         SCOPED_TRACE(s);
         const TriangleMesh mesh = far("map_Kd four.png\n", s, t);
-        expectColor(at(mesh, 0.25f, 0.75f).baseColor, kRed);
-        expectColor(at(mesh, 0.75f, 0.75f).baseColor, kGreen);
-        expectColor(at(mesh, 0.25f, 0.25f).baseColor, kBlue);
-        expectColor(at(mesh, 0.75f, 0.25f).baseColor, kWhite);
+        expectColor(squareAt(mesh, 0.25f, 0.75f).baseColor, kRed);
+        expectColor(squareAt(mesh, 0.75f, 0.75f).baseColor, kGreen);
+        expectColor(squareAt(mesh, 0.25f, 0.25f).baseColor, kBlue);
+        expectColor(squareAt(mesh, 0.75f, 0.25f).baseColor, kWhite);
         expectColor(surfaceAt(mesh, 2, 0.5f, 0.25f, {}).baseColor, kWhite);
     }
     // Of one that ends, the last texel goes on.
-    expectColor(at(far("map_Kd -clamp on four.png\n", 4e6, 4e6), 0.25f, 0.25f).baseColor, kGreen);
-    expectColor(at(far("map_Kd -clamp on four.png\n", -4e6, -4e6), 0.25f, 0.25f).baseColor, kBlue);
+    expectColor(squareAt(far("map_Kd -clamp on four.png\n", 4e6, 4e6), 0.25f, 0.25f).baseColor,
+                kGreen);
+    expectColor(squareAt(far("map_Kd -clamp on four.png\n", -4e6, -4e6), 0.25f, 0.25f).baseColor,
+                kBlue);
 }
 
 TEST_F(ObjMaterial, PlusInANameIsAPlus) {
     picture("oak+pine.png", {kRed, kRed, kRed, kRed});
     picture("oak pine.png", {kBlue, kBlue, kBlue, kBlue});
-    EXPECT_EQ(at(square("map_Kd oak+pine.png\n"), 0.5f, 0.5f).baseColor, kRed);
+    EXPECT_EQ(squareAt(square("map_Kd oak+pine.png\n"), 0.5f, 0.5f).baseColor, kRed);
 }
 
 TEST_F(ObjMaterial, OptionsAtTheirDefaultsAreNotNamed) {
@@ -292,7 +295,7 @@ TEST_F(ObjMaterial, OptionsAtTheirDefaultsAreNotNamed) {
         "map_Kd -blendu off -blendv on -bm 1.0 -boost 0 -cc off -mm 0 1 -t 0 0 0 -texres 512 "
         "four.png\n");
     EXPECT_TRUE(mesh.report.leftOut.empty()) << describe(mesh.report);
-    expectColor(at(mesh, 0.25f, 0.75f).baseColor, kRed);
+    expectColor(squareAt(mesh, 0.25f, 0.75f).baseColor, kRed);
 }
 
 /// Green points to the upper edge of the picture, as in glTF; -bm scales.
@@ -380,7 +383,7 @@ TEST_F(ObjMaterial, NamesMayBeInQuotes) {
     folder_.write("a.mtl", "newmtl one\nmap_Kd \"four.png\"\n");
     const TriangleMesh mesh = load(std::string(kSquareOfTexcoords) +
                                    "mtllib \"a.mtl\"\nusemtl one\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
-    expectColor(at(mesh, 0.5f, 0.5f).baseColor, kRed);
+    expectColor(squareAt(mesh, 0.5f, 0.5f).baseColor, kRed);
     EXPECT_EQ(filesOf(folder_.path() / "a.obj", References::inside).size(), 3u);
 }
 
@@ -405,7 +408,7 @@ TEST_F(ObjMaterial, FilesOfFoldersAreFound) {
     folder_.write("sub/a.mtl", "newmtl one\nmap_Kd maps\\four.png\n");
     const TriangleMesh mesh = load(std::string(kSquareOfTexcoords) +
                                    "mtllib sub\\a.mtl\nusemtl one\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
-    expectColor(at(mesh, 0.5f, 0.5f).baseColor, kRed);
+    expectColor(squareAt(mesh, 0.5f, 0.5f).baseColor, kRed);
     EXPECT_EQ(filesOf(folder_.path() / "a.obj", References::inside).size(), 3u);
 }
 

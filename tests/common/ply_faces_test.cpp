@@ -13,7 +13,7 @@ constexpr const char* kVertices =
     "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
 constexpr const char* kCorners = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
-TriangleMesh load(const std::string& header, const std::string& rows) {
+TriangleMesh loadPly(const std::string& header, const std::string& rows) {
     const TemporaryFolder folder;
     const auto path =
         folder.write("a.ply", "ply\nformat ascii 1.0\n" + header + "end_header\n" + rows);
@@ -21,7 +21,7 @@ TriangleMesh load(const std::string& header, const std::string& rows) {
 }
 
 TriangleMesh strips(const std::string& row) {
-    return load(
+    return loadPly(
         std::string(kVertices) + "element tristrips 1\nproperty list int int vertex_indices\n",
         kCorners + row);
 }
@@ -54,10 +54,10 @@ TEST(PlyFaces, StripsOfBadCornersAreCounted) {
 
 TEST(PlyFaces, FacesHaveColours) {
     const TriangleMesh mesh =
-        load(std::string(kVertices) +
-                 "element face 2\nproperty list uchar int vertex_indices\nproperty uchar red\n"
-                 "property uchar green\nproperty uchar blue\n",
-             std::string(kCorners) + "3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n");
+        loadPly(std::string(kVertices) +
+                    "element face 2\nproperty list uchar int vertex_indices\nproperty uchar red\n"
+                    "property uchar green\nproperty uchar blue\n",
+                std::string(kCorners) + "3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n");
     EXPECT_EQ(albedoAt(mesh, 0, 0.3f, 0.3f, Rgb(0.5f)), Rgb(1, 0, 0));
     EXPECT_EQ(albedoAt(mesh, 1, 0.3f, 0.3f, Rgb(0.5f)), Rgb(0, 0, 1));
     EXPECT_EQ(mesh.positions.size(), 6u);
@@ -65,7 +65,7 @@ TEST(PlyFaces, FacesHaveColours) {
 }
 
 TEST(PlyFaces, ColoursOfVerticesAreStronger) {
-    const TriangleMesh mesh = load(
+    const TriangleMesh mesh = loadPly(
         "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "property uchar diffuse_red\nproperty uchar diffuse_green\n"
         "property uchar diffuse_blue\nelement face 1\n"

@@ -27,12 +27,12 @@ struct SetCase {
 };
 
 const Rgb kRed(1, 0, 0), kOrange(1, 0.503f, 0), kBlue(0, 0, 1);
-const Vec3d kSquare(2, 0, 2);
+const Vec3d kSquareSize(2, 0, 2);
 
 const SetCase kCases[] = {
     // glTF
-    {"integers_as_floats_material.gltf", 4, kSquare, kRed},
-    {"integers_as_floats_texture.gltf", 2, kSquare, kBlue},
+    {"integers_as_floats_material.gltf", 4, kSquareSize, kRed},
+    {"integers_as_floats_texture.gltf", 2, kSquareSize, kBlue},
     {"instances_optional.gltf", 6},
     {"instances_small_and_quantised.gltf", 4, Vec3d(0.04, 0, 0.02), kRed},
     {"instances_near_own_origin.gltf", 36, Vec3d(116, 1, 16)},
@@ -41,11 +41,11 @@ const SetCase kCases[] = {
     {"morph_node_weight_0.gltf", 2, {}, {}, "", 0},
     {"specular_glossiness.gltf", 2, {}, kRed},
     {"no_scenes.gltf", 2},
-    {"matrix_with_noise.gltf", 2, kSquare, kRed},
-    {"chunk_without_bytes.glb", 2, kSquare, kRed},
-    {"primitive_without_positions.gltf", 2, kSquare, kRed,
+    {"matrix_with_noise.gltf", 2, kSquareSize, kRed},
+    {"chunk_without_bytes.glb", 2, kSquareSize, kRed},
+    {"primitive_without_positions.gltf", 2, kSquareSize, kRed,
      "1 primitive whose positions are missing (left out)"},
-    {"png_with_bytes_behind.gltf", 2, kSquare, kBlue},
+    {"png_with_bytes_behind.gltf", 2, kSquareSize, kBlue},
     {"colors_by_blender.glb", 2, {}, Rgb(0.214f)},
     // OBJ
     {"byte_order_mark.obj", 2},
@@ -65,7 +65,7 @@ const SetCase kCases[] = {
     {"no_end.stl", 2, {}, {}, "1 STL solids without 'endsolid', perhaps cut short"},
 };
 
-TriangleMesh load(const std::string& name) {
+TriangleMesh loadCase(const std::string& name) {
     const std::filesystem::path path = std::filesystem::path(SHADOWCACHE_CASES) / name;
     return loadMesh({&path, 1}, {.gloss = true});
 }
@@ -73,7 +73,7 @@ TriangleMesh load(const std::string& name) {
 TEST(SetCases, HaveTheirValues) {
     for (const SetCase& c : kCases) {
         SCOPED_TRACE(c.file);
-        const TriangleMesh mesh = load(c.file);
+        const TriangleMesh mesh = loadCase(c.file);
         EXPECT_EQ(placedCount(mesh), c.triangles);
         const Box3d box = placedBounds(mesh);
         if (c.size) {
@@ -92,10 +92,10 @@ TEST(SetCases, HaveTheirValues) {
 }
 
 TEST(SetCases, ACacheKnowsWhichSidesAreSeen) {
-    EXPECT_NE(fingerprint(load("floor_single_sided.gltf")),
-              fingerprint(load("floor_double_sided.gltf")));
-    EXPECT_EQ(fingerprint(load("floor_double_sided.gltf")),
-              fingerprint(load("floor_double_sided.gltf")));
+    EXPECT_NE(fingerprint(loadCase("floor_single_sided.gltf")),
+              fingerprint(loadCase("floor_double_sided.gltf")));
+    EXPECT_EQ(fingerprint(loadCase("floor_double_sided.gltf")),
+              fingerprint(loadCase("floor_double_sided.gltf")));
 }
 
 /// Open directions of 16 over places on all triangles, upwards.
@@ -120,8 +120,8 @@ std::vector<std::uint32_t> visibility(const TriangleMesh& mesh) {
 
 /// A mesh whose vertices lie 10 km from its own origin, and which nodes bring back.
 TEST(SetCases, InstancesFarFromTheirOwnOriginSeeTheSame) {
-    const auto near = visibility(load("instances_near_own_origin.gltf"));
-    const auto far = visibility(load("instances_far_from_own_origin.gltf"));
+    const auto near = visibility(loadCase("instances_near_own_origin.gltf"));
+    const auto far = visibility(loadCase("instances_far_from_own_origin.gltf"));
     ASSERT_EQ(near.size(), far.size());
     std::size_t other = 0;
     for (std::size_t i = 0; i < near.size(); ++i) other += near[i] != far[i] ? 1 : 0;
@@ -130,7 +130,7 @@ TEST(SetCases, InstancesFarFromTheirOwnOriginSeeTheSame) {
 
 /// 4 mm below a slab of 1 m, in the middle of a floor of 10 km.
 TEST(SetCases, RaysBeginBelowASlabNearALargeFloor) {
-    const TriangleMesh mesh = load("floor_of_5_km_below_slab.gltf");
+    const TriangleMesh mesh = loadCase("floor_of_5_km_below_slab.gltf");
     const Scene scene(mesh);
     for (const double x : {-0.4, -0.1, 0.0, 0.3})
         for (const double z : {-0.3, 0.05, 0.4}) {

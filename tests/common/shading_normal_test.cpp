@@ -20,7 +20,7 @@
 namespace shadowcache::test {
 namespace {
 
-TriangleMesh load(const std::filesystem::path& path, MeshOptions options = {}) {
+TriangleMesh loadShaded(const std::filesystem::path& path, MeshOptions options = {}) {
     options.shadingNormals = true;
     return loadMesh({&path, 1}, options);
 }
@@ -28,7 +28,7 @@ TriangleMesh load(const std::filesystem::path& path, MeshOptions options = {}) {
 TriangleMesh loadText(const std::string& name, const std::string& bytes,
                       const MeshOptions& options = {}) {
     const TemporaryFolder folder;
-    return load(folder.write(name, bytes), options);
+    return loadShaded(folder.write(name, bytes), options);
 }
 
 /// At the middle of a triangle of the world, seen from the side that `towards` points to.

@@ -54,7 +54,7 @@ std::vector<SphericalTriangle> parts(const SphericalTriangle& t) {
 }
 
 /// p-value that directions sampled with u0 bent by `bend` are uniform over `t`.
-double uniformityPValue(const SphericalTriangle& t, const std::function<double(double)>& bend) {
+double areaPValue(const SphericalTriangle& t, const std::function<double(double)>& bend) {
     constexpr int kSamples = 500000;  // 64 cells then show a 3 % tilt
     const std::vector<SphericalTriangle> cells = parts(t);
     std::vector<double> observed(cells.size()), expected;
@@ -157,15 +157,15 @@ TEST(ArvoSampling, InvertsAtTheCorners) {
 class ArvoUniformity : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(ArvoUniformity, HoldsInSolidAngle) {
-    EXPECT_GT(uniformityPValue(samplingCases()[GetParam()], [](double u) { return u; }),
+    EXPECT_GT(areaPValue(samplingCases()[GetParam()], [](double u) { return u; }),
               test::significance(1));
 }
 
 // Control: the test above must see a 3 % tilt of the density.
 TEST_P(ArvoUniformity, SeesAThreePercentTilt) {
-    EXPECT_LT(uniformityPValue(samplingCases()[GetParam()],
-                               [](double u) { return u * (0.97 + 0.03 * u); }),
-              test::significance(1));
+    EXPECT_LT(
+        areaPValue(samplingCases()[GetParam()], [](double u) { return u * (0.97 + 0.03 * u); }),
+        test::significance(1));
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, ArvoUniformity, testing::Range<std::size_t>(0, 7));

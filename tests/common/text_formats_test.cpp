@@ -5,23 +5,15 @@
 
 #include "common/import/load_mesh.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
 namespace {
 
-TriangleMesh load(const std::filesystem::path& path) {
-    return loadMesh(std::span(&path, 1), {});
-}
-
-TriangleMesh loadText(const std::string& name, const std::string& bytes) {
-    const TemporaryFolder folder;
-    return load(folder.write(name, bytes));
-}
-
 void expectRefused(const std::string& name, const std::string& bytes, const std::string& cause) {
-    expectError([&] { loadText(name, bytes); }, name, cause);
+    expectError([&] { loadBytes(name, bytes); }, name, cause);
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -46,24 +38,25 @@ TEST(TextCases, HaveTheirTriangles) {
     for (const char* name :
          {"byte_order_mark.obj", "counts_behind_keyword.off", "face_over_lines.off",
           "upper_case.stl", "blank_before_solid.stl", "end_solid_of_two_words.stl"})
-        expectTwo(load(cases / name));
-    expectTwo(load(cases / "no_end.stl"), kNoEnd);
-    expectError([&] { load(cases / "rows_longer_than_header.ply"); }, "rows_longer_than_header.ply",
+        expectTwo(loadFile(cases / name));
+    expectTwo(loadFile(cases / "no_end.stl"), kNoEnd);
+    expectError([&] { loadFile(cases / "rows_longer_than_header.ply"); },
+                "rows_longer_than_header.ply",
                 "line 17: row of 'face' with more numbers than its 4 properties in the header");
 }
 
 TEST(TextFiles, MayBeginWithAByteOrderMark) {
     const std::string mark = "\xef\xbb\xbf";
-    expectTwo(loadText("a.obj", mark + squareObj()));
-    expectTwo(loadText("a.off", mark + squareOff()));
-    expectTwo(loadText("a.ply", mark + squarePlyText()));
-    expectTwo(loadText("b.ply", mark + squarePly()));
-    expectTwo(loadText("a.stl", mark + squareStlText()));
+    expectTwo(loadBytes("a.obj", mark + squareObj()));
+    expectTwo(loadBytes("a.off", mark + squareOff()));
+    expectTwo(loadBytes("a.ply", mark + squarePlyText()));
+    expectTwo(loadBytes("b.ply", mark + squarePly()));
+    expectTwo(loadBytes("a.stl", mark + squareStlText()));
     const TemporaryFolder folder;
     GltfBuilder square = squareGltf();
     square.root({{"mesh", 0}});
     folder.write("a.bin", square.data());
-    expectTwo(load(folder.write("a.gltf", mark + square.gltf("a.bin"))));
+    expectTwo(loadFile(folder.write("a.gltf", mark + square.gltf("a.bin"))));
     for (const std::string name : {"a.obj", "a.off", "a.ply", "a.stl"})
         for (const std::string utf16 : {"\xff\xfe", "\xfe\xff"})
             expectRefused(name, utf16 + std::string("v\0 \0", 4), "is text in UTF-16");
@@ -71,19 +64,19 @@ TEST(TextFiles, MayBeginWithAByteOrderMark) {
 
 TEST(Off, IsSeparatedByWhiteSpace) {
     const std::string numbers = squareOff().substr(4);
-    expectTwo(loadText("a.off", "OFF" + numbers));
-    expectTwo(loadText("a.off", "OFF " + replaced(numbers, "\n", " ")));
-    expectTwo(loadText("a.off", replaced("OFF " + numbers, " ", "\n")));
-    expectTwo(loadText("a.off", replaced("OFF\n" + numbers, "\n", "\r\n")));
+    expectTwo(loadBytes("a.off", "OFF" + numbers));
+    expectTwo(loadBytes("a.off", "OFF " + replaced(numbers, "\n", " ")));
+    expectTwo(loadBytes("a.off", replaced("OFF " + numbers, " ", "\n")));
+    expectTwo(loadBytes("a.off", replaced("OFF\n" + numbers, "\n", "\r\n")));
     // Without the number of edges.
-    expectTwo(loadText("a.off", replaced(squareOff(), "4 2 0", "4 2")));
+    expectTwo(loadBytes("a.off", replaced(squareOff(), "4 2 0", "4 2")));
     // Faces with colours, a comment, and a vertex over two lines.
-    expectTwo(loadText("a.off",
-                       "OFF\n4 2 0 # edges\n0 0\n0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 1 0 0\n"
-                       "3 0 2\n3 0.5 0.5 0.5 1 # grey\n\n"));
-    expectTwo(loadText("a.off",
-                       "STCNOFF4 2 0\n0 0 0 0 0 1 1 0 0 1 0.5 0.5\n1 0 0 0 0 1 1 0 0 1 0 0\n"
-                       "1 1 0 0 0 1 1 0 0 1 0 0\n0 1 0 0 0 1 1 0 0 1 0 0\n3 0 1 2\n3 0 2 3\n"));
+    expectTwo(loadBytes("a.off",
+                        "OFF\n4 2 0 # edges\n0 0\n0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 1 0 0\n"
+                        "3 0 2\n3 0.5 0.5 0.5 1 # grey\n\n"));
+    expectTwo(loadBytes("a.off",
+                        "STCNOFF4 2 0\n0 0 0 0 0 1 1 0 0 1 0.5 0.5\n1 0 0 0 0 1 1 0 0 1 0 0\n"
+                        "1 1 0 0 0 1 1 0 0 1 0 0\n0 1 0 0 0 1 1 0 0 1 0 0\n3 0 1 2\n3 0 2 3\n"));
 }
 
 TEST(Off, WhoseNumbersDoNotFitIsRefused) {
@@ -109,12 +102,12 @@ TEST(Ply, WhoseRowsDoNotFitIsRefused) {
     expectRefused("a.ply", replaced(good, "3 0 2 3", "3 0 2"),
                   "truncated: text ends within the data");
     // Rows over several lines, blank lines and blanks at the end.
-    expectTwo(loadText("a.ply", replaced(good, "1 0 0\n", "1\n0 0 \t\r\n\n") + "\n \n"));
+    expectTwo(loadBytes("a.ply", replaced(good, "1 0 0\n", "1\n0 0 \t\r\n\n") + "\n \n"));
 }
 
 TEST(Ply, WithBytesLeftOverIsRefused) {
-    expectTwo(loadText("a.ply", squarePly() + "\n"));
-    expectTwo(loadText("a.ply", squarePly() + std::string(3, '\0')));
+    expectTwo(loadBytes("a.ply", squarePly() + "\n"));
+    expectTwo(loadBytes("a.ply", squarePly() + std::string(3, '\0')));
     expectRefused("a.ply", squarePly() + "\3",
                   "1 bytes after the last row that the header counts, expected none");
 }
@@ -123,28 +116,28 @@ TEST(Stl, TextIsReadInAllItsForms) {
     const std::string good = squareStlText();
     std::string upper = good;
     for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    expectTwo(loadText("a.stl", upper));
-    expectTwo(loadText("a.stl", "\n \t" + good));
-    expectTwo(loadText("a.stl", replaced(good, "\n", "\r\n")));
-    expectTwo(loadText("a.stl", replaced(good, "endsolid", "end solid my vertex")));
-    expectTwo(loadText("a.stl",
-                       replaced(replaced(good, "endloop", "end loop"), "endfacet", "End Facet")));
-    expectTwo(loadText("a.stl", replaced(good, "facet normal 0 0 1\n", "facet\n")));
+    expectTwo(loadBytes("a.stl", upper));
+    expectTwo(loadBytes("a.stl", "\n \t" + good));
+    expectTwo(loadBytes("a.stl", replaced(good, "\n", "\r\n")));
+    expectTwo(loadBytes("a.stl", replaced(good, "endsolid", "end solid my vertex")));
+    expectTwo(loadBytes("a.stl",
+                        replaced(replaced(good, "endloop", "end loop"), "endfacet", "End Facet")));
+    expectTwo(loadBytes("a.stl", replaced(good, "facet normal 0 0 1\n", "facet\n")));
     expectTwo(
-        loadText("a.stl", replaced(good, "facet normal 0 0 1\n", "facet normal -nan(ind) 0 1 ")));
-    expectTwo(loadText("a.stl", replaced(good, "vertex 1 0 0", "vertex\n1 0\n0")));
+        loadBytes("a.stl", replaced(good, "facet normal 0 0 1\n", "facet normal -nan(ind) 0 1 ")));
+    expectTwo(loadBytes("a.stl", replaced(good, "vertex 1 0 0", "vertex\n1 0\n0")));
     // Several solids, one of which does not end.
     const std::string first = good.substr(0, good.find("facet", good.find("endfacet") + 8));
     const std::string second = "solid\n" + good.substr(first.size());
-    expectTwo(loadText("a.stl", first + "endsolid\n" + second));
-    expectTwo(loadText("a.stl", first + second), kNoEnd);
+    expectTwo(loadBytes("a.stl", first + "endsolid\n" + second));
+    expectTwo(loadBytes("a.stl", first + second), kNoEnd);
 }
 
 TEST(Stl, TextThatIsCutIsRefusedOrSaid) {
     const std::string good = squareStlText();
     for (std::size_t length = 1; length + 1 < good.size(); ++length) {
         try {
-            const TriangleMesh mesh = loadText("a.stl", good.substr(0, length));
+            const TriangleMesh mesh = loadBytes("a.stl", good.substr(0, length));
             EXPECT_NE(describe(mesh.report).find(kNoEnd), std::string::npos) << length;
         } catch (const Error&) {
         }
@@ -158,10 +151,10 @@ TEST(Stl, TextThatIsCutIsRefusedOrSaid) {
 TEST(Stl, BinaryIsToldBySizeAndContent) {
     std::string solid = squareStl();
     solid.replace(0, 6, "solid ");
-    expectTwo(loadText("a.stl", solid));
+    expectTwo(loadBytes("a.stl", solid));
     // Bytes after the last triangle are said, whatever the header begins with.
     for (const std::string& good : {solid, squareStl()})
-        expectTwo(loadText("a.stl", good + std::string(7, 'x')),
+        expectTwo(loadBytes("a.stl", good + std::string(7, 'x')),
                   "7 bytes after the last triangle of a binary STL file, left out");
     // As many as triangles would take: then the number is wrong.
     std::string fewer = solid;
@@ -178,19 +171,19 @@ TEST(Stl, BinaryIsToldBySizeAndContent) {
 /// As old Macs have them.
 TEST(TextFiles, MayEndTheirLinesInCrAlone) {
     const auto mac = [](const std::string& text) { return replaced(text, "\n", "\r"); };
-    expectTwo(loadText("a.obj", mac(squareObj())));
-    expectTwo(loadText("a.off", mac("OFF # a comment\n" + squareOff().substr(4))));
-    expectTwo(loadText("a.ply", mac(squarePlyText())));
-    expectTwo(loadText("a.stl", mac(squareStlText())));
+    expectTwo(loadBytes("a.obj", mac(squareObj())));
+    expectTwo(loadBytes("a.off", mac("OFF # a comment\n" + squareOff().substr(4))));
+    expectTwo(loadBytes("a.ply", mac(squarePlyText())));
+    expectTwo(loadBytes("a.stl", mac(squareStlText())));
     const std::string binary = squarePly(), end = "end_header\n";
     const std::size_t body = binary.find(end) + end.size();
-    expectTwo(loadText("a.ply", mac(binary.substr(0, body)) + binary.substr(body)));
+    expectTwo(loadBytes("a.ply", mac(binary.substr(0, body)) + binary.substr(body)));
 }
 
 TEST(TextFiles, MayHoldWhatWindowsWritesForNoNumber) {
     for (const char* word : {"1.#INF", "-1.#IND", "1.#QNAN0"})
-        EXPECT_EQ(loadText("a.obj", "v " + std::string(word) + " 0 0\n" +
-                                        replaced(squareObj(), "f 1", "f 2 3 4\nf 1"))
+        EXPECT_EQ(loadBytes("a.obj", "v " + std::string(word) + " 0 0\n" +
+                                         replaced(squareObj(), "f 1", "f 2 3 4\nf 1"))
                       .report.badVertexFaces,
                   2u)
             << word;
@@ -198,25 +191,25 @@ TEST(TextFiles, MayHoldWhatWindowsWritesForNoNumber) {
 }
 
 TEST(Obj, WhatIsLostIsCounted) {
-    expectTwo(loadText("a.obj", squareObj() + "l 1 2\np 3\n"), "2 points and lines left out");
-    expectTwo(loadText("a.obj", squareObj() + "surf 0 1 0 1 1 2 3 4\nend\n"),
+    expectTwo(loadBytes("a.obj", squareObj() + "l 1 2\np 3\n"), "2 points and lines left out");
+    expectTwo(loadBytes("a.obj", squareObj() + "surf 0 1 0 1 1 2 3 4\nend\n"),
               "1 free-form surfaces left out");
-    expectTwo(loadText("a.obj", squareObj() + "call other.obj\nF 1 2 3\n"),
+    expectTwo(loadBytes("a.obj", squareObj() + "call other.obj\nF 1 2 3\n"),
               "2 lines of other statements left out (call, usemap, ...)");
-    expectTwo(loadText("a.obj", "o a\ng b c\ns 1\ncstype bezier\n" + squareObj() + "vp 0 1\n"));
+    expectTwo(loadBytes("a.obj", "o a\ng b c\ns 1\ncstype bezier\n" + squareObj() + "vp 0 1\n"));
     // The older name of a face.
-    expectTwo(loadText("a.obj", replaced(squareObj(), "f 1 3 4", "fo 1 3 4")));
+    expectTwo(loadBytes("a.obj", replaced(squareObj(), "f 1 3 4", "fo 1 3 4")));
 }
 
 TEST(Ply, WhatIsLostIsCounted) {
     const std::string good = squarePlyText();
-    expectTwo(loadText("a.ply", replaced(good, "element vertex",
-                                         "comment TextureFile a.png\nelement vertex")),
+    expectTwo(loadBytes("a.ply", replaced(good, "element vertex",
+                                          "comment TextureFile a.png\nelement vertex")),
               "1 pictures of TextureFile comments left out");
     // Corners may be of a float type; one that is no whole number is no corner.
     const std::string floats = replaced(good, "uchar int", "uchar float");
-    expectTwo(loadText("a.ply", floats));
-    EXPECT_EQ(loadText("a.ply", replaced(floats, "3 0 2 3", "3 0 2 2.5")).report.badVertexFaces,
+    expectTwo(loadBytes("a.ply", floats));
+    EXPECT_EQ(loadBytes("a.ply", replaced(floats, "3 0 2 3", "3 0 2 2.5")).report.badVertexFaces,
               1u);
 }
 
@@ -225,10 +218,10 @@ TEST(Stl, ColoursOfBinaryFilesAreCounted) {
     std::string visCam = squareStl();
     visCam[kFirstMark] = '\x80';
     const std::string remark = " triangles of a binary STL file whose colours are left out";
-    expectTwo(loadText("a.stl", visCam), "1" + remark);
+    expectTwo(loadBytes("a.stl", visCam), "1" + remark);
     std::string magics = squareStl();
     magics.replace(0, 10, "COLOR=\xff\xff\xff\xff");
-    expectTwo(loadText("a.stl", magics), "2" + remark);
+    expectTwo(loadBytes("a.stl", magics), "2" + remark);
 }
 
 }  // namespace

@@ -10,26 +10,18 @@
 #include "common/image/srgb.h"
 #include "common/import/load_mesh.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
 namespace {
 
-TriangleMesh load(const std::filesystem::path& path) {
-    return loadMesh(std::span(&path, 1), {});
-}
-
 TriangleMesh loadCase(const std::string& name) {
-    return load(std::filesystem::path(SHADOWCACHE_CASES) / name);
+    return loadFile(std::filesystem::path(SHADOWCACHE_CASES) / name);
 }
 
-TriangleMesh loadText(const std::string& name, const std::string& bytes) {
-    const TemporaryFolder folder;
-    return load(folder.write(name, bytes));
-}
-
-void expectColor(const Rgb& found, const Rgb& wanted) {
+void expectVertexColor(const Rgb& found, const Rgb& wanted) {
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], wanted[k], 5e-4f) << found << wanted;
 }
 
@@ -38,19 +30,19 @@ TEST(ColorCases, HaveTheirValues) {
     for (const char* name :
          {"colors_of_type_int.ply", "colors_of_type_uchar.ply", "colors_to_255.obj"}) {
         const TriangleMesh mesh = loadCase(name);
-        for (const Rgb& color : mesh.colors) expectColor(color, orange);
+        for (const Rgb& color : mesh.colors) expectVertexColor(color, orange);
         EXPECT_EQ(mesh.report.badColors, 0u) << name;
     }
     for (const char* name : {"colors_by_blender.obj", "colors_by_blender.glb"})
-        for (const Rgb& color : loadCase(name).colors) expectColor(color, Rgb(0.214f));
+        for (const Rgb& color : loadCase(name).colors) expectVertexColor(color, Rgb(0.214f));
     const TriangleMesh coff = loadCase("colors_with_and_without_point.off");
-    expectColor(coff.colors.at(0), {1, 0, 0});
-    expectColor(coff.colors.at(3), {1, 0.214f, 0});
+    expectVertexColor(coff.colors.at(0), {1, 0, 0});
+    expectVertexColor(coff.colors.at(3), {1, 0.214f, 0});
 
     const TriangleMesh nan = loadCase("colors_not_a_number.obj");
     EXPECT_EQ(nan.report.badColors, 1u);
     EXPECT_EQ(nan.colors.at(3), Rgb(0.0f));
-    expectColor(nan.colors.at(0), Rgb(0.214f));
+    expectVertexColor(nan.colors.at(0), Rgb(0.214f));
     EXPECT_NE(describe(nan.report).find("1 vertex colours out of range or not finite, clamped"),
               std::string::npos);
 }
@@ -62,21 +54,21 @@ TriangleMesh triangle(const std::string& format, const std::array<std::string, 3
     for (int i = 0; i < 3; ++i)
         rows += fmt::format("{}{} {} 0 {}\n", format == "obj" ? "v " : "", i, i * i,
                             colors[static_cast<std::size_t>(i)]);
-    if (format == "obj") return loadText("a.obj", rows + "f 1 2 3\n");
-    if (format == "off") return loadText("a.off", "COFF\n3 1 0\n" + rows + "3 0 1 2\n");
+    if (format == "obj") return loadBytes("a.obj", rows + "f 1 2 3\n");
+    if (format == "off") return loadBytes("a.off", "COFF\n3 1 0\n" + rows + "3 0 1 2\n");
     std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n";
     for (const char* axis : {"x", "y", "z"}) head += std::string("property float ") + axis + "\n";
     for (const char* name : {"red", "green", "blue"})
         head += "property " + type + " " + name + "\n";
-    return loadText("a.ply", head +
-                                 "element face 1\nproperty list uchar int vertex_indices\n"
-                                 "end_header\n" +
-                                 rows + "3 0 1 2\n");
+    return loadBytes("a.ply", head +
+                                  "element face 1\nproperty list uchar int vertex_indices\n"
+                                  "end_header\n" +
+                                  rows + "3 0 1 2\n");
 }
 
 void expectColors(const TriangleMesh& mesh, const std::array<Rgb, 3>& wanted, std::size_t bad = 0) {
     ASSERT_EQ(mesh.colors.size(), 3u);
-    for (std::size_t i = 0; i < 3; ++i) expectColor(mesh.colors[i], wanted[i]);
+    for (std::size_t i = 0; i < 3; ++i) expectVertexColor(mesh.colors[i], wanted[i]);
     EXPECT_EQ(mesh.report.badColors, bad);
 }
 
@@ -146,7 +138,7 @@ std::pair<TriangleMesh, std::string> colored(const std::string& first, const std
     const std::string end = magic == "COFF" ? " 0 0 255 255\n" : "\n";
     std::string rows;
     for (const char* corner : {"0 0 0", "1 0 0", "1 1 0", "0 1 0"}) rows += corner + end;
-    TriangleMesh mesh = loadText(
+    TriangleMesh mesh = loadBytes(
         "a.off", magic + "\n4 2 0\n" + rows + "3 0 1 2 " + first + "\n3 0 2 3 " + second + "\n");
     std::string said = describe(mesh.report);
     return {std::move(mesh), std::move(said)};
@@ -156,8 +148,8 @@ void expectFaces(const TriangleMesh& mesh, const Rgb& first, const Rgb& second) 
     ASSERT_EQ(mesh.triangles.size(), 2u);
     ASSERT_FALSE(mesh.colors.empty());
     for (int k = 0; k < 3; ++k) {
-        expectColor(mesh.colors[static_cast<std::size_t>(mesh.triangles[0][k])], first);
-        expectColor(mesh.colors[static_cast<std::size_t>(mesh.triangles[1][k])], second);
+        expectVertexColor(mesh.colors[static_cast<std::size_t>(mesh.triangles[0][k])], first);
+        expectVertexColor(mesh.colors[static_cast<std::size_t>(mesh.triangles[1][k])], second);
     }
 }
 
@@ -174,9 +166,9 @@ TEST(FaceColors, OfOffAreRead) {
 
 /// A number beyond the vertices of the file is not that of a vertex that was split.
 TEST(FaceColors, LeaveBadCornersBad) {
-    const TriangleMesh mesh = loadText("a.off",
-                                       "OFF\n4 3 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 255 0 0\n"
-                                       "3 0 2 3 0 255 0\n3 0 1 5 0 0 255\n");
+    const TriangleMesh mesh = loadBytes("a.off",
+                                        "OFF\n4 3 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 255 0 0\n"
+                                        "3 0 2 3 0 255 0\n3 0 1 5 0 0 255\n");
     EXPECT_EQ(mesh.triangles.size(), 2u);
     EXPECT_EQ(mesh.report.badVertexFaces, 1u) << describe(mesh.report);
 }
@@ -195,7 +187,7 @@ TEST(ColorNumbers, OfGltfAreLinearAndClamped) {
     file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] =
         file.vectors({0.5f, 0, 1, 2, 0, 0, 0, -1, 0, 0, 0, 0.25f});
     file.root({{"mesh", 0}});
-    const TriangleMesh mesh = loadText("a.glb", file.glb());
+    const TriangleMesh mesh = loadBytes("a.glb", file.glb());
     EXPECT_EQ(mesh.report.badColors, 2u);
     EXPECT_EQ(mesh.colors.at(0), Rgb(0.5f, 0, 1));
     EXPECT_EQ(mesh.colors.at(1), Rgb(1, 0, 0));

@@ -15,17 +15,17 @@
 namespace shadowcache::test {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
-json readJson(const std::filesystem::path& path) {
-    return json::parse(readBytes(path));
+Json readJson(const std::filesystem::path& path) {
+    return Json::parse(readBytes(path));
 }
 
 /// Expects positive numbers under all these dotted keys.
-void expectNumbers(const json& stats, const std::vector<std::string>& keys) {
+void expectNumbers(const Json& stats, const std::vector<std::string>& keys) {
     for (std::string key : keys) {
         std::replace(key.begin(), key.end(), '.', '/');
-        const json::json_pointer pointer("/" + key);
+        const Json::json_pointer pointer("/" + key);
         ASSERT_TRUE(stats.contains(pointer)) << key;
         EXPECT_GT(stats[pointer].get<double>(), 0) << key;
     }
@@ -53,7 +53,7 @@ TEST_F(Cli, BakeSaysWhatItTook) {
     EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2) << result.out;
     EXPECT_EQ(result.out.find_first_of("\r\033"), std::string::npos) << result.out;
     EXPECT_NE(result.out.find("4 triangles"), std::string::npos) << result.out;
-    const json stats = readJson(path("stats.json"));
+    const Json stats = readJson(path("stats.json"));
     expectNumbers(stats, {"seconds.load", "seconds.build", "seconds.bake", "rays.bake",
                           "cache.items", "cache.bytes", "peak_rss_bytes"});
     EXPECT_EQ(stats["cache"]["bytes"], std::filesystem::file_size(path("set.vdb")));
@@ -89,7 +89,7 @@ TEST_F(Cli, RenderSaysWhatItTook) {
     const auto result = runWell("render", still("--cache set.vdb -o a.exr --stats stats.json"));
     EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2) << result.out;
     EXPECT_EQ(result.out.find_first_of("\r\033"), std::string::npos) << result.out;
-    const json stats = readJson(path("stats.json"));
+    const Json stats = readJson(path("stats.json"));
     expectNumbers(
         stats, {"seconds.load", "seconds.build", "seconds.render", "seconds.setup", "seconds.trace",
                 "rays.camera", "rays.shadow", "cache.items", "cache.bytes", "peak_rss_bytes"});
@@ -106,7 +106,7 @@ TEST_F(Cli, TargetErrorChoosesTheCameraRays) {
         const std::string target = i == 0 ? "0.02" : "0.002";
         runWell("render", still + "--target-error " + target +
                               " -o a.exr --reference ref.exr --stats stats.json");
-        const json stats = readJson(path("stats.json"));
+        const Json stats = readJson(path("stats.json"));
         error[i] = stats["error"]["relmse"];
         rays[i] = stats["camera_rays_a_pixel"];
         EXPECT_LT(error[i], 4 * std::stod(target));
@@ -314,8 +314,8 @@ TEST_F(Cli, MendedMapsAreReported) {
 
 TEST_F(Cli, InfoTellsWhatABakeMade) {
     bake("--stats stats.json --seed 9 --rays 8");
-    const json info = json::parse(runWell("info", "set.vdb --json").out);
-    const json stats = readJson(path("stats.json"));
+    const Json info = Json::parse(runWell("info", "set.vdb --json").out);
+    const Json stats = readJson(path("stats.json"));
     EXPECT_EQ(info["items"], stats["cache"]["items"]);
     EXPECT_EQ(info["blocks"], stats["cache"]["blocks"]);
     EXPECT_EQ(info["bytes"]["file"], stats["cache"]["bytes"]);
@@ -328,7 +328,7 @@ TEST_F(Cli, InfoTellsWhatABakeMade) {
     EXPECT_LE(info["bounds"]["low"][0], -1);
     EXPECT_GE(info["bounds"]["high"][2], 1);
     int items = 0;
-    for (const json& bin : info["openness"]) items += bin.get<int>();
+    for (const Json& bin : info["openness"]) items += bin.get<int>();
     EXPECT_EQ(info["items"], items);
     const std::string text = runWell("info", "set.vdb").out;
     EXPECT_NE(text.find(info["fingerprint"].get<std::string>()), std::string::npos) << text;
@@ -339,7 +339,7 @@ TEST_F(Cli, MergeAddsSeedsAndRefusesOtherSets) {
     runWell("bake", "set.obj -o second.vdb --spacing 0.25 --level 3 --seed 2");
     runWell("bake", "other.obj -o other.vdb --spacing 0.25 --level 3");
     runWell("merge", "set.vdb second.vdb -o sum.vdb");
-    EXPECT_EQ(json::parse(runWell("info", "sum.vdb --json").out)["seeds"], "1,2");
+    EXPECT_EQ(Json::parse(runWell("info", "sum.vdb --json").out)["seeds"], "1,2");
     const auto before = files();
     expectRefusal(run("merge", "set.vdb other.vdb -o bad.vdb"), "merge", "other.vdb",
                   "fingerprint");
@@ -408,7 +408,7 @@ TEST_F(Cli, MemoryChangesNoPicture) {
         runWell("render", still("--cache set.vdb -o parts.exr --memory 0.5G --stats stats.json"));
     EXPECT_NE(result.out.find(" dropped again"), std::string::npos) << result.out;
     expectSamePicture(readExr(path("whole.exr")), readExr(path("parts.exr")));
-    const json stats = readJson(path("stats.json"));
+    const Json stats = readJson(path("stats.json"));
     expectNumbers(stats, {"cache.items", "cache.bytes", "cache.memory.peak", "cache.memory.loads",
                           "cache.memory.bytes_read"});
     EXPECT_EQ(stats["cache"]["memory"]["budget"], 1 << 29);

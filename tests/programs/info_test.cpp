@@ -13,7 +13,7 @@
 namespace shadowcache::test {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 class Info : public CliTest {
 protected:
@@ -25,7 +25,7 @@ protected:
     }
 };
 
-std::uint64_t sumOf(const json& counts) {
+std::uint64_t sumOf(const Json& counts) {
     std::uint64_t sum = 0;
     for (const auto& count : counts) sum += count.get<std::uint64_t>();
     return sum;
@@ -33,7 +33,7 @@ std::uint64_t sumOf(const json& counts) {
 
 TEST_F(Info, CountsAddUp) {
     bake("--seed 7");
-    const json info = json::parse(runWell("info", "set.vdb --json").out);
+    const Json info = Json::parse(runWell("info", "set.vdb --json").out);
     EXPECT_EQ(sumOf(info["openness"]), info["items"]);
     // Level 3 has 80 base cells an item, 16 a block.
     const auto cells =
@@ -57,8 +57,8 @@ TEST_F(Info, TellsOfAPlace) {
     const std::string above = runWell("info", "set.vdb --at 0,0.6,0,0,2,0 -o sky.png").out;
     EXPECT_NE(above.find("known          100.0 %"), std::string::npos) << above;
     EXPECT_EQ(readBytes(path("sky.png")).substr(1, 3), "PNG");
-    const json on = json::parse(runWell("info", "set.vdb --at 0,0.6,0,0,1,0 --json").out);
-    const json under = json::parse(runWell("info", "set.vdb --at 0,0,0,0,1,0 --json").out);
+    const Json on = Json::parse(runWell("info", "set.vdb --at 0,0.6,0,0,1,0 --json").out);
+    const Json under = Json::parse(runWell("info", "set.vdb --at 0,0,0,0,1,0 --json").out);
     EXPECT_GT(on["visible"], 0.99);
     EXPECT_LT(under["visible"], on["visible"].get<double>() - 0.1);
     EXPECT_LT(under["visible_cosine"], under["visible"]) << "the table is overhead";
@@ -147,7 +147,7 @@ TEST_F(Info, ReportIsOneWellFormedPage) {
     for (std::size_t at = 0; (at = page.find(" src=\"", at)) != std::string::npos; ++sources, ++at)
         EXPECT_EQ(page.compare(at + 6, 22, "data:image/png;base64,"), 0);
     EXPECT_EQ(sources, 9u);
-    const json info = json::parse(runWell("info", "set.vdb --json").out);
+    const Json info = Json::parse(runWell("info", "set.vdb --json").out);
     EXPECT_NE(page.find(info["fingerprint"].get<std::string>()), std::string::npos);
 }
 

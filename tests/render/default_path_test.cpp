@@ -42,7 +42,7 @@ std::vector<Film> films(Estimator& estimator, RenderOptions options, int count) 
 }
 
 /// The mean irradiance of a strip in each film.
-test::Estimates meansOf(const std::vector<Film>& films, int strip) {
+test::Estimates stripMeans(const std::vector<Film>& films, int strip) {
     constexpr int kPixels = kHeight * (kWidth / kStrips);
     test::Estimates means;
     for (const Film& film : films) {
@@ -116,7 +116,7 @@ TEST_P(DefaultPath, MeetsTheClosedForm) {
         const int count = std::max(36, path.films / (cameraRays * samples));
         const std::vector<Film> all = films(*estimator, effort(cameraRays, samples), count);
         for (int strip = 0; strip < kStrips; ++strip) {
-            const test::Estimates means = meansOf(all, strip);
+            const test::Estimates means = stripMeans(all, strip);
             const Rgb truth = floor.truth(strip, cameraRays == 1 ? 1 : 3);
             const double error = std::sqrt(means.sampleVariance(1) / count);
             EXPECT_GT(test::agreementPValue(means, truth), level)
@@ -225,7 +225,7 @@ TEST(DefaultPathFilm, WithoutSamplesIsNearTheTruth) {
         double most = 0;
         for (int strip = 0; strip < kStrips; ++strip) {
             const double truth = static_cast<double>(floor.truth(strip, 1).y);
-            most = std::max(most, std::abs(meansOf(film, strip).mean(1) / truth - 1));
+            most = std::max(most, std::abs(stripMeans(film, strip).mean(1) / truth - 1));
         }
         return most;
     };

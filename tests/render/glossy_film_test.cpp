@@ -113,7 +113,8 @@ TEST_P(GlossyFloor, IsBruteForcesForAllEfforts) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Looks, GlossyFloor, testing::Values(kVarnish, kBrass));
+INSTANTIATE_TEST_SUITE_P(Looks, GlossyFloor, testing::Values(kVarnish, kBrass),
+                         [](const auto& test) { return test.index == 0 ? "Varnish" : "Brass"; });
 
 /// A square that is lit, glossy and a lamp, before the sky.
 class Parts : public testing::Test {

@@ -79,10 +79,10 @@ TEST(GlossyLight, OfAWhiteFurnaceIsTheAlbedo) {
 }
 
 /// Sample counts and how many estimates of each are averaged.
-struct Effort {
+struct GlossRuns {
     int samples, count;
 };
-constexpr Effort kEfforts[] = {{1, 6000}, {3, 4000}, {64, 3000}};
+constexpr GlossRuns kGlossRuns[] = {{1, 6000}, {3, 4000}, {64, 3000}};
 
 // All estimators but `cache` share one: the same bits.
 TEST(GlossyLight, IsOneForAllEstimators) {
@@ -113,16 +113,16 @@ TEST_P(GlossyReflection, IsBruteForces) {
     const Rgb truth =
         test::tracedReflection(world.scene, point, look, Vec3d(viewer), world.environment);
     const std::vector<std::string> names{"mis", "cache"};
-    const double level = test::significance(names.size() * std::size(kEfforts));
+    const double level = test::significance(names.size() * std::size(kGlossRuns));
     for (const std::string& name : names)
-        for (const Effort& effort : kEfforts) {
+        for (const GlossRuns& runs : kGlossRuns) {
             const auto estimator = findEstimator(name).make(world.context(), {});
             const test::Estimates found =
-                reflect(*estimator, point, look, viewer, effort.samples, effort.count).whole;
+                reflect(*estimator, point, look, viewer, runs.samples, runs.count).whole;
             EXPECT_GT(test::agreementPValue(found, truth), level)
-                << name << ", " << effort.samples << " samples: mean " << found.mean(1)
-                << ", wanted " << truth.y;
-            if (effort.samples < 64) continue;
+                << name << ", " << runs.samples << " samples: mean " << found.mean(1) << ", wanted "
+                << truth.y;
+            if (runs.samples < 64) continue;
             EXPECT_LT(test::agreementPValue(found, truth * 1.03f), level) << name;
         }
 }

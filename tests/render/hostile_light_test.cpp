@@ -16,7 +16,7 @@
 namespace shadowcache {
 namespace {
 
-constexpr int kWidth = 32, kHeight = 16;
+constexpr int kMapWidth = 32, kMapHeight = 16;
 
 struct Spot {
     std::string name;
@@ -63,8 +63,8 @@ TEST_P(HostileLight, IsEstimatedWithoutBias) {
     }
     const TriangleMesh mesh = setMesh();
     const Scene scene(mesh);
-    const auto [x, y] = test::texelAt(kWidth, kHeight, spot.direction.normalized());
-    const Image map = test::oneTexelMap(kWidth, kHeight, x, y, Rgb(300, 200, 100));
+    const auto [x, y] = test::texelAt(kMapWidth, kMapHeight, spot.direction.normalized());
+    const Image map = test::oneTexelMap(kMapWidth, kMapHeight, x, y, Rgb(300, 200, 100));
     const Environment environment = test::environmentOf(map);
     BakeOptions bakeOptions;
     bakeOptions.spacing = 0.3;
@@ -74,7 +74,7 @@ TEST_P(HostileLight, IsEstimatedWithoutBias) {
     const auto estimators = test::everyEstimator({scene, environment, &cache.cache(), {}}, options);
     const ShadingPoint point = test::pointAlong(scene, spot.from, spot.along);
     const Rgb truth = test::tracedIrradiance(scene, point, map, 1500);
-    const double whole = test::texelMoment(kWidth, kHeight, x, y).length() * 300;
+    const double whole = test::texelMoment(kMapWidth, kMapHeight, x, y).length() * 300;
     EXPECT_GT(static_cast<double>(truth.x), 1e-3 * whole) << "the place tells nothing";
     const double level = test::significance(2 * estimators.size());
     for (const auto& [name, estimator] : estimators)

@@ -16,7 +16,7 @@
 namespace shadowcache {
 namespace {
 
-const Rgb kSky(1, 0.5f, 2);
+const Rgb kBlueSky(1, 0.5f, 2);
 
 /// A set, a map, a place and the irradiance there.
 struct Case {
@@ -28,10 +28,11 @@ struct Case {
     std::function<Rgb(const Scene&, const ShadingPoint&)> truth;
 };
 
-/// Irradiance from a sky of radiance kSky but for what the convex body of triangles [2, ...) hides.
+/// Irradiance from a sky of radiance kBlueSky but for what the convex body of triangles [2, ...)
+/// hides.
 Rgb skyBehindConvex(const Scene& scene, const ShadingPoint& point) {
     const TriangleMesh& mesh = scene.mesh();
-    return kSky *
+    return kBlueSky *
            static_cast<float>(kPi - test::hiddenByConvex(mesh, 2, mesh.triangles.size(), point));
 }
 
@@ -56,7 +57,8 @@ Case overFloor(const std::string& name, const std::function<void(TriangleMesh&)>
     TriangleMesh mesh;
     test::addFloor(mesh, 0, -2, 2, -2, 2);
     addOccluder(mesh);
-    return {name, mesh, test::constantMap(kSky), {0, 0.25f, 0}, {0, -1, 0}, 0.5, skyBehindConvex};
+    return {name, mesh,           test::constantMap(kBlueSky), {0, 0.25f, 0}, {0, -1, 0},
+            0.5,  skyBehindConvex};
 }
 
 std::vector<Case> cases() {
@@ -64,11 +66,11 @@ std::vector<Case> cases() {
     const Vec3d slope(0.3, -0.5, 0.6);
     std::vector<Case> all;
     all.push_back(
-        bare("ConstantMap", test::constantMap(kSky), tilted,
-             [](const Scene&, const ShadingPoint&) { return kSky * static_cast<float>(kPi); }));
-    all.push_back(bare("OneTexel", test::oneTexelMap(32, 16, 9, 4, kSky), tilted,
+        bare("ConstantMap", test::constantMap(kBlueSky), tilted,
+             [](const Scene&, const ShadingPoint&) { return kBlueSky * static_cast<float>(kPi); }));
+    all.push_back(bare("OneTexel", test::oneTexelMap(32, 16, 9, 4, kBlueSky), tilted,
                        [](const Scene&, const ShadingPoint& p) {
-                           return kSky *
+                           return kBlueSky *
                                   static_cast<float>(
                                       test::texelMoment(32, 16, 9, 4).dot(Vec3d(p.place.normal)));
                        }));
@@ -79,14 +81,15 @@ std::vector<Case> cases() {
         }));
     // 40 degrees off: the shading cosine over the geometric hemisphere.
     const Vec3d off = (tilted * 0.766044443 - slope.cross(tilted).normalized() * 0.642787610);
-    all.push_back(shaded(
-        bare("ConstantMap", test::constantMap(kSky), tilted,
-             [](const Scene&, const ShadingPoint& p) {
-                 return kSky * static_cast<float>(
+    all.push_back(
+        shaded(bare("ConstantMap", test::constantMap(kBlueSky), tilted,
+                    [](const Scene&, const ShadingPoint& p) {
+                        return kBlueSky *
+                               static_cast<float>(
                                    kPi / 2 *
                                    (1 + Vec3d(p.place.normal).dot(Vec3d(p.place.geometricNormal))));
-             }),
-        off));
+                    }),
+               off));
     all.push_back(overFloor("HalfPlane", [](TriangleMesh& mesh) {
         test::addFloor(mesh, 1, 0.5f, 6, -5, 5);
         // Facing down, so that it counts as seen.
@@ -126,10 +129,10 @@ struct Trial {
 };
 
 /// Sample counts and how many estimates of each are averaged: few samples must be right, too.
-struct Effort {
+struct IrradianceRuns {
     int samples, count;
 };
-constexpr Effort kEfforts[] = {{1, 2000}, {5, 1000}, {64, 1000}};
+constexpr IrradianceRuns kIrradianceRuns[] = {{1, 2000}, {5, 1000}, {64, 1000}};
 
 class Irradiance : public testing::TestWithParam<std::size_t> {};
 
@@ -142,16 +145,16 @@ INSTANTIATE_TEST_SUITE_P(ClosedForms, Irradiance, testing::Range<std::size_t>(0,
 TEST_P(Irradiance, OfEveryEstimatorIsTheTruthAndNotThreePercentMore) {
     const Trial trial(cases()[GetParam()]);
     const bool sparse = trial.chosen.name == "OneTexel";
-    const double level = test::significance(trial.estimators.size() * std::size(kEfforts));
+    const double level = test::significance(trial.estimators.size() * std::size(kIrradianceRuns));
     for (const auto& [name, estimator] : trial.estimators)
-        for (const Effort& effort : kEfforts) {
+        for (const IrradianceRuns& runs : kIrradianceRuns) {
             const auto estimates =
-                test::runEstimator(*estimator, trial.point, effort.samples, effort.count);
+                test::runEstimator(*estimator, trial.point, runs.samples, runs.count);
             EXPECT_GT(test::agreementPValue(estimates, trial.truth), level)
-                << name << ", " << effort.samples << " samples: mean " << estimates.mean(1)
-                << ", standard error " << std::sqrt(estimates.sampleVariance(1) / effort.count)
+                << name << ", " << runs.samples << " samples: mean " << estimates.mean(1)
+                << ", standard error " << std::sqrt(estimates.sampleVariance(1) / runs.count)
                 << ", wanted " << trial.truth.y;
-            if (effort.samples < 64) continue;
+            if (runs.samples < 64) continue;
             const bool blind =
                 sparse && (name == "uniform" || name == "cosine" || name.starts_with("paper"));
             EXPECT_LT(test::agreementPValue(estimates, trial.truth * (blind ? 1.3f : 1.03f)), level)

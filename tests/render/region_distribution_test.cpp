@@ -22,7 +22,7 @@
 namespace shadowcache {
 namespace {
 
-constexpr int kBinLevel = 2;
+constexpr int kCountLevel = 2;
 
 /// A place beside a slab that hides a part of a map, and what is drawn there for the irradiance and
 /// for a lobe.
@@ -55,13 +55,13 @@ protected:
 
     std::uint32_t binOf(const Vec3f& direction) const {
         return ancestorCell(world_.environment.lookUp(direction).cell, Environment::kLevel,
-                            kBinLevel);
+                            kCountLevel);
     }
 
     /// Integral of pdf() times `tilt` over each bin.
     std::vector<double> expected(const RegionDistribution& distribution,
                                  const std::function<double(const Vec3f&)>& tilt) const {
-        std::vector<double> sums(cellCount(kBinLevel));
+        std::vector<double> sums(cellCount(kCountLevel));
         for (std::size_t i = 0; i < world_.environment.texelCount(); ++i) {
             const Environment::Texel texel = world_.environment.texel(i);
             sums[binOf(texel.center)] += tilt(texel.center) * distribution.pdf(texel.center) *
@@ -72,7 +72,7 @@ protected:
 
     std::vector<double> observed(const RegionDistribution& distribution,
                                  std::uint64_t draws) const {
-        std::vector<double> counts(cellCount(kBinLevel));
+        std::vector<double> counts(cellCount(kCountLevel));
         for (std::uint64_t k = 0; k < draws; ++k) {
             const EnvironmentSample s =
                 distribution.sample(toUnit(hashWords(k, 1)), toUnitFloat(0x80000000u), 0.5f);
@@ -87,7 +87,7 @@ protected:
     RegionDistribution ofIrradiance_{world_.environment}, ofLobe_{world_.environment};
 };
 
-double sumOf(const std::vector<double>& values) {
+double totalOf(const std::vector<double>& values) {
     double sum = 0;
     for (const double value : values) sum += value;
     return sum;
@@ -102,7 +102,7 @@ TEST_F(Drawn, DirectionsFollowTheDensity) {
             std::vector<double> wanted = expected(*distribution, [&](const Vec3f& w) {
                 return 1 + tilt * static_cast<double>(w.x + w.z);
             });
-            const double scale = static_cast<double>(kDraws) / sumOf(wanted);
+            const double scale = static_cast<double>(kDraws) / totalOf(wanted);
             for (double& count : wanted) count *= scale;
             return test::chiSquaredPValue(counts, wanted);
         };
@@ -113,7 +113,7 @@ TEST_F(Drawn, DirectionsFollowTheDensity) {
 
 TEST_F(Drawn, DensityIntegratesToOne) {
     for (const RegionDistribution* distribution : all())
-        EXPECT_NEAR(sumOf(expected(*distribution, [](const Vec3f&) { return 1; })), 1, 1e-4);
+        EXPECT_NEAR(totalOf(expected(*distribution, [](const Vec3f&) { return 1; })), 1, 1e-4);
 }
 
 TEST_F(Drawn, DensityOfASampleIsThatAlongItsDirection) {

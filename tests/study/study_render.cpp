@@ -2,7 +2,6 @@
 // estimators, options and sequences that only the study needs. Direct light, one camera ray a
 // pixel.
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
 #include <exception>
@@ -192,11 +191,10 @@ int main(int argc, char** argv) try {
     using namespace shadowcache;
     installFailureHandler();
     study::Arguments arguments;
-    CLI::App app("Renders with the techniques that the paper compares.",
-                 "shadowcache-study-render");
-    beginCommandLine(app);
-    const std::vector<OptionRow> rows = study::rowsOf(arguments);
-    if (const auto status = parseCommandLine(app, argc, argv, rows)) return *status;
+    const ParsedLine parsed = parseCommandLine(
+        {"shadowcache-study-render", "Renders with the techniques that the paper compares.", ""},
+        argc, argv, study::rowsOf(arguments));
+    if (parsed.status) return *parsed.status;
     study::run(arguments);
     return kDone;
 } catch (const std::exception& e) {

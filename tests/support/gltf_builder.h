@@ -114,4 +114,11 @@ inline GltfBuilder squareGltf() {
     return file;
 }
 
+/// The same in a node of the scene.
+inline GltfBuilder squareScene() {
+    GltfBuilder file = squareGltf();
+    file.root({{"mesh", 0}});
+    return file;
+}
+
 }  // namespace shadowcache::test
