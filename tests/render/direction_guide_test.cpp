@@ -30,9 +30,9 @@ DirectionGuide guide() {
 std::vector<double> countDraws(const DirectionGuide& guide) {
     std::vector<double> counts(kRows * kColumns + 1);
     for (std::uint64_t i = 0; i < kDraws; ++i) {
-        const Vec3f d =
+        const Vec3d d(
             guide.draw(Vec3f(0), kNormal, {toUnitFloat(static_cast<std::uint32_t>(hashWords(i))),
-                                           toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 1)))});
+                                           toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 1)))}));
         const auto row = static_cast<int>(d.z * kRows);
         const auto column =
             static_cast<int>((std::atan2(d.y, d.x) / (2 * kPi) + 0.5) * kColumns);
