@@ -196,10 +196,13 @@ def test_bake_for_pictures_has_the_items_of_the_program(courtyard, tmp_path, opt
     assert mine.spacing == theirs.spacing and np.array_equal(mine.items(), theirs.items())
     whole = shadowcache.bake(courtyard.scene, spacing=mine.spacing, level=mine.header["level"], rays=1)
     assert 0 < len(mine) <= len(whole) and ("spacing" not in options or len(mine) < len(whole))  # the control: all
-    # It renders the pictures that it is for without a miss.
-    pictures = shadowcache.render(courtyard.scene, mine, shadowcache.Environment.constant(1), cameras[0], size=(24, 14), spp=1,
-                                  aovs=["misses"])
-    assert np.nanmax(pictures["misses"]) == 0
+    # It has what the pictures that it is for look up, and not what others do.
+    def misses(camera):
+        return np.nanmean(shadowcache.render(courtyard.scene, mine, shadowcache.Environment.constant(1), camera, size=(24, 14),
+                                             spp=1, aovs=["misses"])["misses"])
+
+    back = shadowcache.Camera(cameras[0].origin, cameras[0].origin - cameras[0].forward)
+    assert misses(cameras[0]) < 0.05 and ("spacing" not in options or misses(back) > 0.3)
     mine.save(tmp_path / "b.vdb")
     assert np.array_equal(shadowcache.Cache.open(tmp_path / "b.vdb").items(), mine.items())
 
