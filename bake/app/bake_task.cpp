@@ -59,22 +59,11 @@ BakeTask::BakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, Sc
     if (shot) {
         selection.lookups = found ? std::move(found->places) : shot->lookups(scene, frame);
         selection.margin = job.shot.margin;
-        if (isSpacingFree(job)) fitTo(job, *shot, scene.mesh());
+        if (isSpacingFree(job) &&
+            fitToShot(scene.mesh(), static_cast<double>(shot->pixels()), job.isLevelGiven, options,
+                      frame, *selection.lookups))
+            count.reset();
     }
-}
-
-/// Makes spacing and level as coarse as the shot's pictures are worth.
-void BakeTask::fitTo(const BakeJob& job, const ShotSource& shot, const TriangleMesh& mesh) {
-    const double pixels = rayFactor(options.quality) * static_cast<double>(shot.pixels());
-    const ShotResolution found =
-        resolutionOfShot(*selection.lookups, frame, pixels,
-                         job.isLevelGiven ? std::optional(options.level) : std::nullopt);
-    options.level = found.level;
-    if (found.factor == 1) return;
-    options.spacing *= found.factor;
-    const VoxelFrame finest = std::exchange(frame, VoxelFrame(mesh, options.spacing));
-    selection.lookups = inVoxelsOf(frame, *selection.lookups, finest);
-    count.reset();
 }
 
 SurfaceCount BakeTask::countOfSet(const TriangleMesh& mesh) const {

@@ -32,9 +32,6 @@ struct BakeTask {
 
     /// The surface of all of the set.
     SurfaceCount countOfSet(const TriangleMesh& mesh) const;
-
-private:
-    void fitTo(const BakeJob& job, const ShotSource& shot, const TriangleMesh& mesh);
 };
 
 }  // namespace shadowcache

@@ -26,9 +26,7 @@ Rows shotRows(BakeJob& job) {
               fpsRow(shot.fps),
               sizeRow(shot.size[0], shot.size[1]),
               dynamicRow(shot.dynamic),
-              wholeRow("margin", shot.margin, 0, 64,
-                       "Voxels to bake around those that are looked up, 0 to 64, for cameras that "
-                       "may still move"),
+              marginRow(shot.margin),
               flagRow("lookups-only", job.lookupsOnly,
                       "Write what the pictures look up to OUTPUT (.lookups), and no cache")
                   .notKept(),
@@ -36,11 +34,15 @@ Rows shotRows(BakeJob& job) {
                       "Take what the pictures look up from this file of --lookups-only, in place "
                       "of finding it; it must be of the same set, camera, frames, size and spacing")
                   .excluding("lookups-only")};
-    for (OptionRow& row : rows) row.needing("camera");
-    rows.insert(rows.begin(), cameraRow(shot.camera.name));
+    for (OptionRow& row : rows) {
+        row.needing("camera");
+        if (row.name != "size" && row.name != "margin") row.onlyAt({Door::commandLine});
+    }
+    rows.insert(rows.begin(), cameraRow(shot.camera.name).onlyAt({Door::commandLine}));
     rows.push_back(textRow("extend", job.extend,
                            "Add to this cache, without baking again what it holds; it must be of "
-                           "the same set, options and seed"));
+                           "the same set, options and seed")
+                       .onlyAt({Door::commandLine}));
     return rows;
 }
 
@@ -56,21 +58,24 @@ OptionRow memoryRow(std::uint64_t& bytes) {
 Rows outputRows(BakeJob& job) {
     OptionRow output = textRow("output", job.output, "Cache to write (OpenVDB, .vdb)");
     output.letter = 'o';
-    return {output,
-            flagRow("estimate", job.estimate,
-                    "Bake a sample of the voxels and print what the whole would take: items, rays, "
-                    "seconds, bytes, memory; write no cache")
-                .excluding("lookups-only")
-                .notKept(),
-            textRow("stats", job.stats, "Write times, rays and sizes as JSON"),
-            flagRow("resume", job.resume,
-                    "Continue where an interrupted bake of the same set and options stopped, from "
-                    "the folder OUTPUT.checkpoint"),
-            numberRow("checkpoint", job.checkpointSeconds, {0.01, 60},
-                      "Seconds between two checkpoints, 0.01 to 60"),
-            memoryRow(job.memory),
-            threadsRow(job.threads),
-            progressRow()};
+    Rows rows{
+        output,
+        flagRow("estimate", job.estimate,
+                "Bake a sample of the voxels and print what the whole would take: items, rays, "
+                "seconds, bytes, memory; write no cache")
+            .excluding("lookups-only")
+            .notKept(),
+        textRow("stats", job.stats, "Write times, rays and sizes as JSON"),
+        flagRow("resume", job.resume,
+                "Continue where an interrupted bake of the same set and options stopped, from "
+                "the folder OUTPUT.checkpoint"),
+        numberRow("checkpoint", job.checkpointSeconds, {0.01, 60},
+                  "Seconds between two checkpoints, 0.01 to 60"),
+        memoryRow(job.memory),
+        threadsRow(job.threads),
+        progressRow()};
+    for (OptionRow& row : rows) row.onlyAt({Door::commandLine});
+    return rows;
 }
 
 Rows optionRows(BakeJob& job, SetOptions& set) {

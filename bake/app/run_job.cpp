@@ -146,6 +146,8 @@ void run(const BakeJob& job, const BakeCompany& company) {
     Times times{};
     times.start = secondsNow();
     if (!job.estimate) reportLeftovers(job.output);
+    if (!job.extend.empty())
+        readHeader(job.extend);  // refuses what is no cache before it is hashed
     BakeIdentity identity;
     if (!job.estimate || !job.lookups.empty()) identity = identityOf(job);
     std::optional<ShotLookups> found;

@@ -59,6 +59,12 @@ OptionRow withoutRow(std::string name, bool& value, std::string help) {
 
 }  // namespace
 
+OptionRow marginRow(int& margin) {
+    return wholeRow("margin", margin, 0, 64,
+                    "Voxels to bake around those that are looked up, 0 to 64, for cameras that may "
+                    "still move");
+}
+
 std::vector<OptionRow> bakeRows(BakeOptions& bake, std::optional<double>& chosenSpacings) {
     OptionRow transport =
         withoutRow("no-transport", bake.transport,

@@ -14,4 +14,7 @@ namespace shadowcache {
 /// @param chosenSpacings  has the spacing as times the one that is chosen, if it is given so
 std::vector<OptionRow> bakeRows(BakeOptions& bake, std::optional<double>& chosenSpacings);
 
+/// Of a bake for a shot.
+OptionRow marginRow(int& margin);
+
 }  // namespace shadowcache

@@ -175,12 +175,17 @@ private:
 
 }  // namespace
 
+LookupPlaces lookupsOf(const CameraMove& camera, const Scene& scene, const VoxelFrame& frame,
+                       std::array<int, 2> size) {
+    return FrameLookups(camera, scene, frame, size).find();
+}
+
 LookupPlaces lookupsOf(const Shot& shot, Scene& scene, const VoxelFrame& frame) {
     LookupPlaces all;
     Progress progress("look", std::max<std::size_t>(1, shot.frames.size()));
     for (const int number : shot.frames) {
         scene.setMoving(shot.moving.pose(number));
-        all.add(FrameLookups(shot.camera.moveAt(number), scene, frame, shot.size).find().places());
+        all.add(lookupsOf(shot.camera.moveAt(number), scene, frame, shot.size).places());
         progress.add(1);
     }
     scene.setMoving(nullptr);

@@ -25,4 +25,10 @@ struct Shot {
 /// @throws Error if the camera has no such frame
 LookupPlaces lookupsOf(const Shot& shot, Scene& scene, const VoxelFrame& frame);
 
+/// The same of one picture, with what the scene has now.
+///
+/// @param size  [pixels]
+LookupPlaces lookupsOf(const CameraMove& camera, const Scene& scene, const VoxelFrame& frame,
+                       std::array<int, 2> size);
+
 }  // namespace shadowcache

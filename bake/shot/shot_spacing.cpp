@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
+#include "bake/core/default_spacing.h"
 #include "bake/core/voxel_frame.h"
 #include "common/base/tuned.h"
 #include "common/cache/cache_items.h"
@@ -87,6 +89,19 @@ ShotResolution resolutionOfShot(const LookupPlaces& places, const VoxelFrame& fr
     const double factor = factorFor(kRaysOfSide);
     if (factor <= kCoarseFactor) return {factor, kMaxCacheLevel};
     return {factorFor(kRaysOfCoarseSide), kMaxCacheLevel - 1};
+}
+
+bool fitToShot(const TriangleMesh& mesh, double pixels, bool isLevelGiven, BakeOptions& options,
+               VoxelFrame& frame, LookupPlaces& places) {
+    const ShotResolution found =
+        resolutionOfShot(places, frame, rayFactor(options.quality) * pixels,
+                         isLevelGiven ? std::optional(options.level) : std::nullopt);
+    options.level = found.level;
+    if (found.factor == 1) return false;
+    options.spacing *= found.factor;
+    const VoxelFrame finest = std::exchange(frame, VoxelFrame(mesh, options.spacing));
+    places = inVoxelsOf(frame, places, finest);
+    return true;
 }
 
 }  // namespace shadowcache

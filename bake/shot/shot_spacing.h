@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "bake/core/options.h"
 #include "bake/core/voxel_selection.h"
 
 namespace shadowcache {
@@ -26,5 +27,14 @@ struct ShotResolution {
 /// @param level   none: it is chosen, too
 ShotResolution resolutionOfShot(const LookupPlaces& places, const VoxelFrame& frame, double pixels,
                                 std::optional<int> level = {});
+
+/// Makes spacing and level as coarse as a shot's pictures are worth, and the lookups those of such
+/// voxels.
+///
+/// @param pixels        of all its pictures
+/// @param isLevelGiven  the level stays
+/// @return whether the spacing changed
+bool fitToShot(const TriangleMesh& mesh, double pixels, bool isLevelGiven, BakeOptions& options,
+               VoxelFrame& frame, LookupPlaces& places);
 
 }  // namespace shadowcache

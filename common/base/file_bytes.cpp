@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "common/base/error.h"
+#include "common/base/memory_limit.h"
 
 namespace shadowcache {
 
@@ -37,15 +38,17 @@ void requireReadableFile(const std::filesystem::path& path) {
     if (std::filesystem::is_directory(status)) {
         throwFileError(path, "is a directory, expected a file");
     }
+    // Opening a pipe waits for who writes to it.
+    if (!std::filesystem::is_regular_file(status))
+        throwFileError(path, "has no known size, expected an ordinary file");
     const std::ifstream file(path, std::ios::binary);
     if (!file) throwFileError(path, std::string("cannot be opened: ") + std::strerror(errno));
-    if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) == 0) {
-        throwFileError(path, "is empty");
-    }
+    if (std::filesystem::file_size(path, error) == 0) throwFileError(path, "is empty");
 }
 
 std::string readFileBytes(const std::filesystem::path& path) {
     requireReadableFile(path);
+    requireFitsMemory(path);
     std::ifstream file(path, std::ios::binary | std::ios::ate);
     const std::streamoff size = file.tellg();
     if (size <= 0) throwFileError(path, "has no known size, expected an ordinary file");

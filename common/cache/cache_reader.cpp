@@ -163,6 +163,8 @@ CheckedFile openChecked(const fs::path& path) {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) throwFileError(path, "no such file");
     if (fs::is_directory(path, ignored)) throwFileError(path, "a directory, expected a cache file");
+    if (!fs::is_regular_file(path, ignored))
+        throwFileError(path, "has no known size, expected a cache file");
     if (fs::file_size(path, ignored) == 0) throwFileError(path, "empty, expected a cache file");
     if (std::optional<CheckedFile> file = CheckedFile::open(path)) return *std::move(file);
     withReadErrors(path, [&] { refuseUnchecked(path); });

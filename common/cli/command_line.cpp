@@ -50,7 +50,7 @@ public:
     SettingsFormat() { comment(kNoText); }
 
     std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-        const std::string text(std::istreambuf_iterator<char>(input), {});
+        const std::string text = textOf(input);
         if (text.find(kNoText) != text.npos) refuseSettings("a byte of value 1, expected text");
         requireClosedLists(text);
         TextReader checked(text);
@@ -65,6 +65,16 @@ public:
 
 private:
     static constexpr char kNoText = '\1';
+    static constexpr std::size_t kMostBytes = std::size_t{16} << 20;
+
+    /// All of it; of a device that has no end, too much.
+    static std::string textOf(std::istream& input) {
+        std::string text(kMostBytes, '\0');
+        input.read(text.data(), static_cast<std::streamsize>(text.size()));
+        if (input) refuseSettings("more than 16 MB, expected options");
+        text.resize(static_cast<std::size_t>(input.gcount()));
+        return text;
+    }
 };
 
 /// Shows options of some groups, and of all where it is asked for all.

@@ -14,7 +14,7 @@ function(shadowcache_help_files program)
     add_custom_target(${program}-help ALL DEPENDS "${page}" "${completion}")
     # A build of some targets, as scenes/demo makes it, is no package.
     install(CODE "if(NOT EXISTS \"${page}\" OR NOT EXISTS \"${completion}\")
-    message(FATAL_ERROR \"${program} is not built: cmake --install needs all of the build, cmake --build ${PROJECT_BINARY_DIR}\")
+    message(FATAL_ERROR \"The man page of ${program} is not there: cmake --install needs all of the build, which cmake --build ${PROJECT_BINARY_DIR} makes\")
 endif()")
     install(FILES "${page}" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
     install(FILES "${completion}"

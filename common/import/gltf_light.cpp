@@ -6,13 +6,11 @@
 
 #include "common/base/error.h"
 #include "common/import/gltf_object.h"
+#include "common/import/lamp_place.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// More is refused: sums of it would not be finite.
-constexpr double kMostStrength = 1e30;
 
 enum class Type { point, spot, directional };
 constexpr Named<Type> kTypes[] = {
@@ -35,11 +33,11 @@ double numberWithin(const GltfObject& from, const char* key, double fallback, do
 }
 
 Rgb strengthOf(const GltfObject& light) {
-    const double intensity = numberWithin(light, "intensity", 1, kMostStrength);
+    const double intensity = numberWithin(light, "intensity", 1, kMostLampStrength);
     const std::vector<double> color = light.numbers("color", 3);
     Rgb strength(static_cast<float>(intensity));
     for (std::size_t k = 0; k < color.size(); ++k) {
-        if (!(color[k] >= 0 && color[k] * intensity <= kMostStrength))
+        if (!(color[k] >= 0 && color[k] * intensity <= kMostLampStrength))
             light.refuse("color", "three numbers from 0 on");
         strength[static_cast<int>(k)] = static_cast<float>(color[k] * intensity);
     }
@@ -79,7 +77,7 @@ Lamp gltfLamp(const GltfObject& light, LeftOutOf& leftOut) {
     } else if (extras.has("shape")) {
         readArea(extras, lamp);
     } else {
-        lamp.radius = numberWithin(extras, "radius", 0, kMostStrength);
+        lamp.radius = numberWithin(extras, "radius", 0, kMostLampStrength);
         if (type == Type::spot) lamp.cone = coneOf(light, extras);
     }
     return lamp;

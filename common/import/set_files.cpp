@@ -6,6 +6,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/file_bytes.h"
 #include "common/base/json_depth.h"
+#include "common/base/memory_limit.h"
 #include "common/import/gltf_file.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/obj_looks.h"
@@ -56,7 +57,11 @@ std::string contentHashOf(std::span<const fs::path> files, References references
     std::error_code ignored;
     for (const fs::path& file : files) {
         if (!fs::is_regular_file(file, ignored)) continue;
-        for (const fs::path& part : filesOf(file, references)) hash.addText(contentHash(part));
+        for (const fs::path& part : filesOf(file, references)) {
+            // Caches alone are read page by page.
+            if (part.extension() != ".vdb") requireFitsMemory(part);
+            hash.addText(contentHash(part));
+        }
         hash.addText("");  // between a file's parts and the next file
     }
     return hash.text();

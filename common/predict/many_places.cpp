@@ -85,7 +85,8 @@ private:
     std::size_t found_ = 0;
 };
 
-/// @param adjust  makes of the items at a place, and the direct irradiance there, what is wanted
+/// @param adjust  makes of a place's number, its items, and the direct irradiance there what is
+///                wanted
 template <class Adjust>
 void irradianceOfAll(const ShadowCache& cache, const CachePreview& preview, const Places& places,
                      std::span<Rgb> out, const Adjust& adjust) {
@@ -97,8 +98,8 @@ void irradianceOfAll(const ShadowCache& cache, const CachePreview& preview, cons
         for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
             around.moveTo(order[k]);
             if (!around.items().empty())
-                out[order[k]] =
-                    adjust(around.items(), irradiance.mean(around.items(), around.normal()));
+                out[order[k]] = adjust(order[k], around.items(),
+                                       irradiance.mean(around.items(), around.normal()));
         }
     });
 }
@@ -107,16 +108,20 @@ void irradianceOfAll(const ShadowCache& cache, const CachePreview& preview, cons
 
 void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const Places& places,
                   std::span<Rgb> out) {
-    irradianceOfAll(cache, preview, places, out,
-                    [](std::span<const ItemView>, const Rgb& direct) { return direct; });
+    irradianceOfAll(
+        cache, preview, places, out,
+        [](std::size_t, std::span<const ItemView>, const Rgb& direct) { return direct; });
 }
 
 void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const BounceSolve& solve,
-                  int bounces, const Places& places, std::span<Rgb> out) {
-    irradianceOfAll(
-        cache, preview, places, out, [&](std::span<const ItemView> items, const Rgb& direct) {
-            return direct * (1 / solve.exposure(items)) + solve.indirect(items, bounces);
-        });
+                  int bounces, const Places& places, std::span<Rgb> out,
+                  std::span<const Rgb> more) {
+    irradianceOfAll(cache, preview, places, out,
+                    [&](std::size_t i, std::span<const ItemView> items, const Rgb& sky) {
+                        const Rgb direct = more.empty() ? sky : sky + more[i];
+                        return direct * (1 / solve.exposure(items)) +
+                               solve.indirect(items, bounces);
+                    });
 }
 
 void visibilityAt(const ShadowCache& cache, const Places& places, std::span<const Vec3d> directions,

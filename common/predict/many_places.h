@@ -25,8 +25,10 @@ void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const P
 /// items' surface.
 ///
 /// @param solve  of the same environment and cache
+/// @param more   direct light of each place beside the environment's; may be empty
 void irradianceAt(const ShadowCache& cache, const CachePreview& preview, const BounceSolve& solve,
-                  int bounces, const Places& places, std::span<Rgb> out);
+                  int bounces, const Places& places, std::span<Rgb> out,
+                  std::span<const Rgb> more = {});
 
 /// Visible share of the sky around a direction.
 ///

@@ -59,7 +59,7 @@ class SetFile:
         return found
 
     def all_moves(self):
-        """Whether nothing of the set stands still, so that there is nothing to bake."""
+        """Whether nothing of the set stands still, or there is nothing, so that nothing is to be baked."""
         return bool(self.read_notes().get("all_moves"))
 
     def load_fields(self, scene, cache, lamps=True):
@@ -89,7 +89,7 @@ class SetFile:
         notes = self.read_notes()
         report = Report()
         rows = fingerprint.mesh_rows(depsgraph)
-        export = GltfExport(depsgraph, report, with_cameras=False, panes=state.panes)
+        export = GltfExport(depsgraph, report, with_cameras=False, panes=state.panes, stand_in=True)
         found = export.write(self.path + ".part.glb", set_frame)
         os.replace(self.path + ".part.glb", self.path)
         held = {"": state.places}
@@ -97,7 +97,7 @@ class SetFile:
         if moving:
             held = {str(f): fingerprint.places_digest(found.places(i), rows) for i, f in enumerate(found.frames)}
         notes.update(content=state.content, strengths=state.strengths, places=held, id=fingerprint.digest_of(state.content, sorted(held.items())),
-                     fps=fps(depsgraph.scene), all_moves=bool(moving) and moving.issuperset(rows),
+                     fps=fps(depsgraph.scene), all_moves=moving.issuperset(rows),
                      left_out=[entry for entry in report.entries() if entry not in state.left_out])
         self.write_notes(notes)
 

@@ -219,7 +219,7 @@ void addSet(Rows& rows, StageOptions& stage) {
                  "chalk; diffuse: their base colours alone, all chalk"),
          wordRow("lamps", mesh.lamps, kLamps,
                  "on: lamps and surfaces shine as the files say; off: nothing in the set shines"),
-         lampRow(mesh.gains).onlyAt({commandLine, serve})});
+         lampRow(mesh.gains)});
     add(rows, kCamera,
         {fpsRow(stage.set.fps),
          dynamicRow(stage.set.dynamic).onlyAt({commandLine, serve}).notCompared()});

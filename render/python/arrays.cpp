@@ -88,6 +88,7 @@ Shape Broadcast::shape(std::initializer_list<py::ssize_t> more) const {
 }
 
 void Broadcast::read(std::size_t argument, std::size_t first, std::span<Vec3d> out) const {
+    if (out.empty()) return;
     const View& view = views_[argument];
     const std::size_t axes = shape_.size();
     Shape at(axes);

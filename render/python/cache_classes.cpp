@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -9,16 +10,19 @@
 
 #include "bake/library/bake_rows.h"
 #include "bake/library/bake_set.h"
+#include "bake/library/bake_views.h"
 #include "common/base/error.h"
 #include "common/base/option_checks.h"
 #include "common/base/text_streams.h"
 #include "common/cache/cache_items.h"
 #include "common/predict/many_places.h"
+#include "common/shot/set_options.h"
 #include "render/library/option_table.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
 #include "render/python/options.h"
+#include "render/sensors/air_irradiance.h"
 
 namespace shadowcache::python {
 
@@ -27,11 +31,53 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, const py::object& progress,
-                                       int threads, const py::kwargs& keywords) {
+/// Pictures that a bake is for, with their cameras.
+struct BakedViews {
+    std::vector<CameraMove> cameras;
+    std::array<int, 2> size{960, 540};
+    int margin = 0;
+};
+
+/// The cameras of bake(). @throws TypeError, ValueError
+std::vector<CameraMove> camerasOf(const py::object& cameras) {
+    std::vector<CameraMove> all;
+    if (cameras.is_none()) return all;
+    if (!py::isinstance<py::sequence>(cameras))
+        throw py::type_error("cameras: expected a list of Camera");
+    for (const py::handle camera : py::reinterpret_borrow<py::sequence>(cameras)) {
+        if (!py::isinstance<CameraMove>(camera))
+            throw py::type_error("cameras: expected a list of Camera");
+        all.push_back(camera.cast<CameraMove>());
+    }
+    if (all.empty()) throw py::value_error("cameras: expected one or more");
+    return all;
+}
+
+/// The options of bake() for the pictures of a shot.
+std::vector<OptionRow> viewRows(BakedViews& views) {
+    return {sizeRow(views.size[0], views.size[1]), marginRow(views.margin)};
+}
+
+/// All options of bake().
+std::vector<OptionRow> rowsOfBake(BakeOptions& options, std::optional<double>& chosenSpacings,
+                                  BakedViews& views) {
+    std::vector<OptionRow> rows = bakeRows(options, chosenSpacings);
+    for (const OptionRow& row : viewRows(views)) rows.push_back(row);
+    return rows;
+}
+
+std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, const py::object& cameras,
+                                       const py::object& progress, int threads,
+                                       const py::kwargs& keywords) {
     BakeOptions options;
     std::optional<double> chosenSpacings;
-    readKeywords("bake", keywords, bakeRows(options, chosenSpacings));
+    BakedViews views{.cameras = camerasOf(cameras)};
+    readKeywords("bake", keywords, rowsOfBake(options, chosenSpacings, views));
+    if (views.cameras.empty())
+        for (const OptionRow& row : viewRows(views))
+            if (keywords.contains(row.name) && !keywords[row.name.c_str()].is_none())
+                throw py::type_error(row.name + ": expected with cameras");
+    const bool isLevelGiven = keywords.contains("level") && !keywords["level"].is_none();
     // Without a spacing one is chosen, but 0 is none.
     if (keywords.contains("spacing") && !keywords["spacing"].is_none())
         requireRange("spacing", options.spacing, 1e-300, kMostSpacing);
@@ -39,7 +85,11 @@ std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, const py::objec
     return longCall(
         progress,
         [&] {
-            const BakeResult result = bakeSet(*set, options);
+            const BakeResult result =
+                views.cameras.empty()
+                    ? bakeSet(*set, options)
+                    : bakeViews(*set, options, {views.cameras, views.size, views.margin},
+                                isLevelGiven);
             std::shared_ptr<const ShadowCache> cache = makeCache(result.header, result.items);
             return std::make_shared<CacheObject>(CacheObject{std::move(cache), {}, {}, {}});
         },
@@ -115,17 +165,27 @@ py::object numbersOrArray(const py::array& array) {
 }
 
 py::object visibility(const CacheObject& cache, const py::object& points, const py::object& normals,
-                      const py::object& directions, const py::object& progress, int threads) {
+                      const py::object& directions, const SceneObject* scene,
+                      const py::object& progress, int threads) {
     const Broadcast all({{"points", points}, {"normals", normals}, {"directions", directions}});
     const auto kept = cache.cache;
+    const auto set = scene ? scene->set : nullptr;
+    requireSetOf(*kept, set.get());
     py::array_t<float> out = newArray<float>(all.shape());
     const std::span<float> shares = valuesOf<float>(out);
     runLong(
         progress,
         [&] {
             forEachPart(all, kMostOfPart, [&](std::size_t first, const auto& vectors) {
-                visibilityAt(*kept, {vectors[0], vectors[1]}, vectors[2],
-                             shares.subspan(first, vectors[0].size()));
+                const Places places{vectors[0], vectors[1]};
+                const std::span<float> part = shares.subspan(first, places.size());
+                visibilityAt(*kept, places, vectors[2], part);
+                std::vector<std::size_t> inAir =
+                    placesInAir(set ? &set->scene : nullptr, kept->header().spacing, places, part);
+                std::erase_if(inAir, [&](std::size_t i) { return !isDirection(vectors[2][i]); });
+                if (inAir.empty()) return;
+                if (!set) refuseInAir(places.positions[inAir.front()]);
+                visibilityInAir(set->scene, places, vectors[2], inAir, part);
             });
         },
         threads);
@@ -151,6 +211,11 @@ std::string reprOfCache(const CacheObject& cache) {
 }
 
 }  // namespace
+
+void requireSetOf(const ShadowCache& cache, const LoadedSet* set) {
+    if (set && set->fingerprint != cache.header().fingerprint)
+        throw Error("scene: not the one that the cache was baked for (its fingerprint differs)");
+}
 
 void defineCache(py::module_& module) {
     py::class_<CacheObject, std::shared_ptr<CacheObject>>(
@@ -185,22 +250,31 @@ void defineCache(py::module_& module) {
              "World positions are (voxel + position) * cache.spacing.")
         .def(
             "visibility", visibility, py::arg("points"), py::arg("normals"), py::arg("directions"),
-            py::kw_only(), py::arg("progress") = py::none(), py::arg("threads") = 0,
+            py::kw_only(), py::arg("scene").none(true) = py::none(),
+            py::arg("progress") = py::none(), py::arg("threads") = 0,
             "Visible share of the sky around directions, as the cache predicts it without rays.\n\n"
-            "points: places on the set [m], normals: towards the side that is lit, directions:\n"
-            "    (..., 3) each, broadcast; normals and directions of any length.\n"
-            "Returns float32 in [0, 1] of the common shape (...); NaN where the cache has no item\n"
-            "or an input is not finite or a zero vector.")
+            "points: places on the set, or in the air [m], normals: towards the side that is lit,\n"
+            "    directions: (..., 3) each, broadcast; normals and directions of any length.\n"
+            "scene: that was baked, whose rays see for places in the air: 1 where one along the\n"
+            "    direction reaches the sky, else 0. None: places within a voxel of a surface "
+            "count\n"
+            "    as on it, and others are refused.\n"
+            "Returns float32 in [0, 1] of the common shape (...); NaN where an input is not "
+            "finite\n"
+            "or a zero vector.")
         .def(py::pickle(&stateOfCache, &cacheOf))
         .def("__repr__", reprOfCache);
     BakeOptions standard;
     std::optional<double> none;
+    BakedViews views;
     static const std::string kBakeHelp =
         "Bakes a Scene, and returns its Cache in memory: the items of shadowcache-bake.\n\n"
+        "cameras: bakes only what the pictures of these Cameras look up, a list; with `size`,\n"
+        "    theirs, and `margin`. None: the whole set.\n\n"
         "Options, with their standard values:\n" +
-        helpOf(bakeRows(standard, none));
-    module.def("bake", bakeScene, py::arg("scene"), py::kw_only(), py::arg("progress") = py::none(),
-               py::arg("threads") = 0, kBakeHelp.c_str());
+        helpOf(rowsOfBake(standard, none, views));
+    module.def("bake", bakeScene, py::arg("scene"), py::kw_only(), py::arg("cameras") = py::none(),
+               py::arg("progress") = py::none(), py::arg("threads") = 0, kBakeHelp.c_str());
 }
 
 }  // namespace shadowcache::python

@@ -12,6 +12,7 @@
 #include "common/shot/camera_source.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
+#include "render/python/long_call.h"
 
 namespace shadowcache::python {
 
@@ -33,9 +34,9 @@ void requireLens(const Lens& lens) {
         throw py::value_error("blade_rotation: expected a finite number of degrees");
 }
 
-Camera cameraOf(const py::object& eye, const py::object& lookAt, std::optional<double> fov,
-                double lensRadius, std::optional<double> focus, int blades, double bladeRotation,
-                std::optional<double> height) {
+CameraMove cameraOf(const py::object& eye, const py::object& lookAt, std::optional<double> fov,
+                    double lensRadius, std::optional<double> focus, int blades,
+                    double bladeRotation, std::optional<double> height) {
     if (fov && height) throw py::value_error("fov cannot be combined with height");
     if (height && !(*height > 0 && *height < 1e9))
         throw py::value_error("height: expected metres above 0, below 1e9");
@@ -52,22 +53,38 @@ Camera cameraOf(const py::object& eye, const py::object& lookAt, std::optional<d
     return camera;
 }
 
-std::string reprOfCamera(const Camera& camera) {
+std::string reprOfCamera(const CameraMove& move) {
+    const Camera camera = move.middle();
     TextWriter text;
     text << "<shadowcache.Camera: at (" << camera.origin.x << ", " << camera.origin.y << ", "
          << camera.origin.z << "), along (" << camera.forward.x << ", " << camera.forward.y << ", "
          << camera.forward.z << "), ";
     if (camera.height > 0)
-        text << "orthographic, " << camera.height << " m high>";
+        text << "orthographic, " << camera.height << " m high";
     else
-        text << camera.fovY * 180 / kPi << " degrees high>";
-    return text.str();
+        text << camera.fovY * 180 / kPi << " degrees high";
+    return text.str() + (move.moves ? ", moving>" : ">");
+}
+
+CameraMove moving(const CameraMove& opening, const CameraMove& closing) {
+    between(opening.open, closing.close, 0.5);  // refuses what does not fit
+    return {opening.open, closing.close};
+}
+
+/// A property of what it is in the middle of the exposure.
+template <class Get>
+auto inTheMiddle(const Get& get) {
+    return [get](const CameraMove& move) { return get(move.middle()); };
+}
+
+py::array tripleOf(const Vec3d& v) {
+    return arrayOf<double>({3}, std::vector{v});
 }
 
 }  // namespace
 
 void defineCamera(py::module_& module) {
-    py::class_<Camera>(module, "Camera", "A camera in world space.")
+    py::class_<CameraMove>(module, "Camera", "A camera in world space.")
         .def(
             py::init(&cameraOf), py::arg("eye"), py::arg("look_at"), py::kw_only(),
             py::arg("fov") = py::none(), py::arg("lens_radius") = 0.0,
@@ -81,34 +98,43 @@ void defineCamera(py::module_& module) {
             "    0: it is round. blade_rotation: counter-clockwise as the camera looks [degrees].")
         .def_static(
             "load",
-            [](const fs::path& path, int frame) {
-                return CameraSource({path.string(), {}, {}}, {}).at(frame);
+            [](const fs::path& path, int frame, double shutter) {
+                CameraOptions options;
+                options.name = path.string();
+                options.shutter = shutter;
+                return longCall(py::none(),
+                                [&] { return CameraSource(options, {}).moveAt(frame); });
             },
-            py::arg("path"), py::kw_only(), py::arg("frame") = 1,
-            "The camera of a frame of a camera file (.json). Scene.camera() has those of glTF.")
+            py::arg("path"), py::kw_only(), py::arg("frame") = 1, py::arg("shutter") = 0.0,
+            "The camera of a frame of a camera file (.json). Scene.camera() has those of glTF.\n"
+            "shutter: share of a frame's time that it moves in while the shutter is open, half\n"
+            "before and half after the frame, 0 to 1.")
+        .def_static(
+            "moving", moving, py::arg("opening"), py::arg("closing"),
+            "A camera that moves from one to another while the shutter is open: evenly, in\n"
+            "place, angle and lens. What can be asked of it is that of the middle.")
+        .def_property_readonly("origin",
+                               inTheMiddle([](const Camera& c) { return tripleOf(c.origin); }),
+                               "Where it stands [m], (3,) float64.")
+        .def_property_readonly("forward",
+                               inTheMiddle([](const Camera& c) { return tripleOf(c.forward); }),
+                               "Along the view, unit, (3,) float64.")
         .def_property_readonly(
-            "origin", [](const Camera& c) { return arrayOf<double>({3}, std::vector{c.origin}); },
-            "Where it stands [m], (3,) float64.")
-        .def_property_readonly(
-            "forward", [](const Camera& c) { return arrayOf<double>({3}, std::vector{c.forward}); },
-            "Along the view, unit, (3,) float64.")
-        .def_property_readonly(
-            "up", [](const Camera& c) { return arrayOf<double>({3}, std::vector{c.up}); },
+            "up", inTheMiddle([](const Camera& c) { return tripleOf(c.up); }),
             "Upwards in the picture, unit, at right angles to `forward`, (3,) float64.")
-        .def_property_readonly(
-            "fov",
-            [](const Camera& c) {
-                return c.height > 0 ? std::nullopt : std::optional(c.fovY * 180 / kPi);
-            },
-            "Vertical angle of view [degrees]; None: orthographic.")
-        .def_property_readonly(
-            "height",
-            [](const Camera& c) { return c.height > 0 ? std::optional(c.height) : std::nullopt; },
-            "Of what it sees [m]; None: in perspective.")
-        .def_property_readonly(
-            "lens_radius", [](const Camera& c) { return c.lens.radius; },
-            "Of the aperture [m]; 0: all is sharp.")
-        .def("__repr__", [](const Camera& camera) { return reprOfCamera(camera); });
+        .def_property_readonly("fov", inTheMiddle([](const Camera& c) {
+                                   return c.height > 0 ? std::nullopt
+                                                       : std::optional(c.fovY * 180 / kPi);
+                               }),
+                               "Vertical angle of view [degrees]; None: orthographic.")
+        .def_property_readonly("height", inTheMiddle([](const Camera& c) {
+                                   return c.height > 0 ? std::optional(c.height) : std::nullopt;
+                               }),
+                               "Of what it sees [m]; None: in perspective.")
+        .def_property_readonly("lens_radius",
+                               inTheMiddle([](const Camera& c) { return c.lens.radius; }),
+                               "Of the aperture [m]; 0: all is sharp.")
+        .def("__repr__", reprOfCamera);
 }
 
 }  // namespace shadowcache::python

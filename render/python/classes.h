@@ -26,6 +26,12 @@ struct SceneObject {
     std::shared_ptr<const LoadedSet> set;
     std::vector<std::filesystem::path> files;  ///< none of arrays
     pybind11::dict options = {};               ///< that it was loaded with
+    bool hasLampsOfArrays = false;             ///< by with_lamps()
+};
+
+/// Lamps.
+struct LampsObject {
+    std::vector<Lamp> lamps;  ///< in world space
 };
 
 /// The light that bounces under an environment, with what it is of.
@@ -37,6 +43,12 @@ struct SolvedLight {
     std::shared_ptr<const ItemTable> items;
     std::shared_ptr<const std::vector<ItemLook>> looks;
     std::shared_ptr<const BounceSolve> solve;
+};
+
+/// What shines in a set, as a cache counts it.
+struct OwnLight {
+    std::shared_ptr<const LoadedSet> set;   ///< null: none is known
+    std::shared_ptr<const SetLight> light;  ///< null: nothing shines
 };
 
 /// A stage that is lit for pictures, with what it refers to: what render() predicts of a set and
@@ -56,6 +68,7 @@ struct CacheObject {
     std::shared_ptr<const ItemTable> items;  ///< null until it is wanted
     SolvedLight solved = {};                 ///< that irradiance() wanted last
     LitShot lit = {};                        ///< that render() wanted last
+    OwnLight own = {};                       ///< that irradiance() wanted last
 };
 
 /// Environment.
@@ -63,8 +76,10 @@ struct EnvironmentObject {
     std::string name;
     std::shared_ptr<const RadianceImage> map;
     std::shared_ptr<const EnvironmentMap> tables;  ///< of `map`; turned, they are still its
-    double rotation = 0;                           ///< [degrees]
-    std::shared_ptr<const Environment> light;
+    Turn turn = {};                                ///< of the map, before `rotation`
+    double rotation = 0;                           ///< about +Y [degrees]
+    Rgb gain{1.0f};                                ///< times the map
+    std::shared_ptr<const Environment> light = {};
     std::filesystem::path path = {};  ///< empty: of no file
 };
 
@@ -77,6 +92,10 @@ std::string pickledPath(const std::filesystem::path& path, const char* what);
 /// @throws Error naming its file
 void requireUnchanged(bool same, const std::string& path);
 
+/// @param set  may be null
+/// @throws Error unless the cache was baked for it
+void requireSetOf(const ShadowCache& cache, const LoadedSet* set);
+
 // Help and messages have Python's names of classes that are there already.
 void defineCamera(pybind11::module_& module);
 void defineScene(pybind11::module_& module);  ///< after Camera
@@ -85,6 +104,7 @@ void defineEnvironment(pybind11::module_& module);
 void defineIrradiance(pybind11::module_& module);  ///< after the two
 void defineSampler(pybind11::module_& module);     ///< after the two
 void defineRays(pybind11::module_& module);        ///< after Scene
+void defineLamps(pybind11::module_& module);       ///< likewise
 void defineRender(pybind11::module_& module);
 
 }  // namespace shadowcache::python

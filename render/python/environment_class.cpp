@@ -12,11 +12,15 @@
 #include "common/base/parallel.h"
 #include "common/base/text_streams.h"
 #include "common/image/radiance.h"
+#include "common/math/turn.h"
 #include "common/predict/places.h"
 #include "common/random/sequence.h"
+#include "render/library/option_table.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
+#include "render/python/options.h"
+#include "render/shot/light_rotation.h"
 
 namespace shadowcache::python {
 
@@ -25,46 +29,113 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Lights a map's tables by a rotation. To be called without the interpreter's lock, as lit().
-std::shared_ptr<EnvironmentObject> turned(EnvironmentObject object, double rotation) {
-    object.rotation = rotation;
-    object.light =
-        std::make_shared<const Environment>(object.tables, turnByAngles({0, rotation, 0}));
+/// How a map becomes light.
+struct MapTurn {
+    Turn turn = {};  ///< as EnvironmentObject has them
+    double rotation = 0;
+    Rgb gain{1.0f};
+
+    /// Turned further, as a user says it.
+    MapTurn then(const LightRotation& by) const {
+        if (by.numbers.size() == 1) return {turn, rotation + by.numbers[0], gain};
+        return {composed(by.turn(), whole()), 0, gain};
+    }
+    Turn whole() const {
+        const Turn aboutY = turnByAngles({0, rotation, 0});
+        return turn == Turn{} ? aboutY : composed(aboutY, turn);
+    }
+
+private:
+    static Turn composed(const Turn& second, const Turn& first) {
+        return {{second.apply(first.axis[0]), second.apply(first.axis[1]),
+                 second.apply(first.axis[2])}};
+    }
+};
+
+MapTurn turnOf(const EnvironmentObject& object) {
+    return {object.turn, object.rotation, object.gain};
+}
+
+/// Lights a map's tables. To be called without the interpreter's lock, as lit().
+std::shared_ptr<EnvironmentObject> turned(EnvironmentObject object, const MapTurn& by) {
+    object.turn = by.turn;
+    object.rotation = by.rotation;
+    object.gain = by.gain;
+    object.light = std::make_shared<const Environment>(object.tables, by.whole(), by.gain);
     return std::make_shared<EnvironmentObject>(std::move(object));
 }
 
-/// Makes a map's tables and lights them by a rotation.
+/// Makes a map's tables and lights them.
 std::shared_ptr<EnvironmentObject> lit(const std::string& name,
-                                       std::shared_ptr<const RadianceImage> map, double rotation) {
+                                       std::shared_ptr<const RadianceImage> map,
+                                       const MapTurn& by) {
     auto tables = std::make_shared<const EnvironmentMap>(map->image, map->luminanceWeights);
-    return turned({name, std::move(map), std::move(tables), 0, nullptr}, rotation);
+    return turned({.name = name, .map = std::move(map), .tables = std::move(tables)}, by);
 }
 
-void requireRotation(double rotation) {
-    if (!std::isfinite(rotation))
-        throw py::value_error("rotate: expected a finite number of degrees");
+/// The row of an option of the light reads a value. @throws ValueError if it is not finite; Error
+LightOptions lightOptionOf(const char* option, const char* name, const py::object& value) {
+    const Doubles numbers = doublesOf(value, name);
+    for (py::ssize_t i = 0; i < numbers.size(); ++i)
+        if (!std::isfinite(numbers.data()[i]))
+            throw py::value_error(std::string(name) + ": expected finite numbers");
+    RenderJob job;
+    const std::vector<OptionRow> rows = optionRows(Part::light, job);
+    readOption(*findRow(rows, option), value);
+    return job.light;
 }
 
-std::shared_ptr<EnvironmentObject> loadEnvironment(const fs::path& path, double rotate,
+LightRotation rotationOf(const py::object& value) {
+    return parseRotation(lightOptionOf("env-rotate", "rotate", value).rotation).first;
+}
+
+Rgb gainFrom(const py::object& value) {
+    return Rgb(gainOf(lightOptionOf("env-gain", "gain", value).gain));
+}
+
+std::shared_ptr<EnvironmentObject> openEnvironment(const fs::path& path, const MapTurn& by,
                                                    const py::object& progress) {
-    requireRotation(rotate);
     return longCall(progress, [&] {
         auto environment =
-            lit(path.string(), std::make_shared<const RadianceImage>(readRadiance(path)), rotate);
+            lit(path.string(), std::make_shared<const RadianceImage>(readRadiance(path)), by);
         environment->path = path;
         return environment;
     });
 }
 
+std::shared_ptr<EnvironmentObject> loadEnvironment(const fs::path& path, const py::object& rotate,
+                                                   const py::object& gain,
+                                                   const py::object& progress) {
+    MapTurn by = MapTurn{}.then(rotationOf(rotate));
+    by.gain = gainFrom(gain);
+    return openEnvironment(path, by, progress);
+}
+
+py::array matrixOf(const Turn& turn) {
+    std::vector<double> rows;
+    for (int row = 0; row < 3; ++row)
+        for (const Vec3d& axis : turn.axis) rows.push_back(axis[row]);
+    return arrayOf<double>({3, 3}, std::move(rows));
+}
+
 py::tuple stateOfEnvironment(const EnvironmentObject& environment) {
+    const auto& [x, y, z] = environment.turn.axis;
+    const Rgb& gain = environment.gain;
     return py::make_tuple(pickledPath(environment.path, "Environment"), environment.rotation,
+                          std::vector<double>{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z},
+                          std::vector<float>{gain.x, gain.y, gain.z},
                           environment.light->luminanceIntegral());
 }
 
 std::shared_ptr<EnvironmentObject> environmentOfState(const py::tuple& state) {
     const auto path = state[0].cast<std::string>();
-    auto environment = loadEnvironment(path, state[1].cast<double>(), py::none());
-    requireUnchanged(environment->light->luminanceIntegral() == state[2].cast<double>(), path);
+    const auto n = state[2].cast<std::vector<double>>();
+    const auto gain = state[3].cast<std::vector<float>>();
+    const Turn turn{{Vec3d(n.at(0), n.at(1), n.at(2)), Vec3d(n.at(3), n.at(4), n.at(5)),
+                     Vec3d(n.at(6), n.at(7), n.at(8))}};
+    const MapTurn by{turn, state[1].cast<double>(), Rgb(gain.at(0), gain.at(1), gain.at(2))};
+    auto environment = openEnvironment(path, by, py::none());
+    requireUnchanged(environment->light->luminanceIntegral() == state[4].cast<double>(), path);
     return environment;
 }
 
@@ -79,9 +150,9 @@ Rgb radianceOf(const Vec3d& color, const std::string& where) {
 /// Texels of a map, at most. [EnvironmentMap]
 constexpr double kMostTexels = 0x1p31;
 
-std::shared_ptr<EnvironmentObject> environmentOf(const py::object& texels, double rotate,
+std::shared_ptr<EnvironmentObject> environmentOf(const py::object& texels, const py::object& rotate,
                                                  const py::object& progress) {
-    requireRotation(rotate);
+    const MapTurn by = MapTurn{}.then(rotationOf(rotate));
     const py::array given = numbersOf(texels, "texels");
     if (given.ndim() != 3 || given.shape(2) != 3 || given.size() == 0)
         throw py::value_error("texels: shape " + shapeText(given) +
@@ -99,7 +170,7 @@ std::shared_ptr<EnvironmentObject> environmentOf(const py::object& texels, doubl
             for (const Vec3d& color : vectors[0])
                 map.image.pixels.push_back(radianceOf(color, "texels"));
         });
-        return lit("array", std::make_shared<const RadianceImage>(std::move(map)), rotate);
+        return lit("array", std::make_shared<const RadianceImage>(std::move(map)), by);
     });
 }
 
@@ -107,15 +178,23 @@ std::shared_ptr<EnvironmentObject> constantEnvironment(const py::object& radianc
     RadianceImage map;
     map.image = {1, 1, {radianceOf(colorOf(radiance, "radiance"), "radiance")}};
     return longCall(py::none(), [&] {
-        return lit("constant", std::make_shared<const RadianceImage>(std::move(map)), 0);
+        return lit("constant", std::make_shared<const RadianceImage>(std::move(map)), {});
     });
 }
 
-std::shared_ptr<EnvironmentObject> rotated(const EnvironmentObject& environment, double degrees,
-                                           const py::object& progress) {
-    requireRotation(degrees);
+std::shared_ptr<EnvironmentObject> rotated(const EnvironmentObject& environment,
+                                           const py::object& degrees, const py::object& progress) {
+    const MapTurn by = turnOf(environment).then(rotationOf(degrees));
     const EnvironmentObject copy = environment;
-    return longCall(progress, [&] { return turned(copy, copy.rotation + degrees); });
+    return longCall(progress, [&] { return turned(copy, by); });
+}
+
+std::shared_ptr<EnvironmentObject> tinted(const EnvironmentObject& environment,
+                                          const py::object& gain, const py::object& progress) {
+    MapTurn by = turnOf(environment);
+    by.gain *= gainFrom(gain);
+    const EnvironmentObject copy = environment;
+    return longCall(progress, [&] { return turned(copy, by); });
 }
 
 /// Texels, samples or directions that a thread takes at a time.
@@ -238,9 +317,10 @@ void defineEnvironment(py::module_& module) {
         "quarter of the width left of it to +X, right of it to -X: the sky as seen from within,\n"
         "+Y up. Pickled by its file.")
         .def_static("load", loadEnvironment, py::arg("path"), py::kw_only(),
-                    py::arg("rotate") = 0.0, py::arg("progress") = py::none(),
-                    "Reads OpenEXR or Radiance HDR. rotate: degrees about +Y, counter-clockwise\n"
-                    "seen from above.")
+                    py::arg("rotate") = 0.0, py::arg("gain") = 1.0,
+                    py::arg("progress") = py::none(),
+                    "Reads OpenEXR or Radiance HDR. rotate: as rotate() has it. gain: times the\n"
+                    "map's radiance, a factor or linear RGB (3,), 0 to 1e6.")
         .def_static(
             "from_array", environmentOf, py::arg("texels"), py::kw_only(), py::arg("rotate") = 0.0,
             py::arg("progress") = py::none(),
@@ -252,7 +332,11 @@ void defineEnvironment(py::module_& module) {
         .def_static("constant", constantEnvironment, py::arg("radiance"),
                     "The same radiance from everywhere: a number, or linear RGB (3,).")
         .def("rotate", rotated, py::arg("degrees"), py::kw_only(), py::arg("progress") = py::none(),
-             "The same light turned further about +Y, counter-clockwise seen from above.")
+             "The same light turned further: by degrees about +Y, counter-clockwise seen from\n"
+             "above; by three, about +X, then +Y, then +Z; or by a matrix (3, 3) that takes\n"
+             "directions to where they are to be, orthogonal, reflections included.")
+        .def("tint", tinted, py::arg("gain"), py::kw_only(), py::arg("progress") = py::none(),
+             "The same light times a factor, or linear RGB (3,), 0 to 1e6.")
         .def("integrate", integrate, py::kw_only(), py::arg("progress") = py::none(),
              py::arg("threads") = 0,
              "Integral of the radiance over all directions [radiance sr], (3,) float64.")
@@ -266,7 +350,10 @@ void defineEnvironment(py::module_& module) {
              "along directions (..., 3) of any length, float32.")
         .def_property_readonly(
             "rotation", [](const EnvironmentObject& e) { return e.rotation; },
-            "Degrees about +Y, counter-clockwise seen from above.")
+            "Degrees about +Y that it was turned by last, counter-clockwise seen from above.")
+        .def_property_readonly(
+            "turn", [](const EnvironmentObject& e) { return matrixOf(turnOf(e).whole()); },
+            "Matrix that takes directions of the map to those of the world, (3, 3) float64.")
         .def_property_readonly(
             "notes", [](const EnvironmentObject& e) { return e.map->notes; },
             "What reading the map chose or mended, in lines for people.")

@@ -12,10 +12,12 @@
 #include "common/predict/many_places.h"
 #include "render/bounces/bounce_task.h"
 #include "render/bounces/item_looks.h"
+#include "render/library/set_light.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"
 #include "render/sensors/air_irradiance.h"
+#include "render/sensors/own_light.h"
 #include "render/sensors/sky_operator.h"
 #include "render/sensors/sky_patches.h"
 
@@ -47,8 +49,7 @@ SolvedLight bouncing(const CacheObject& cache, const SceneObject* scene, const B
     for (int k = 0; k < 3; ++k)
         if (!(wanted.albedo[k] >= 0 && wanted.albedo[k] <= 1))
             throw py::value_error("albedo: expected 0 to 1");
-    if (wanted.set && wanted.set->fingerprint != cache.cache->header().fingerprint)
-        throw Error("scene: not the one that the cache was baked for (its fingerprint differs)");
+    requireSetOf(*cache.cache, wanted.set.get());
     return wanted;
 }
 
@@ -67,12 +68,26 @@ Transport readPaths(const ShadowCache& cache, SolvedLight& wanted) {
     return *std::move(transport);
 }
 
+/// Finds what shines in a set, unless that is known. Needs no lock.
+/// @throws Error if the cache does not count it as it stands
+void findOwnLight(const ShadowCache& cache, const std::shared_ptr<const LoadedSet>& set,
+                  OwnLight& own) {
+    if (!set || own.set == set) return;
+    own = {set, SetLight::of(set->scene, &cache)};
+    if (own.light && !own.light->knowsAll())
+        throw Error(
+            "cache: does not count the scene's lamps and emissive surfaces as they stand: bake the "
+            "scene as it is, or load it with lamps='off'");
+}
+
 /// Solves the light that bounces, unless that is `wanted` already. Needs no lock.
-void solveLight(const ShadowCache& cache, SolvedLight& wanted) {
+void solveLight(const ShadowCache& cache, const SetLight* own, SolvedLight& wanted) {
     if (wanted.solve) return;
     const Transport transport = readPaths(cache, wanted);
+    std::vector<Rgb> ofEmitters;
+    if (own) ofEmitters = own->predictItems(*wanted.items);
     wanted.solve = std::make_shared<const BounceSolve>(
-        cache, *wanted.items, transport, *wanted.light, *wanted.looks, wanted.bounces);
+        cache, *wanted.items, transport, *wanted.light, *wanted.looks, wanted.bounces, ofEmitters);
 }
 
 /// Takes over what the cache's last call has of it.
@@ -85,11 +100,15 @@ void takeLast(const CacheObject& cache, SolvedLight& wanted) {
 
 /// What a call predicts of places on surfaces, and by rays of those in the air.
 void predict(const ShadowCache& cache, const CachePreview& preview, const SolvedLight& wanted,
-             const Places& places, std::span<Rgb> out) {
-    if (wanted.bounces == 0)
+             const SetLight* own, const Places& places, std::span<Rgb> out) {
+    std::vector<Rgb> direct(own ? places.size() : 0);
+    if (own) predictOwnLight(wanted.set->scene, own->light(), places, direct);
+    if (wanted.bounces == 0) {
         irradianceAt(cache, preview, places, out);
-    else
-        irradianceAt(cache, preview, *wanted.solve, wanted.bounces, places, out);
+        for (std::size_t i = 0; i < direct.size(); ++i) out[i] += direct[i];
+    } else {
+        irradianceAt(cache, preview, *wanted.solve, wanted.bounces, places, out, direct);
+    }
     const std::vector<std::size_t> inAir =
         placesInAir(wanted.set ? &wanted.set->scene : nullptr, cache.header().spacing, places, out);
     if (inAir.empty()) return;
@@ -98,6 +117,7 @@ void predict(const ShadowCache& cache, const CachePreview& preview, const Solved
     if (wanted.bounces != 0) bounced.emplace(*wanted.solve, *wanted.looks, wanted.bounces);
     irradianceInAir(wanted.set->scene, *wanted.light, bounced ? &*bounced : nullptr, places, inAir,
                     out);
+    if (own) addOwnLightByRays(wanted.set->scene, own->light(), places, inAir, out);
 }
 
 py::array irradiance(CacheObject& cache, const py::object& points, const py::object& normals,
@@ -109,19 +129,23 @@ py::array irradiance(CacheObject& cache, const py::object& points, const py::obj
     SolvedLight wanted = bouncing(cache, scene, bounces, albedo);
     wanted.light = environment.light;
     takeLast(cache, wanted);
+    OwnLight own = wanted.set && cache.own.set == wanted.set ? cache.own : OwnLight{};
     py::array_t<float> out = newArray<float>(all.shape({3}));
     const std::span<Rgb> values = valuesOf<Rgb>(out);
     runLong(
         progress,
         [&] {
-            if (wanted.bounces != 0) solveLight(*kept, wanted);
+            findOwnLight(*kept, wanted.set, own);
+            if (wanted.bounces != 0) solveLight(*kept, own.light.get(), wanted);
             const CachePreview preview(*wanted.light, kept->header().tiers());
             forEachPart(all, kMostOfPart, [&](std::size_t first, const auto& vectors) {
                 const Places places{vectors[0], vectors[1]};
-                predict(*kept, preview, wanted, places, values.subspan(first, places.size()));
+                predict(*kept, preview, wanted, own.light.get(), places,
+                        values.subspan(first, places.size()));
             });
         },
         threads);
+    if (own.set) cache.own = std::move(own);
     if (wanted.bounces != 0) {
         cache.items = wanted.items;
         cache.solved = std::move(wanted);
@@ -194,18 +218,20 @@ void defineIrradiance(py::module_& module) {
             "irradiance", irradiance, py::arg("points"), py::arg("normals"), py::arg("environment"),
             py::kw_only(), py::arg("bounces") = 0, py::arg("scene").none(true) = py::none(),
             py::arg("albedo") = 0.5, py::arg("progress") = py::none(), py::arg("threads") = 0,
-            "Irradiance of an Environment, as the cache predicts it: free of noise, and biased\n"
-            "where its counts are wrong.\n\n"
+            "Irradiance of an Environment, and with scene= of the scene's own lamps and emissive\n"
+            "surfaces, as the cache predicts it: free of noise, and biased where its counts are\n"
+            "wrong.\n\n"
             "points: places on the set, or in the air [m], normals: towards the side that is lit;\n"
             "    (..., 3) each, broadcast; normals of any length.\n"
             "bounces: surfaces that light may meet before, or 'unlimited', by the transport that\n"
             "    the cache holds; of the last call's environment, scene, albedo and number it is\n"
             "    kept.\n"
-            "scene: that was baked, whose colours and lamps light meets, and whose rays see for\n"
-            "    places in the air, more than a tenth of a voxel above any surface: one\n"
-            "    through the middle of each of 20,480 cells of the sphere. None: all of it has\n"
-            "    `albedo`, as what has no material does, places within a voxel of a surface\n"
-            "    count as on it, and others are refused.\n"
+            "scene: that was baked, whose colours light meets, whose lamps shine, and whose rays\n"
+            "    see for places in the air, more than a tenth of a voxel above any surface: one\n"
+            "    through the middle of each of 20,480 cells of the sphere, and 1,024 to what\n"
+            "    shines. None: nothing shines but the environment, all has `albedo`, as what has\n"
+            "    no material does, places within a voxel of a surface count as on it, and others\n"
+            "    are refused.\n"
             "Returns float32 (..., 3), linear RGB [radiance sr]; NaN where an input is not finite\n"
             "or a zero vector. Times albedo / pi it is the radiance that a Lambertian surface\n"
             "reflects.")
@@ -214,8 +240,9 @@ void defineIrradiance(py::module_& module) {
              py::arg("albedo") = 0.5, py::arg("progress") = py::none(), py::arg("threads") = 0,
              "What places receive of each patch of the sky, so that the irradiance under any\n"
              "sky is one product, (operator * sky.patches(level)).sum(axis=-2): that of\n"
-             "irradiance(), with the light of each patch spread evenly over it, and without the\n"
-             "set's own light.\n\n"
+             "irradiance(), with the light of each patch spread evenly over it. The light of the\n"
+             "scene's own lamps and emissive surfaces is the same under any sky: it is not in the\n"
+             "operator, and is added as irradiance() of Environment.constant(0) has it.\n\n"
              "level: of the patches, 1 to 5: 20 * 4^level over the sphere, of about 23, 11, 6, 3\n"
              "    or 1.4 degrees.\n"
              "points, normals, bounces, scene, albedo: as of irradiance().\n"

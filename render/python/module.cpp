@@ -15,6 +15,7 @@
 #include "common/base/parallel.h"
 #include "common/base/text_streams.h"
 #include "common/base/version.h"
+#include "common/import/lamp_gain.h"
 #include "common/mesh/placed_mesh.h"
 #include "common/shot/camera_source.h"
 #include "common/shot/gltf_shot.h"
@@ -174,21 +175,23 @@ SceneObject loadScene(const py::object& set, const py::object& triangles, const 
     RenderJob job;
     readKeywords("load_set", keywords, optionRows(Part::set, job));
     const MeshOptions options = meshOptionsOf(job.stage.set);
+    const auto checked = [&](std::shared_ptr<const LoadedSet> loaded) {
+        requireMatches(options.gains, loaded->mesh);
+        return loaded;
+    };
     if (!namesFiles(set)) {
         const SetArrays arrays = arraysOf(set, triangles, colors, normals);
-        return {
-            longCall(
-                progress, [&] { return std::shared_ptr(makeSet("set", meshOf(arrays), options)); },
-                threads),
-            {}};
+        return {longCall(
+                    progress, [&] { return checked(makeSet("set", meshOf(arrays), options)); },
+                    threads),
+                {}};
     }
     if (!triangles.is_none() || !colors.is_none() || !normals.is_none())
         throw py::type_error("load_set: expected files, or arrays, not both");
     const std::vector<fs::path> files = pathsOf(set);
-    SceneObject scene{
-        longCall(
-            progress, [&] { return std::shared_ptr(loadSet(files, options)); }, threads),
-        files};
+    SceneObject scene{longCall(
+                          progress, [&] { return checked(loadSet(files, options)); }, threads),
+                      files};
     scene.options = py::dict(**keywords);
     warnOfMoving(files, options, job.stage.set.fps);
     return scene;
@@ -198,6 +201,10 @@ py::tuple stateOfScene(const SceneObject& scene) {
     py::list files;
     for (const fs::path& file : scene.files) files.append(pickledPath(file, "Scene"));
     if (scene.files.empty()) pickledPath({}, "Scene");
+    if (scene.hasLampsOfArrays)
+        throw Error(
+            "Scene: has lamps of arrays, by which it is not pickled; pickle it without, "
+            "and call with_lamps() anew in each process");
     return py::make_tuple(files, scene.options, scene.set->fingerprint);
 }
 
@@ -257,13 +264,20 @@ void defineScene(py::module_& module) {
             "What loading found and mended, in one line.")
         .def(
             "camera",
-            [](const SceneObject& s, const std::string& name, int frame, double fps) {
-                const std::vector<GltfShot> shots = openShots(s.files, s.set->options, fps);
-                return CameraSource({name, {}, {}}, shots).at(frame);
+            [](const SceneObject& s, const std::string& name, int frame, double fps,
+               double shutter) {
+                CameraOptions options;
+                options.name = name;
+                options.shutter = shutter;
+                return longCall(py::none(), [&, set = s.set, files = s.files] {
+                    const std::vector<GltfShot> shots = openShots(files, set->options, fps);
+                    return CameraSource(options, shots).moveAt(frame);
+                });
             },
             py::arg("name"), py::kw_only(), py::arg("frame") = 1, py::arg("fps") = 24.0,
+            py::arg("shutter") = 0.0,
             "The Camera of a frame: one of the set's glTF cameras by its name, or a camera file\n"
-            "(.json).")
+            "(.json). shutter: as of Camera.load().")
         .def(py::pickle(&stateOfScene, &sceneOf))
         .def("__repr__", reprOfScene);
     RenderJob standard;
@@ -313,6 +327,7 @@ static void define(pybind11::module_& module) {
     shadowcache::python::defineCamera(module);
     shadowcache::python::defineScene(module);
     shadowcache::python::defineRays(module);
+    shadowcache::python::defineLamps(module);
     shadowcache::python::defineCache(module);
     shadowcache::python::defineEnvironment(module);
     shadowcache::python::defineIrradiance(module);

@@ -193,7 +193,12 @@ void readKeywords(const char* call, const py::kwargs& keywords, std::span<const 
 std::string inPythonsWords(const std::string& message) {
     static BakeOptions bake;
     static std::optional<double> none;
-    static const std::vector<OptionRow> kBakeRows = bakeRows(bake, none);
+    static int margin = 0;
+    static const std::vector<OptionRow> kBakeRows = [] {
+        std::vector<OptionRow> rows = bakeRows(bake, none);
+        rows.push_back(marginRow(margin));
+        return rows;
+    }();
     return inWordsOf(Door::python, kBakeRows, inWordsOf(Door::python, message));
 }
 

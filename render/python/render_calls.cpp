@@ -113,8 +113,8 @@ struct Rendered {
 };
 
 /// To be called without the interpreter's lock.
-Rendered renderChannels(LitShot& shot, const Camera& camera, int frame, const PictureOptions& asked,
-                        std::vector<std::string>& notes) {
+Rendered renderChannels(LitShot& shot, const CameraMove& camera, int frame,
+                        const PictureOptions& asked, std::vector<std::string>& notes) {
     const PictureSettings settings = resolve(asked, shot.cache != nullptr, shot.set->options.gloss);
     light(shot, asked, settings);
     if (!shot.stage->note().empty()) notes.push_back(shot.stage->note());
@@ -134,7 +134,7 @@ LitShot shotOf(const SceneObject& scene, const CacheObject* cache,
 }
 
 py::dict renderScene(const SceneObject& scene, const std::shared_ptr<CacheObject>& cache,
-                     const EnvironmentObject& environment, const Camera& camera, int frame,
+                     const EnvironmentObject& environment, const CameraMove& camera, int frame,
                      const py::object& progress, int threads, const py::kwargs& options) {
     RenderJob job;
     readKeywords("render", options, pictureRows(job));

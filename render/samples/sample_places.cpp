@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/base/interrupt.h"
 #include "common/base/parallel.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
@@ -15,6 +16,9 @@ namespace {
 
 /// Places of a thread at a time.
 constexpr std::size_t kChunk = 256;
+
+/// Samples of a place between two polls for Ctrl-C.
+constexpr std::size_t kPolled = 4096;
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
@@ -39,9 +43,11 @@ void samplePlaces(const LightSampler& sampler, const Places& places, SampleAim a
             const std::uint64_t own =
                 hashWords(sequences.seed, RenderSalt::placeSamples, sequences.first + i);
             for (int k = 0; k < 3; ++k) owenSobol(0, k, own, words[static_cast<std::size_t>(k)]);
-            for (std::size_t k = 0; k < count; ++k)
+            for (std::size_t k = 0; k < count; ++k) {
+                if (k % kPolled == 0) throwIfInterrupted();
                 samples[i * count + k] = reader.sample(
                     words[0][k] * 0x1p-32, toUnitFloat(words[1][k]), toUnitFloat(words[2][k]));
+            }
         }
     });
 }

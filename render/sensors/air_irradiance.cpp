@@ -39,9 +39,8 @@ Rgb surfaceLight(const BouncingLight& bouncing, const AirView& view) {
     Vec3d sum(0.0);
     for (const AirView::Met& met : view.met) {
         const ItemLook& look = bouncing.looks[met.item];
-        const Rgb radiance = look.albedo * bouncing.solve.irradiance(met.item, before) *
-                                 static_cast<float>(1 / kPi) +
-                             look.emission;
+        const Rgb radiance =
+            look.albedo * bouncing.solve.irradiance(met.item, before) * static_cast<float>(1 / kPi);
         sum += Vec3d(radiance) * static_cast<double>(met.share);
     }
     return Rgb(sum);
@@ -61,13 +60,23 @@ bool isOnSurface(const Scene& scene, double spacing, const Vec3d& position, cons
            std::abs(hit.normal.dot(normal)) >= kLeastFacing;
 }
 
-std::vector<std::size_t> placesInAir(const Scene* scene, double spacing, const Places& places,
-                                     std::span<const Rgb> predicted) {
+namespace {
+
+bool isKnown(const Rgb& value) {
+    return !std::isnan(value.x);
+}
+bool isKnown(float value) {
+    return !std::isnan(value);
+}
+
+template <class Value>
+std::vector<std::size_t> inAirOf(const Scene* scene, double spacing, const Places& places,
+                                 std::span<const Value> predicted) {
     std::vector<std::uint8_t> inAir(places.size(), 0);
     parallelFor(places.size(), 4096, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i)
             inAir[i] = isPlace(places, i) &&
-                       (std::isnan(predicted[i].x) ||
+                       (!isKnown(predicted[i]) ||
                         (scene && !isOnSurface(*scene, spacing, places.positions[i],
                                                Vec3f(unitAlong(places.normals[i])))));
     });
@@ -75,6 +84,34 @@ std::vector<std::size_t> placesInAir(const Scene* scene, double spacing, const P
     for (std::size_t i = 0; i < places.size(); ++i)
         if (inAir[i] != 0) all.push_back(i);
     return all;
+}
+
+}  // namespace
+
+std::vector<std::size_t> placesInAir(const Scene* scene, double spacing, const Places& places,
+                                     std::span<const Rgb> predicted) {
+    return inAirOf(scene, spacing, places, predicted);
+}
+
+std::vector<std::size_t> placesInAir(const Scene* scene, double spacing, const Places& places,
+                                     std::span<const float> predicted) {
+    return inAirOf(scene, spacing, places, predicted);
+}
+
+void visibilityInAir(const Scene& scene, const Places& places, std::span<const Vec3d> directions,
+                     std::span<const std::size_t> which, std::span<float> out) {
+    parallelFor(which.size(), 1024, [&](const Chunk& chunk) {
+        throwIfInterrupted();
+        for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
+            const std::size_t i = which[k];
+            if (!isDirection(directions[i])) continue;
+            RayPacket ray{};
+            const Vec3f normal(unitAlong(places.normals[i]));
+            ray.set(0, rayStartInAir(scene, places.positions[i], normal),
+                    Vec3f(unitAlong(directions[i])));
+            out[i] = scene.visibility(ray, 1) != 0 ? 1.0f : 0.0f;
+        }
+    });
 }
 
 void refuseInAir(const Vec3d& position) {

@@ -26,6 +26,17 @@ bool isOnSurface(const Scene& scene, double spacing, const Vec3d& position, cons
 std::vector<std::size_t> placesInAir(const Scene* scene, double spacing, const Places& places,
                                      std::span<const Rgb> predicted);
 
+/// The same of visibilityAt().
+std::vector<std::size_t> placesInAir(const Scene* scene, double spacing, const Places& places,
+                                     std::span<const float> predicted);
+
+/// Visibility of the sky from places in the air, by a ray along each direction: 1 or 0.
+///
+/// @param directions  as many as places, of any length; what is no direction keeps its value
+/// @param which       of the places, whose values of `out` are written
+void visibilityInAir(const Scene& scene, const Places& places, std::span<const Vec3d> directions,
+                     std::span<const std::size_t> which, std::span<float> out);
+
 /// Refuses a place in the air where no set is at hand to trace its rays in.
 /// @throws Error
 [[noreturn]] void refuseInAir(const Vec3d& position);
@@ -38,7 +49,8 @@ struct BouncingLight {
 };
 
 /// Irradiance of places in the air: of the sky where a ray through the middle of each cell of
-/// Environment::kLevel reaches it, and of the surfaces that the others meet [radiance sr].
+/// Environment::kLevel reaches it, and what the surfaces that the others meet reflect [radiance
+/// sr].
 ///
 /// @param bouncing  null: of the sky alone
 /// @param which     of the places, whose values of `out` are written

@@ -12,10 +12,6 @@ namespace shadowcache {
 
 namespace {
 
-/// How far off a place its rays start, in units of its largest coordinate: some roundings of it, so
-/// that a surface that the place lies on is not met.
-constexpr float kOff = 0x1p-20f;
-
 /// Unit vectors through the middles of the cells.
 const std::vector<Vec3f>& middlesOfCells() {
     static const std::vector<Vec3f> kMiddles = [] {
@@ -29,6 +25,13 @@ const std::vector<Vec3f>& middlesOfCells() {
 
 }  // namespace
 
+Vec3f rayStartInAir(const Scene& scene, const Vec3d& position, const Vec3f& normal) {
+    constexpr float kOff = 0x1p-20f;  // in units of the largest coordinate
+    const Vec3f place(position - scene.mesh().origin);
+    return place +
+           normal * (kOff * std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}));
+}
+
 AirViewer::AirViewer(const Scene& scene, const PatchCosines& cosines, const ItemTable* items)
     : scene_(scene),
       cosines_(cosines),
@@ -41,9 +44,7 @@ const AirView& AirViewer::look(const Vec3d& position, const Vec3f& normal) {
     std::ranges::fill(view_.sky, 0.0f);
     view_.met.clear();
     known_ = unknown_ = 0;
-    const Vec3f place(position - scene_.mesh().origin);
-    const float most = std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
-    start_ = place + normal * (kOff * most);
+    start_ = rayStartInAir(scene_, position, normal);
     std::array<std::uint32_t, RayPacket::kSize> cells;
     int count = 0;
     for (std::uint32_t cell = 0; cell < shares_.size(); ++cell) {

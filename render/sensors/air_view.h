@@ -24,6 +24,13 @@ struct AirView {
     std::vector<Met> met;  ///< none without items
 };
 
+/// Where the rays of a place start: off it by some roundings, so that a surface that it lies on is
+/// not met. Relative to the mesh's origin.
+///
+/// @param position  world space
+/// @param normal    unit
+Vec3f rayStartInAir(const Scene& scene, const Vec3d& position, const Vec3f& normal);
+
 /// Looks around at one place after the other. One object a thread.
 class AirViewer {
 public:

@@ -14,10 +14,13 @@ from .shown import materials_of, walk
 class GltfExport:
     """Meshes, cameras, lamps and their places; animations of those that move, sampled in each frame of the scene."""
 
-    def __init__(self, depsgraph, report, with_cameras=True, panes=True):
+    def __init__(self, depsgraph, report, with_cameras=True, panes=True, stand_in=False):
+        """stand_in: where nothing that stands still has a face, the file has a triangle that no camera sees, so that it is a
+        set in each frame."""
         self.depsgraph = depsgraph
         self.report = report
         self.with_cameras = with_cameras
+        self.stand_in = stand_in
         self.file = GltfFile()
         materials = Materials(self.file, Pictures(self.file, report), report, panes)
         self.meshes = MeshWriter(self.file, materials, report)
@@ -29,6 +32,10 @@ class GltfExport:
         entries = self._entries()
         motion = Motion(self.depsgraph, set_frame, self.report, self.with_cameras)
         tracks = motion.tracks()
+        # What stands still with a scale of 0 is not there.
+        entries = [(row, node) for row, node in entries if row in tracks or motion.base[row][:3, :3].any()]
+        if self.stand_in and all(row in tracks for row, node in entries if "mesh" in node):
+            self._add_stand_in()
         times = None
         if tracks:
             render = self.depsgraph.scene.render
@@ -71,6 +78,14 @@ class GltfExport:
         if self.with_cameras and scene.camera and scene.camera.name not in seen | {cameras.STAND_IN}:
             self.report.add("camera %s: renders hide it" % scene.camera.name)
         return entries
+
+    def _add_stand_in(self):
+        """A metre, a thousand kilometres down."""
+        corners = numpy.array([(0, 0, 0), (1, 0, 0), (0, 0, 1)], numpy.float32)
+        primitive = {"attributes": {"POSITION": self.file.add_accessor(corners, bounds=True)},
+                     "indices": self.file.add_accessor(numpy.arange(3, dtype=numpy.uint32))}
+        mesh = self.file.add("meshes", {"name": "nothing", "primitives": [primitive]})
+        self.file.add("nodes", {"name": "nothing", "mesh": mesh, "translation": [0.0, -1e6, 0.0]})
 
     def _light(self, light):
         """A node's extensions with a light."""

@@ -53,7 +53,7 @@ class Studio:
         bpy.ops.preferences.addon_enable(module="shadowcache")
         bpy.context.preferences.addons["shadowcache"].preferences.folder = programs
         sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)),
-                                        "../../render/python/shadowcache_trade"))
+                                        "../../render/trade/shadowcache_trade"))
         import in_blender
         self.tools = in_blender
 

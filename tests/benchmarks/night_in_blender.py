@@ -15,7 +15,7 @@ import sys
 import bpy
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(HERE, "../../render/python/shadowcache_trade"), os.path.join(HERE, "../../scenes")]
+sys.path[:0] = [os.path.join(HERE, "../../render/trade/shadowcache_trade"), os.path.join(HERE, "../../scenes")]
 sys.dont_write_bytecode = True
 import blender_export  # noqa: E402
 import in_blender  # noqa: E402

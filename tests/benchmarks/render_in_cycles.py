@@ -15,7 +15,7 @@ import bpy
 import numpy
 from mathutils import Vector
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../render/python/shadowcache_trade"))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../render/trade/shadowcache_trade"))
 from in_blender import axes_of, choose_settings, render  # noqa: E402
 
 

@@ -18,7 +18,7 @@ import OpenImageIO
 
 BENCHMARKS = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(BENCHMARKS))
-IN_BLENDER = os.path.join(ROOT, "render/python/shadowcache_trade/in_blender.py")
+IN_BLENDER = os.path.join(ROOT, "render/trade/shadowcache_trade/in_blender.py")
 MAP, TURN = os.path.join(ROOT, "scenes/maps/sunrise.exr"), 120  # degrees
 EXPOSURES = {"court": 1, "room": 4}  # stops
 FRAMES, SHOWN = 24, (1, 12, 24)

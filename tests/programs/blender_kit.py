@@ -7,7 +7,7 @@ import bpy
 import numpy
 from blender_scene import WORK
 
-SIZE, PARTS = (48, 32), (2, 3)
+SIZE = (48, 32)
 SHOWN = {}    # scenes by name
 NAMED = {}    # and those that are named instead, with the words
 

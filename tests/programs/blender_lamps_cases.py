@@ -4,38 +4,21 @@ Six parts of each picture, and its mean, have the values of Cycles, which are st
 is not rendered is named. A lamp that is 3 per cent too bright must be told apart, and so must every other lamp.
 """
 
-import json
 import math
 import os
 import sys
-import time
 
 import bpy
-import numpy
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-import blender_exr  # noqa: E402
+import blender_compare  # noqa: E402
+from blender_compare import apart  # noqa: E402
+from blender_kit import names, shows  # noqa: E402
 from blender_scene import WORK, add_material, install  # noqa: E402
 
-VALUES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "blender_lamps.json")
-STORES = "SHADOWCACHE_STORE" in os.environ
-ONLY = os.environ.get("SHADOWCACHE_ONLY", "").split()
-SIZE, PARTS = (66, 36), (2, 3)
+SIZE = (66, 36)
 MOST_MEAN, MOST_PART = 0.01, 0.01  # shares of the mean by which the picture's, and a part's, may be off
-SHOWN, NAMED = {}, {}
-
-
-def shows(make):
-    SHOWN[make.__name__] = make
-    return make
-
-
-def names(words):
-    def keep(make):
-        NAMED[make.__name__] = make, words
-        return make
-    return keep
 
 
 def lamp(kind, place=(0.6, -0.8, 2.5), turn=(0, 0, 0), scale=(1, 1, 1), **settings):
@@ -172,52 +155,11 @@ def start():
     settings.camera_rays, settings.samples, settings.bounces, settings.bake_spacing = 64, 4, 1, 0.5
 
 
-def render(engine):
-    """Means of the picture's parts (part, colour), and what is named."""
-    scene = bpy.context.scene
-    scene.render.engine, scene.render.filepath = engine, os.path.join(WORK, "picture.exr")
-    bpy.ops.render.render(write_still=True)
-    found = {name.split(".", 1)[1]: plane for name, plane in blender_exr.read(scene.render.filepath).items()}
-    stack = numpy.stack([found["Combined.%s" % c] for c in "RGB"]).astype(float)
-    rows, columns = PARTS
-    parts = stack.reshape(3, rows, SIZE[1] // rows, columns, SIZE[0] // columns)
-    return parts.mean(axis=(2, 4)).reshape(3, -1).T, sys.modules["shadowcache.engine"].LEFT_OUT.get(scene.name, [])
-
-
-def apart(found, wanted):
-    """How far the means are apart, and the parts, as shares of the greatest mean of a colour."""
-    wanted = numpy.array(wanted)
-    most = wanted.mean(axis=0).max()
-    return abs(found.mean(axis=0) - wanted.mean(axis=0)).max() / most, abs(found - wanted).max() / most
-
-
-def chosen(scenes):
-    return [(name, found) for name, found in scenes.items() if not ONLY or name in ONLY]
-
-
-def store():
-    values = {}
-    for name, make in chosen(SHOWN):
-        start()
-        make()
-        values[name] = render("CYCLES")[0].round(5).tolist()
-    with open(VALUES, "w", encoding="ascii") as out:
-        out.write("{\n%s\n}\n" % ",\n".join('"%s": %s' % (name, json.dumps(rows)) for name, rows in values.items()))
+VALUES = blender_compare.Values("blender_lamps.json", start, "RGB")
 
 
 def compare():
-    with open(VALUES, encoding="ascii") as file:
-        values = {name: numpy.array(rows) for name, rows in json.load(file).items()}
-    assert set(values) == set(SHOWN), "store the values of Cycles again: %s" % sorted(set(values) ^ set(SHOWN))
-    for name, make in chosen(SHOWN):
-        start()
-        make()
-        found, left_out = render("SHADOWCACHE")
-        mean, part = apart(found, values[name])
-        print("case %s: mean off by %.4f, a part by %.4f %s" % (name, mean, part, left_out))
-        assert mean < MOST_MEAN and part < MOST_PART, "%s: %s, expected %s" % (
-            name, found.round(4).tolist(), values[name].tolist())
-        assert not left_out, "%s: %s" % (name, left_out)
+    values = VALUES.compare(MOST_MEAN, MOST_PART)
     assert apart(values["point"] * 1.03, values["point"])[0] > MOST_MEAN, "control: 3 % more light is not told apart"
     for name, other in zip(values, list(values)[1:]):
         assert apart(values[name], values[other])[1] > MOST_PART, "control: %s looks like %s" % (name, other)
@@ -228,20 +170,8 @@ def left_out_of(depsgraph, _):
 
 
 def names_all():
-    for name, (make, words) in chosen(NAMED):
-        start()
-        make()
-        left_out = sys.modules["shadowcache.blender_export"].with_render_depsgraph(left_out_of)
-        assert any(words in entry for entry in left_out), "%s: %s" % (name, left_out)
+    blender_compare.names_all(start, left_out_of)
 
 
-def main():
-    install()
-    for case in (store,) if STORES else (compare, names_all):
-        before = time.monotonic()
-        case()
-        print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - before))
-    print("all cases passed")
-
-
-main()
+install()
+blender_compare.run(VALUES.store, (compare, names_all))

@@ -4,31 +4,23 @@ What is rendered has the values of Cycles, which are stored in blender_scenes.js
 not rendered is named. The plain scene must be told apart from those that differ.
 """
 
-import json
 import math
 import os
 import sys
-import time
 
 import bpy
 import numpy
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-import blender_exr  # noqa: E402
+import blender_compare  # noqa: E402
 import blender_scenes_found  # noqa: E402
-from blender_kit import (NAMED, PARTS, SHOWN, SIZE, checks, cube, diffuse, image, link, names, placed, plane,  # noqa: E402
+from blender_compare import apart, render  # noqa: E402
+from blender_kit import (checks, cube, diffuse, image, link, names, placed, plane,  # noqa: E402
                          principled, shows, start, textured, world_node)
 from blender_scene import WORK, install  # noqa: E402
 
-VALUES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "blender_scenes.json")
-STORES = "SHADOWCACHE_STORE" in os.environ
-ONLY = os.environ.get("SHADOWCACHE_ONLY", "").split()
 MOST = 0.015  # share of the mean by which a part may be off
-
-
-def chosen(scenes):
-    return [(name, found) for name, found in scenes.items() if not ONLY or name in ONLY]
 
 
 # Nodes that are muted, links that do not count.
@@ -492,52 +484,18 @@ def world_bounces():
     plane(diffuse()[0])
 
 
-def render(engine):
-    """Means of the picture's parts (part, colour and alpha), and what is named."""
-    scene = bpy.context.scene
-    scene.render.engine, scene.render.filepath = engine, os.path.join(WORK, "picture.exr")
-    bpy.ops.render.render(write_still=True)
-    found = {name.split(".", 1)[1]: plane for name, plane in blender_exr.read(scene.render.filepath).items()}
-    stack = numpy.stack([found["Combined.%s" % c] for c in "RGBA"]).astype(float)
-    rows, columns = PARTS
-    parts = stack.reshape(4, rows, SIZE[1] // rows, columns, SIZE[0] // columns).mean(axis=(2, 4)).reshape(4, -1).T
-    return parts, sys.modules["shadowcache.engine"].LEFT_OUT.get(scene.name, [])
+VALUES = blender_compare.Values("blender_scenes.json", start, "RGBA")
 
 
-def apart(found, wanted):
-    """The most that a part's colour is off, as a share of the greatest mean of a colour."""
-    most = max(numpy.array(wanted)[:, :3].mean(axis=0).max(), 1e-3)
-    return abs(found - wanted)[:, :3].max() / most
-
-
-def store():
-    values = {}
-    if ONLY:
-        with open(VALUES, encoding="ascii") as file:
-            values = {name: rows for name, rows in json.load(file).items() if name in SHOWN}
-    for name, make in chosen(SHOWN):
-        start()
-        make()
-        values[name] = render("CYCLES")[0].round(5).tolist()
-    with open(VALUES, "w", encoding="ascii") as out:
-        out.write("{\n%s\n}\n" % ",\n".join('"%s": %s' % (name, json.dumps(rows)) for name, rows in values.items()))
+def is_of_cycles(scene, entry):
+    """Whether an entry is of what holds for a material anywhere, or of a scene that is to be named and shown."""
+    return entry.startswith(("Principled BSDF: ", "Fresnel: ")) or scene == "a_vertex_is_no_number"
 
 
 def compare():
-    with open(VALUES, encoding="ascii") as file:
-        values = {name: numpy.array(rows) for name, rows in json.load(file).items()}
-    assert set(values) == set(SHOWN), "store the values of Cycles again: %s" % sorted(set(values) ^ set(SHOWN))
-    for name, make in chosen(SHOWN):
-        start()
-        make()
-        found, left_out = render("SHADOWCACHE")
-        left_out = [entry for entry in left_out if not entry.startswith(("Principled BSDF: ", "Fresnel: "))]
-        off = apart(found, values[name])
-        print("case %s: %.4f %s" % (name, off, left_out))
-        assert off < MOST, "%s: %s, expected %s" % (name, found.round(4).tolist(), values[name].tolist())
-        assert not left_out or name == "a_vertex_is_no_number", "%s: %s" % (name, left_out)
-    assert apart(values["plain"] * 1.03, values["plain"]) > MOST, "control: 3 % more light is not told apart"
-    told = [name for name in values if apart(values["plain"], values[name]) > MOST]
+    values = VALUES.compare(MOST, MOST, is_of_cycles)
+    assert apart(values["plain"] * 1.03, values["plain"])[1] > MOST, "control: 3 % more light is not told apart"
+    told = [name for name in values if apart(values["plain"], values[name])[1] > MOST]
     assert len(told) == len(values) - 1, "control: %s look like the plain scene" % (set(values) - set(told))
 
 
@@ -554,11 +512,7 @@ def blender_export():
 
 
 def names_all():
-    for name, (make, words) in chosen(NAMED):
-        start()
-        make()
-        left_out = blender_export().with_render_depsgraph(left_out_of)
-        assert any(words in entry for entry in left_out), "%s: %s" % (name, left_out)
+    blender_compare.names_all(start, left_out_of)
 
 
 def encoded_worlds():
@@ -577,7 +531,7 @@ def light_below_nothing():
     node.image = made
     tree.links.new(node.outputs["Color"], background.inputs["Color"])
     for _ in range(2):
-        _, left_out = render("SHADOWCACHE")
+        _, left_out = render("SHADOWCACHE", "RGBA")
         assert any("32 negative, set to 0, 33 % of the light" in entry for entry in left_out), left_out
 
 
@@ -588,13 +542,6 @@ def strengths():
     assert abs(mixed[0, 0] - wanted).max() < 1e-6, mixed
 
 
-def main():
+if __name__ == "__main__":
     install()
-    for case in (store,) if STORES else (compare, names_all, encoded_worlds, light_below_nothing, strengths):
-        before = time.monotonic()
-        case()
-        print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - before))
-    print("all cases passed")
-
-
-main()
+    blender_compare.run(VALUES.store, (compare, names_all, encoded_worlds, light_below_nothing, strengths))

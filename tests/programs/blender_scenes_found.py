@@ -41,6 +41,52 @@ def before_the_first_frame():
     scene().frame_start, scene().frame_end = 18, 20
 
 
+# What has nothing to show, or not in each frame.
+
+def in_the_sky():
+    """The world is seen."""
+    scene().render.film_transparent = False
+    scene().world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.5, 0.9, 1)
+
+
+@shows
+def the_world_alone():
+    in_the_sky()
+
+
+@shows
+def edges_alone():
+    in_the_sky()
+    mesh = bpy.data.meshes.new("edges")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    link("edges", mesh)
+
+
+@shows
+def a_scale_of_nothing():
+    in_the_sky()
+    cube(diffuse()[0]).scale = (0, 0, 0)
+
+
+def growing(frame):
+    in_the_sky()
+    thing = cube(diffuse((0.9, 0.3, 0.1))[0])
+    for at, size in ((1, 0), (3, 1)):
+        thing.scale = (size, size, size)
+        thing.keyframe_insert("scale", frame=at)
+    scene().frame_set(frame)
+
+
+@shows
+def before_it_grows():
+    growing(1)
+
+
+@shows
+def while_it_grows():
+    growing(2)
+
+
 # Images.
 
 @shows

@@ -27,6 +27,17 @@ foreach(program bake render info merge)
         message(FATAL_ERROR "shadowcache-${program} has no man page or no completion")
     endif()
 endforeach()
+# Of a build of some targets, as scenes/demo makes it, nothing is installed; the message names the build that is needed.
+file(READ "${BUILD}/bake/cmake_install.cmake" script)
+string(REPLACE "${BUILD}/help/" "${WORK}/no_help/" script "${script}")
+file(WRITE "${WORK}/install_part.cmake" "${script}")
+execute_process(COMMAND "${CMAKE_COMMAND}" -D "CMAKE_INSTALL_PREFIX=${WORK}/part" -P "${WORK}/install_part.cmake"
+    RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+string(REGEX REPLACE "[ \n]+" " " output "${output}")
+expect("man page of shadowcache-[a-z]+ is not there: .*which cmake --build ${BUILD} makes")
+if(status EQUAL 0 OR EXISTS "${WORK}/part")
+    message(FATAL_ERROR "a part of the build is installed")
+endif()
 # build(EXAMPLE ARGUMENT...): one of docs/examples, in build/EXAMPLE.
 function(build example)
     run("${CMAKE_COMMAND}" -S "${SOURCE}/docs/examples/${example}" -B "${WORK}/build/${example}"

@@ -22,6 +22,7 @@ DIRECTIONS = np.array([[0, 1, 0], [1, 1, 0], [-1, 2, 0], [0, 0.5, 1]])
 SCENE = shadowcache.load_set(VERTICES, TRIANGLES)
 CACHE = shadowcache.bake(SCENE, spacing=0.5, level=2)
 SKY = shadowcache.Environment.constant((1, 2, 3))
+BLACK = shadowcache.Environment.constant(0)
 SAMPLER = CACHE.sampler(SKY)
 CAMERA = shadowcache.Camera(eye=(3, 2, 4), look_at=(0, 0.3, 0))
 
@@ -35,6 +36,11 @@ def numbers(result):
 
 def of_scene(scene):
     return np.append(scene.bounds, scene.triangles)
+
+
+def lit(lamps):
+    """A picture by lamps."""
+    return shadowcache.render(SCENE.with_lamps(lamps), None, BLACK, CAMERA, size=(4, 4), spp=4, bounces=0)["color"]
 
 
 # A call, the name of its argument, and plain values of it.
@@ -62,6 +68,9 @@ CALLS = {
     "look_at": (lambda a: shadowcache.Camera((3, 2, 4), a).forward, "look_at", np.array([0.0, 0.25, 0])),
     "albedo": (lambda a: shadowcache.render(SCENE, None, SKY, CAMERA, size=(4, 4), spp=1, bounces=1, albedo=a)["color"],
                "albedo", np.array([0.25, 0.5, 0.75])),
+    "lamp positions": (lambda a: lit(shadowcache.Lamps.points(a, 2)), "positions", POINTS + (0, 2.5, 0)),
+    "lamp intensity": (lambda a: lit(shadowcache.Lamps.points((0, 3, 1), a)), "intensity", np.array([1.0, 2, 4])),
+    "lamp along": (lambda a: lit(shadowcache.Lamps.suns(a, 1)), "directions", DIRECTIONS * (1, -1, 1)),
 }
 
 
@@ -118,7 +127,7 @@ def expected_of(name):
 def whole_of(name):
     """Plain values that integers without a sign can hold."""
     plain = CALLS[name][2]
-    if name in ("irradiance points", "operator points"):
+    if name in ("irradiance points", "operator points", "visibility points"):
         return np.abs(np.round(plain))  # on the floor
     whole = np.round(plain - min(0, plain.min()))
     if name in ("eye", "look_at"):
@@ -190,7 +199,7 @@ def test_empty_and_deep(name):
         except (TypeError, ValueError, shadowcache.Error) as error:
             assert argument in str(error) or "broadcast" in str(error), (shape, error)
             continue
-        assert all(part.size == 0 for part in found) or 0 not in shape
+        assert all(part.size == 0 for part in found) or 0 not in shape or name.startswith("lamp ")  # no lamp
 
 
 # Sizes.

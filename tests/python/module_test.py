@@ -231,6 +231,35 @@ def test_visibility(cache):
     assert isinstance(to_the_open, float) and to_the_open > 0.5
 
 
+def test_visibility_in_the_air(scene, cache):
+    """By rays, exactly; without the scene such places are refused, and what is no number is none."""
+    points = np.random.default_rng(6).uniform((-1.9, 0.3, -1.9), (1.9, 0.8, 1.9), (300, 3))
+    directions = np.random.default_rng(7).normal(size=(300, 3)) * (1, 0, 1) + UP
+    found = cache.visibility(points, UP, directions, scene=scene)
+    assert np.array_equal(found == 1, ~scene.occluded(points, directions)) and 0.1 < found.mean() < 0.9
+    assert not np.array_equal(found == 1, ~scene.occluded(points, -directions))  # the control
+    assert cache.visibility((0, 50, 0), UP, UP, scene=scene) == 1 and cache.visibility((-1, 0.5, 0), UP, UP, scene=scene) == 0
+    on_the_floor = cache.visibility([OPEN, COVERED], UP, [(1, 1, 0)] * 2)
+    both = cache.visibility([OPEN, (0, 50, 0), COVERED], UP, [(1, 1, 0)] * 3, scene=scene)
+    assert np.array_equal(both[[0, 2]], on_the_floor)
+    for call in (cache.visibility, lambda *places: cache.visibility([OPEN, (0, 50, 0)], UP, UP)):
+        with pytest.raises(shadowcache.Error, match=r"points: \(0, 50, 0\) is at no surface .* scene="):
+            call((0, 50, 0), UP, UP)
+    assert np.isnan(cache.visibility((0, 50, 0), UP, (0, 0, 0), scene=scene)) and np.isnan(cache.visibility((np.nan, 0, 0), UP, UP))
+    with pytest.raises(shadowcache.Error, match="scene: not the one"):
+        cache.visibility(OPEN, UP, UP, scene=box_with_a_window(0.5))
+
+
+def test_no_call_on_places_in_the_air_has_no_number(scene, cache, white):
+    """An answer of finite numbers, with the scene where one is taken."""
+    air = np.array([(0.5, 0.4, 0.3), (-1, 0.6, 0.2), (0, 30, 0)])
+    sampler = cache.sampler(white)
+    for found in (cache.visibility(air, UP, UP, scene=scene), cache.irradiance(air, UP, white, scene=scene, bounces=2),
+                  cache.operator(air, UP, scene=scene, level=1, bounces=2), *sampler.sample(air, UP, count=4).values(),
+                  *sampler.look_up(air, UP, UP).values(), *scene.intersect(air, (0, -1, 0)).values(), scene.occluded(air, UP)):
+        assert np.isfinite(found).all()
+
+
 def test_many_places_are_as_one_place_each(cache, white):
     rng = np.random.default_rng(2)
     points = rng.uniform((-2, 0, -2), (2, 0, 2), (20000, 3))
@@ -277,7 +306,6 @@ def test_not_a_number_comes_back(cache, white):
     assert np.array_equal(np.isfinite(cache.irradiance(points, normals, white)).all(axis=1), good)
     assert np.array_equal(np.isfinite(cache.visibility(points, normals, UP)), good)
     assert np.isnan(cache.visibility(OPEN, UP, (0, 0, 0)))
-    assert np.isnan(cache.visibility((0, 50, 0), UP, UP))  # far from any surface
 
 
 def box_with_a_window(albedo):
@@ -446,6 +474,8 @@ def test_samples_are_what_is_looked_up(cache, white):
     (lambda c, w: c.irradiance(["a", "b", "c"], UP, w), TypeError, "points: dtype"),
     (lambda c, w: c.irradiance(None, UP, w), TypeError, "points: dtype object"),
     (lambda c, w: c.irradiance(np.ones(3, dtype=bool), UP, w), TypeError, "points: dtype bool"),
+    (lambda c, w: c.irradiance(np.ma.masked_equal([OPEN, COVERED], 1.5), UP, w), ValueError, "points: some values are masked; fill"),
+    (lambda c, w: shadowcache.Lamps.points(np.ma.masked_equal([OPEN, COVERED], 1.5), 1), ValueError, "positions: some values are masked"),
     (lambda c, w: c.irradiance(OPEN, UP, None), TypeError, "Environment"),
     (lambda c, w: w.look_up((0, 0, 0)), ValueError, "other than 0"),
     (lambda c, w: shadowcache.Environment.constant(-1), ValueError, "at least 0"),
@@ -514,7 +544,8 @@ CPP = re.compile(r"::|#define|PYBIND|pybind|\bstd\b|Object\b")
 def test_no_names_of_cpp(scene, cache, white, camera):
     """Help and messages have the names of Python, whatever is given in whatever place."""
     sampler, thing, asked = cache.sampler(white), object(), 0
-    owners = [shadowcache, scene, cache, white, camera, sampler, shadowcache.Cache, shadowcache.Environment, shadowcache.Camera]
+    owners = [shadowcache, scene, cache, white, camera, sampler, shadowcache.Cache, shadowcache.Environment, shadowcache.Camera,
+              shadowcache.Lamps]
     for owner in owners:
         for name in dir(owner):
             call = getattr(owner, name)
@@ -591,7 +622,17 @@ def turn_for_ever(sky):
     lambda scene, cache, white, camera: for_ever(lambda: cache.visibility(OPEN, UP, np.broadcast_to(UP, (1 << 26, 3)))),
     lambda scene, cache, white, camera: for_ever(lambda: scene.intersect(np.broadcast_to(OPEN, (1 << 24, 3)), UP)),
     lambda scene, cache, white, camera: for_ever(lambda: scene.occluded(np.broadcast_to(OPEN, (1 << 24, 3)), UP)),
-], ids=["render", "bake", "map", "from_array", "sample", "look_up", "visibility", "intersect", "occluded"])
+    lambda scene, cache, white, camera: for_ever(lambda: cache.visibility((1, 0.5, 0), UP, np.broadcast_to(UP, (1 << 24, 3)), scene=scene)),
+    lambda scene, cache, white, camera: for_ever(lambda: cache.irradiance(np.broadcast_to(OPEN, (1 << 22, 3)), UP, white)),
+    lambda scene, cache, white, camera: for_ever(lambda: cache.irradiance(np.full((1 << 16, 3), 0.5), UP, white, scene=scene)),
+    lambda scene, cache, white, camera: for_ever(lambda: cache.operator(np.full((1 << 14, 3), 0.5), UP, scene=scene, bounces=2)),
+    lambda scene, cache, white, camera: for_ever(lambda: cache.sampler(white).sample(OPEN, UP, count=1 << 22)),
+    lambda scene, cache, white, camera: for_ever(lambda: cache.sampler(white).look_up(OPEN, UP, np.broadcast_to(UP, (1 << 20, 3)))),
+    lambda scene, cache, white, camera: for_ever(lambda: shadowcache.Environment.load(MAP).integrate()),
+    lambda scene, cache, white, camera: for_ever(lambda: white.patches(5)),
+    lambda scene, cache, white, camera: for_ever(lambda: scene.with_lamps(shadowcache.Lamps.points(OPEN, 1))),
+], ids=["render", "bake", "map", "from_array", "sample", "look_up", "visibility", "intersect", "occluded", "visibility in the air",
+        "irradiance", "irradiance in the air", "operator", "sampler", "sampler's look_up", "integrate", "patches", "with_lamps"])
 def test_interrupt_within_a_second(scene, cache, white, camera, call):
     sent = []
 
@@ -899,7 +940,7 @@ def test_options_are_those_of_the_table(scene, cache, white, camera):
     """The stub names options of the table, the help of the call tells them, and no other is taken."""
     for call, program in (("render", "render/shadowcache-render"), ("load_set", "render/shadowcache-render"),
                           ("bake", "bake/shadowcache-bake")):
-        names = keywords_of(call) - {"colors", "normals"}
+        names = keywords_of(call) - {"colors", "normals", "cameras"}
         assert names <= set(table(program)), names
         for name in names:
             assert "\n%s: " % name in getattr(shadowcache, call).__doc__, name

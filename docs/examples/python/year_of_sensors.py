@@ -75,13 +75,13 @@ if __name__ == "__main__":
     hours = np.arange(8760) + 0.5
     sun = sun_directions(hours)
 
-    begin = time.time()
+    begin, spent = time.time(), time.process_time()
     irradiance = year(scene, cache, sensors, sun, level)
-    print(f"{len(hours)} hours on {len(sensors)} sensors: {time.time() - begin:.1f} s")
-    begin = time.time()
+    print(f"{len(hours)} hours on {len(sensors)} sensors: {time.time() - begin:.1f} s ({time.process_time() - spent:.1f} of processors)")
+    begin, spent = time.time(), time.process_time()
     some = np.flatnonzero(sun[:, 1] > 0.2)[:: len(hours) // 8]
     truth = np.array([brute_force(scene, sensors, sun[hour], rays=2000) for hour in some])
-    print(f"{len(some)} hours by brute force: {time.time() - begin:.1f} s")
+    print(f"{len(some)} hours by brute force: {time.time() - begin:.1f} s ({time.process_time() - spent:.1f} of processors)")
     error = np.abs(irradiance[some] - truth).mean(axis=(1, 2)) / truth.mean(axis=(1, 2))
     print("deviation of the sensors, and of their mean:")
     for hour, each, mean in zip(hours[some], error, irradiance[some].mean(axis=(1, 2)) / truth.mean(axis=(1, 2)) - 1):
