@@ -163,13 +163,13 @@ bool Checkpoint::writePending(std::unique_lock<std::mutex>& lock) {
     pending_.clear();
     std::vector<Key> regions = std::exchange(pendingRegions_, {});
     lock.unlock();
-    // An ended run may have had this process's number.
     fs::path path;
-    do path = folder_ / fmt::format("{}.{}{}", runName(), number_++, kExtension);
-    while (fs::exists(path));
     std::string cause;
     std::size_t start = 0;  // of the records in the file
     try {
+        // An ended run may have had this process's number.
+        do path = folder_ / fmt::format("{}.{}{}", runName(), number_++, kExtension);
+        while (fs::exists(path));
         ByteWriter head;
         put(head, identity_);
         std::string content = std::string(kMagic) + head.take();

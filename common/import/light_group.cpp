@@ -90,7 +90,9 @@ std::size_t lightGroupOf(const std::string& name, std::span<const LightGroupRule
     std::size_t group = groups.size() - 1;
     for (const LightGroupRule& rule : rules) {
         if (!matchesPattern(rule.pattern, name)) continue;
-        const auto found = std::ranges::find(groups, rule.group.empty() ? name : rule.group);
+        // The first is the sky's, whatever a lamp is called.
+        const auto found = std::find(groups.begin() + 1, groups.end(),
+                                     rule.group.empty() ? name : rule.group);
         group = found == groups.end() ? groups.size() - 1
                                       : static_cast<std::size_t>(found - groups.begin());
     }

@@ -21,6 +21,11 @@ public:
 
     const BounceSolve& solve() const { return solve_; }
 
+    /// Bytes of memory that it takes.
+    std::size_t memoryBytes() const {
+        return radiance_.capacity() * sizeof(float) + nodes_.capacity() * sizeof(Node);
+    }
+
     /// Luminance that an item sends to all sides.
     float radianceOf(std::uint32_t item) const { return radiance_[item]; }
 

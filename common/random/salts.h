@@ -61,7 +61,7 @@ enum class RenderSalt : std::uint64_t {
     bounceLobeChild = 104,  ///< and of what a lobe's ray met
     bounceDirect = 105,     ///< seed of a vertex's direct light
     shutterTime = 106,      ///< a pixel's seed for when its camera rays are sent
-    bounceTrial = 109,      ///< a cluster's seed for rays that try where its light comes from
+    bounceTrial = 109,      ///< a cluster's, or an item's, seed for rays that try where light comes from
     bounceSender = 108,     ///< which camera ray of a run sends rays; third word: the run
     placeSamples = 107,     ///< the sequence of a place's samples; third word: its number
     domePilotTile = 90,     ///< tiles of the map that `dome`'s pilot rays go to

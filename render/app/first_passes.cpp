@@ -75,6 +75,8 @@ double FirstPasses::showPass(int rays) {
     const WatchScope watched(&watch_);  // the progress that is printed is the bake's
     const double start = secondsNow();
     const std::unique_ptr<ShadowCache> cache = cache_.now();
+    if (knew_ && !cache) throw Interrupted();  // the bake has ended
+    knew_ = cache != nullptr;
     const PictureOptions asked = passOptions(view_.asked, rays);
     const PictureSettings settings = resolve(asked, cache != nullptr);
     LitStage lit(view_.scene, cache.get(), settings.estimator, lightingOf(asked, settings));

@@ -58,6 +58,7 @@ private:
     const FirstPassView view_;
     PartialCache& cache_;
     Watch watch_;
+    bool knew_ = false;  ///< a pass has had items
     std::string failure_;
     std::thread thread_;
 };

@@ -118,6 +118,7 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
         light[i].irradiance = next.light[i].irradiance;
         light[i].glossy = next.light[i].mirrored;
     }
+    counts.pathRays += itemGuides_.takeRays();
     GroupedBounce grouped{std::move(next.groupedLight.irradiance),
                           std::move(next.groupedLight.mirrored)};
     clampLight(receivers, light, grouped);

@@ -21,17 +21,26 @@ public:
     /// @param share  of rays that are guided, in (0, 1)
     DirectionGuide(std::vector<Part> parts, float share);
 
-    /// Direction of a ray; it may lie below the horizon, where nothing lights the place.
+    struct Drawn {
+        Vec3f direction;       ///< unit; below the horizon nothing lights the place
+        int part = kByCosine;  ///< number of the ball that it goes to
+    };
+    static constexpr int kByCosine = -1;
+
+    /// Direction of a ray.
     ///
     /// @param normal   unit
     /// @param numbers  in [0, 1)
-    Vec3f draw(const Vec3f& origin, const Vec3f& normal, const std::array<float, 2>& numbers) const;
+    Drawn draw(const Vec3f& origin, const Vec3f& normal,
+               const std::array<float, 2>& numbers) const;
 
     /// Density with which draw() takes a direction above the horizon [1/sr], times pi: by the cosine
     /// that is the cosine.
     ///
     /// @param direction  unit
-    float density(const Vec3f& origin, float cosine, const Vec3f& direction) const;
+    /// @param part       whose ball holds the direction for sure, as that drew it; kByCosine: none
+    float density(const Vec3f& origin, float cosine, const Vec3f& direction,
+                  int part = kByCosine) const;
 
 private:
     std::vector<Part> parts_;
@@ -40,14 +49,13 @@ private:
 
 /// The directions of a ball from a place outside of it.
 struct BallCone {
-    Vec3f axis{0};      ///< unit
-    float sineSquared = 0;  ///< of half its angle
-    float height = 0;       ///< 1 - cosine of it; 0: the place is in the ball, or next to it
+    Vec3f axis{0};     ///< unit
+    float height = 0;  ///< 1 - cosine of half its angle; 0: the place is in the ball, or next to it
 
     BallCone(const RadiosityTree::Ball& ball, const Vec3f& origin);
     bool empty() const { return height <= 0; }
     bool holds(const Vec3f& direction) const {
-        return direction.dot(axis) > 0 && direction.cross(axis).length2() <= sineSquared;
+        return (direction - axis).length2() <= 2 * height;  // 2 - 2 cosine of their angle
     }
     float solidAngle() const { return 2 * static_cast<float>(kPi) * height; }
     /// @param u, v  in [0, 1)

@@ -18,6 +18,9 @@ constexpr std::size_t kGroupsOfChunk = 64;
 /// Least density of a member's own ray: it drew the place, whatever rounding makes of the cosines.
 constexpr float kLeastDensity = 1e-12f;
 
+/// Densities of a group's members sum to a finite number.
+constexpr float kMostDensity = std::numeric_limits<float>::max() / 1024;
+
 /// How the diffuse rays of one vertex meet the surface at another one, if nothing lies between; 0
 /// where it does not see its lit side.
 struct Meeting {
@@ -27,8 +30,7 @@ struct Meeting {
 
 /// From a density of directions to one of places, within what a float can hold.
 float atPlace(float cosine, float squared, float cosineThere) {
-    return std::min(cosine / squared * (cosineThere / squared),
-                    std::numeric_limits<float>::max() / 1024);
+    return std::min(cosine / squared * (cosineThere / squared), kMostDensity);
 }
 
 Meeting meetingOf(const PathVertex& from, const DirectionGuide& guide, const PathVertex& to) {
@@ -131,10 +133,10 @@ private:
     static Meeting ownMeeting(Meeting found, const DirectionGuide& guide,
                               const VertexChildren& children) {
         found.byCosine = std::max(found.byCosine, kLeastDensity);
-        found.density = guide.isCosine()
-                            ? found.byCosine
-                            : found.byCosine * (children.density / children.cosine);
-        return found;
+        if (guide.isCosine()) return {found.byCosine, found.byCosine};
+        const float ratio = children.density / children.cosine;
+        found.byCosine = std::min(found.byCosine, kMostDensity / std::max(1.0f, ratio));
+        return {found.byCosine, found.byCosine * ratio};
     }
 
     void enqueue(const Vec3f& origin, const Vec3f& way, Meeting& meeting) {

@@ -99,10 +99,13 @@ void GuideMaker::flush() {
 /// Luminance that a hit is predicted to send back along its ray.
 float GuideMaker::radianceMet(const Hit& hit, const Vec3f& direction) const {
     if (!hit.found || hit.scene != &context_.scene) return 0;
-    const Vec3f normal = hit.normal.dot(direction) > 0 ? -hit.normal : hit.normal;
+    const bool back = hit.normal.dot(direction) > 0;
+    if (back && !isDoubleSided(context_.scene.mesh(), hit.triangle)) return 0;
+    const Vec3f normal = back ? -hit.normal : hit.normal;
     const std::uint32_t item = tree_.solve().items().itemAt(
         context_.scene.mesh().origin + Vec3d(hit.position), normal);
-    return item == kNoItem ? 0 : tree_.radianceOf(item);
+    return item == kNoItem ? 0
+                           : tree_.radianceOf(item) * context_.environment.luminance(hit.tint);
 }
 
 /// Luminance of the irradiance that is predicted to bounce to a place.
@@ -122,6 +125,7 @@ double GuideMaker::predictedAt(const GuidePlace& place) const {
 /// @param predicted  luminance of the irradiance from everywhere
 /// @return the share of guided rays; 0: none pays
 float GuideMaker::keepBest(double predicted) {
+    std::erase_if(trials_, [](const Trial& t) { return !(t.light > 0 && t.extent > 0); });
     std::ranges::stable_sort(trials_, [](const Trial& a, const Trial& b) {
         return a.light * b.extent > b.light * a.extent;
     });
@@ -130,7 +134,7 @@ float GuideMaker::keepBest(double predicted) {
     const double whole = std::max(predicted, all);
     double best = 0, least = 1 / kLeastGain, part = 0, extent = 0;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < trials_.size() && trials_[i].light > 0; ++i) {
+    for (std::size_t i = 0; i < trials_.size(); ++i) {
         part += trials_[i].light / whole;
         extent = std::min(extent + trials_[i].extent / kPi, kMostExtent);
         const double rest = (1 - part) * (1 - part) / (1 - extent);

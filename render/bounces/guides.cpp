@@ -6,6 +6,7 @@
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
 #include "render/bounces/guide_maker.h"
+#include "render/bounces/item_looks.h"
 
 namespace shadowcache {
 
@@ -13,10 +14,6 @@ namespace {
 
 /// Members of a cluster whose trial rays stand for all.
 constexpr std::size_t kTrialMembers = 32;
-
-/// How far above an item's mean point its trial rays start, in spacings: a mean point lies off a
-/// curved surface.
-constexpr double kAbove = 0.25;
 
 /// Clusters, and vertices, that a thread takes at a time.
 constexpr std::size_t kClustersOfChunk = 8, kVerticesOfChunk = 1024;
@@ -32,8 +29,7 @@ const DirectionGuide& ItemGuides::of(std::uint32_t item) {
     std::call_once(slot.made, [&] {
         const ItemTable& items = context_.radiosity->solve().items();
         const Vec3f& normal = items.normal(item);
-        const Vec3d above = items.position(item) + Vec3d(normal) * (kAbove * items.spacing());
-        const GuidePlace place{Vec3f(above - context_.scene.mesh().origin), normal, normal};
+        const GuidePlace place{aboveItem(context_.scene, items, item), normal, normal};
         GuideMaker maker(context_);
         slot.guide = maker.make(std::span(&place, 1), hashWords(item, RenderSalt::bounceTrial));
         rays_ += maker.rays();

@@ -22,8 +22,8 @@ public:
 
     const DirectionGuide& of(std::uint32_t item);
 
-    /// Trial rays so far.
-    std::uint64_t rays() const { return rays_; }
+    /// Trial rays since the last call.
+    std::uint64_t takeRays() { return rays_.exchange(0); }
 
 private:
     struct Slot {
@@ -41,6 +41,9 @@ class Guides {
 public:
     /// All by the cosine.
     Guides() = default;
+    // Vertices refer to guides of the object.
+    Guides(Guides&&) = default;
+    Guides& operator=(Guides&&) = default;
 
     /// Camera points: alike in each cluster.
     ///

@@ -10,7 +10,7 @@ namespace shadowcache {
 namespace {
 
 /// How far above an item's mean point its ray starts, and how far below that it may find the
-/// surface, in spacings: a mean point lies off a curved surface.
+/// surface, in spacings.
 constexpr double kAbove = 0.25, kReach = 1;
 
 /// Calls visit(item, hit) for the surface of each item, in parallel; the hit is null where none is
@@ -25,14 +25,11 @@ void forEachSurface(const Scene& scene, const ItemTable& items, const Visit& vis
             const std::size_t count = std::min(kSize, chunk.end - first);
             for (std::size_t i = 0; i < count; ++i) {
                 const auto item = static_cast<std::uint32_t>(first + i);
-                const Vec3f& normal = items.normal(item);
-                const Vec3d above =
-                    items.position(item) + Vec3d(normal) * (kAbove * items.spacing());
-                packet.set(static_cast<int>(i), Vec3f(above - scene.mesh().origin), -normal);
+                packet.set(static_cast<int>(i), aboveItem(scene, items, item), -items.normal(item));
             }
             scene.meet(packet, static_cast<int>(count), hits.data());
             for (std::size_t i = 0; i < count; ++i) {
-                const bool near = hits[i].found &&
+                const bool near = hits[i].found && hits[i].scene == &scene &&
                                   static_cast<double>(hits[i].distance) < kReach * items.spacing();
                 visit(first + i, near ? &hits[i] : nullptr);
             }
@@ -41,6 +38,12 @@ void forEachSurface(const Scene& scene, const ItemTable& items, const Visit& vis
 }
 
 }  // namespace
+
+Vec3f aboveItem(const Scene& scene, const ItemTable& items, std::uint32_t item) {
+    const Vec3d above =
+        items.position(item) + Vec3d(items.normal(item)) * (kAbove * items.spacing());
+    return Vec3f(above - scene.mesh().origin);
+}
 
 ItemLook lookOf(const Hit& hit, const PlainLook& plain) {
     const Surface surface = surfaceOf(hit, plain);

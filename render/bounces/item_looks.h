@@ -10,6 +10,10 @@
 
 namespace shadowcache {
 
+/// A place above the surface of an item, on its lit side, relative to the set's origin: its mean
+/// point lies off a curved surface.
+Vec3f aboveItem(const Scene& scene, const ItemTable& items, std::uint32_t item);
+
 /// How the surface that a ray met looks; what reflects glossily counts as diffuse.
 ItemLook lookOf(const Hit& hit, const PlainLook& plain);
 

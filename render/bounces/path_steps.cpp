@@ -24,7 +24,7 @@ struct PathRay {
     Vec3f direction;
     std::uint32_t from;  ///< vertex that sends it
     bool ofLobe;
-    Rgb share;  ///< by which radiance that it finds counts at `from`
+    Rgb share;  ///< by which radiance that it finds counts at `from`, alone
     float cosine = 0, density = 0;  ///< as VertexChildren has them
 };
 
@@ -66,12 +66,12 @@ private:
     void sendDiffuse(std::uint32_t from, const std::array<float, 2>& numbers) {
         const PathVertex& v = level_.vertices[from];
         const DirectionGuide& guide = guides_.of(from);
-        const Vec3f direction = guide.draw(v.origin, v.normal, numbers);
+        const auto [direction, part] = guide.draw(v.origin, v.normal, numbers);
         const float cosine = direction.dot(v.normal);
         if (direction.dot(v.geometricNormal) <= 0 || (cosine <= 0 && !guide.isCosine())) return;
-        const float density = guide.density(v.origin, cosine, direction);
-        const float part = guide.isCosine() ? 1 : cosine / density;
-        rays_.push_back({direction, from, false, v.albedo * part, cosine, density});
+        const float density = guide.density(v.origin, cosine, direction, part);
+        const Rgb share = guide.isCosine() ? v.albedo : v.albedo * (cosine / density);
+        rays_.push_back({direction, from, false, share, cosine, density});
     }
 
     void sendLobe(std::uint32_t from) {

@@ -38,6 +38,7 @@ LitStage::LitStage(const Scene& scene, const ShadowCache* cache, const Estimator
 void LitStage::updateLamps() {
     estimator_.reset();
     groupedSolve_.reset();
+    radiosity_.reset();
     solve_.reset();
     findLamps();
     predictLamps();
@@ -101,7 +102,8 @@ std::size_t LitStage::bounceBytes() const {
     return items_->memoryBytes() + transport_->memoryBytes() +
            (ofEmitters_.size() + lightOfGroups_.size() * items_->size()) * sizeof(Rgb) +
            looks_.capacity() * sizeof looks_[0] + (solve_ ? solve_->memoryBytes() : 0) +
-           (groupedSolve_ ? groupedSolve_->memoryBytes() : 0);
+           (groupedSolve_ ? groupedSolve_->memoryBytes() : 0) +
+           (radiosity_ ? radiosity_->memoryBytes() : 0);
 }
 
 void LitStage::setEnvironment(const Environment& environment) {

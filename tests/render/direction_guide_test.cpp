@@ -32,7 +32,8 @@ std::vector<double> countDraws(const DirectionGuide& guide) {
     for (std::uint64_t i = 0; i < kDraws; ++i) {
         const Vec3d d(
             guide.draw(Vec3f(0), kNormal, {toUnitFloat(static_cast<std::uint32_t>(hashWords(i))),
-                                           toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 1)))}));
+                                           toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 1)))})
+                .direction);
         const auto row = static_cast<int>(d.z * kRows);
         const auto column =
             static_cast<int>((std::atan2(d.y, d.x) / (2 * kPi) + 0.5) * kColumns);
@@ -68,6 +69,28 @@ TEST(DirectionGuide, DrawsByItsDensity) {
     const std::vector<double> expected = expectDraws(guide());
     EXPECT_GT(test::chiSquaredPValue(countDraws(guide()), expected), test::significance(1));
     EXPECT_LT(test::chiSquaredPValue(countDraws(DirectionGuide()), expected), test::significance(1));
+}
+
+// The cosine over a cone that is a little wider than that of a far ball, by draws: rays at the edge
+// of the ball's cone, which rounding may put beside it, have a large weight if they count as the
+// cosine's.
+TEST(DirectionGuide, IsRightForFarBalls) {
+    const Vec3f axis = Vec3f(0, 300, 500).normalized();
+    const DirectionGuide far({{{axis * 600, 1.0f}, 0.5f}, {{{-70, 0, 90}, 0.1f}, 0.5f}}, 0.5f);
+    constexpr double kSine = 0.03;
+    std::vector<double> found(100);
+    constexpr std::uint64_t kEach = 20'000;
+    for (std::uint64_t i = 0; i < found.size() * kEach; ++i) {
+        const auto [d, part] =
+            far.draw(Vec3f(0), kNormal, {toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 2))),
+                                         toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 3)))});
+        if (Vec3d(d).cross(Vec3d(axis)).length() > kSine || d.dot(axis) < 0) continue;
+        found[i / kEach] +=
+            static_cast<double>(d.z / far.density(Vec3f(0), d.z, d, part)) / kEach;
+    }
+    const double truth = kSine * kSine * static_cast<double>(axis.z);  // over pi
+    EXPECT_GT(test::meanPValue(found, truth), test::significance(1));
+    EXPECT_LT(test::meanPValue(found, 1.03 * truth), test::significance(1)) << "3 % are not seen";
 }
 
 TEST(DirectionGuide, WithoutBallsIsByTheCosine) {
