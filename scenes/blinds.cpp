@@ -14,8 +14,8 @@ void addShell(SetMesh& mesh) {
     const double wall = 0.2;
     addBox(mesh, room, {-kHalf - wall, -wall, -wall}, {kHalf + wall, 0, kLength + wall},
            weathered({0.3f, 0.19f, 0.1f}, 0.2, 0.3));
-    addBox(mesh, room, {-kHalf - wall, kHeight, -wall}, {kHalf + wall, kHeight + wall, kLength + wall},
-           plaster);
+    addBox(mesh, room, {-kHalf - wall, kHeight, -wall},
+           {kHalf + wall, kHeight + wall, kLength + wall}, plaster);
     for (const double s : {-1.0, 1.0})
         addBox(mesh, room, {s > 0 ? kHalf : -kHalf - wall, 0, -wall},
                {s > 0 ? kHalf + wall : -kHalf, kHeight, kLength + wall}, plaster);

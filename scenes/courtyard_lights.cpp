@@ -5,11 +5,11 @@ namespace {
 
 /// A globe of milky glass on a rod that ends in the vault above it.
 void addLantern(SetMesh& mesh, const Placement& at) {
-    const Imath::V2d globe[] = {{0, -0.13},      {0.065, -0.113}, {0.113, -0.065}, {0.13, 0},
+    const Imath::V2d globe[] = {{0, -0.13},     {0.065, -0.113}, {0.113, -0.065}, {0.13, 0},
                                 {0.113, 0.065}, {0.065, 0.113},  {0, 0.13}};
     addLathe(mesh, at, globe, 14, plain({0.8f, 0.8f, 0.8f}, Finish::lantern));
-    const Imath::V2d cap[] = {{0.09, 0.105}, {0.095, 0.125}, {0.03, 0.16}, {0.012, 0.2},
-                              {0.012, 1.6}};
+    const Imath::V2d cap[] = {
+        {0.09, 0.105}, {0.095, 0.125}, {0.03, 0.16}, {0.012, 0.2}, {0.012, 1.6}};
     addLathe(mesh, at, cap, 12, plain(kBronze, Finish::bronze));
 }
 
@@ -17,7 +17,8 @@ void addLantern(SetMesh& mesh, const Placement& at) {
 void addTableLamp(SetMesh& mesh, const Placement& at, double ceiling) {
     const Imath::V2d shade[] = {{0.27, -0.12}, {0.24, -0.03}, {0.15, 0.07}, {0.06, 0.12}};
     addLathe(mesh, at, shade, 28, plain({0.74f, 0.66f, 0.52f}));
-    const Imath::V2d cord[] = {{0, 0.1}, {0.062, 0.1}, {0.05, 0.16}, {0.006, 0.18}, {0.006, ceiling}};
+    const Imath::V2d cord[] = {
+        {0, 0.1}, {0.062, 0.1}, {0.05, 0.16}, {0.006, 0.18}, {0.006, ceiling}};
     addLathe(mesh, at, cord, 12, plain({0.1f, 0.08f, 0.06f}));
     mesh.lamps.push_back({"lamp over the table", at(0, 0, 0), {1.0f, 0.72f, 0.44f}, 14, 0.045});
 }

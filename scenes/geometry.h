@@ -36,18 +36,7 @@ struct Placement {
 Placement moved(const Placement& at, double x, double y, double z, double yaw = 0);
 
 /// How a surface shines: the materials of a set, see kMaterials in glb_writer.cpp.
-enum class Finish {
-    matte,
-    honed,
-    waxed,
-    varnished,
-    glazed,
-    bronze,
-    gilded,
-    water,
-    pane,
-    lantern
-};
+enum class Finish { matte, honed, waxed, varnished, glazed, bronze, gilded, water, pane, lantern };
 
 /// A lamp without a surface.
 struct PointLamp {

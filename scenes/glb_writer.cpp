@@ -25,11 +25,16 @@ struct Material {
 };
 
 constexpr Material kMaterials[] = {
-    {Finish::matte, "matte", 0, 1},           {Finish::honed, "honed stone", 0, 0.45},
-    {Finish::waxed, "waxed leaf", 0, 0.5},    {Finish::varnished, "varnished wood", 0, 0.3},
-    {Finish::glazed, "glazed clay", 0, 0.15}, {Finish::bronze, "bronze", 1, 0.35},
-    {Finish::gilded, "gilded", 1, 0.25},      {Finish::water, "water", 0, 0.03},
-    {Finish::pane, "pane", 0, 0},           {Finish::lantern, "lantern", 0, 1},
+    {Finish::matte, "matte", 0, 1},
+    {Finish::honed, "honed stone", 0, 0.45},
+    {Finish::waxed, "waxed leaf", 0, 0.5},
+    {Finish::varnished, "varnished wood", 0, 0.3},
+    {Finish::glazed, "glazed clay", 0, 0.15},
+    {Finish::bronze, "bronze", 1, 0.35},
+    {Finish::gilded, "gilded", 1, 0.25},
+    {Finish::water, "water", 0, 0.03},
+    {Finish::pane, "pane", 0, 0},
+    {Finish::lantern, "lantern", 0, 1},
 };
 
 /// Puts an extension into a part of the document, and its name into `used`.

@@ -40,8 +40,9 @@ void addGlazing(SetMesh& mesh) {
         }
     }
     for (const double z : {0.0, kLength}) {
-        addQuad(mesh, {Vec3d(-kHalf, 0, z), Vec3d(kHalf, 0, z), Vec3d(kHalf, kEaves, z),
-                       Vec3d(-kHalf, kEaves, z)},
+        addQuad(mesh,
+                {Vec3d(-kHalf, 0, z), Vec3d(kHalf, 0, z), Vec3d(kHalf, kEaves, z),
+                 Vec3d(-kHalf, kEaves, z)},
                 glass);
         const int a = mesh.addVertex({-kHalf, kEaves, z}, glass({}));
         const int b = mesh.addVertex({kHalf, kEaves, z}, glass({}));
@@ -56,8 +57,7 @@ void addGlazing(SetMesh& mesh) {
 SetMesh makeGreenhouse() {
     SetMesh mesh;
     addPatch(
-        mesh, 16, 16,
-        [](double u, double v) { return Vec3d(16 * v - 8, -0.01, 18 * u - 6); },
+        mesh, 16, 16, [](double u, double v) { return Vec3d(16 * v - 8, -0.01, 18 * u - 6); },
         weathered({0.2f, 0.17f, 0.1f}, 0.3, 0.7));
     addGlazing(mesh);
     for (const double x : {-1.35, 1.35}) {

@@ -13,7 +13,8 @@ SetMesh makeHedges() {
         for (const double x : {-1.3, 1.3})
             courtyard::addHedge(mesh, moved({}, x, 0, 2.6 * row - 2.6, kPi / 2), 2.4, seed++);
     for (const double x : {-2.4, 2.4})
-        for (const double z : {-3.0, 0.0, 3.0}) courtyard::addTree(mesh, moved({}, x, 0, z), seed++);
+        for (const double z : {-3.0, 0.0, 3.0})
+            courtyard::addTree(mesh, moved({}, x, 0, z), seed++);
     courtyard::addBench(mesh, moved({}, 0, 0, -3.8));
     return mesh;
 }

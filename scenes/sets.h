@@ -11,8 +11,8 @@ namespace shadowcache::scenes {
 /// room.
 SetMesh makeCourtyard();
 
-/// The courtyard with lanterns in its arcades, a lamp over the room's table and a pane in the room's
-/// window. To be written as glTF, which has lamps and panes.
+/// The courtyard with lanterns in its arcades, a lamp over the room's table and a pane in the
+/// room's window. To be written as glTF, which has lamps and panes.
 SetMesh makeNight();
 
 /// A move in the room, past the table.

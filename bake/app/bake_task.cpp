@@ -59,9 +59,8 @@ BakeTask::BakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, Sc
     if (shot) {
         selection.lookups = found ? std::move(found->places) : shot->lookups(scene, frame);
         selection.margin = job.shot.margin;
-        if (isSpacingFree(job) &&
-            fitToShot(scene.mesh(), static_cast<double>(shot->pixels()), job.isLevelGiven, options,
-                      frame, *selection.lookups))
+        if (isSpacingFree(job) && fitToShot(scene.mesh(), static_cast<double>(shot->pixels()),
+                                            job.isLevelGiven, options, frame, *selection.lookups))
             count.reset();
     }
 }

@@ -91,8 +91,8 @@ std::size_t lightGroupOf(const std::string& name, std::span<const LightGroupRule
     for (const LightGroupRule& rule : rules) {
         if (!matchesPattern(rule.pattern, name)) continue;
         // The first is the sky's, whatever a lamp is called.
-        const auto found = std::find(groups.begin() + 1, groups.end(),
-                                     rule.group.empty() ? name : rule.group);
+        const auto found =
+            std::find(groups.begin() + 1, groups.end(), rule.group.empty() ? name : rule.group);
         group = found == groups.end() ? groups.size() - 1
                                       : static_cast<std::size_t>(found - groups.begin());
     }

@@ -33,8 +33,7 @@ RadiosityTree::RadiosityTree(const BounceSolve& solve, std::span<const ItemLook>
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const auto item = static_cast<std::uint32_t>(i);
             const Rgb sent = looks[i].albedo * solve.irradiance(item, bounces);
-            radiance_[i] =
-                std::max(0.0f, sent.dot(luminanceWeights)) * static_cast<float>(1 / kPi);
+            radiance_[i] = std::max(0.0f, sent.dot(luminanceWeights)) * static_cast<float>(1 / kPi);
         }
     });
     std::vector<Lit> lit;
@@ -89,8 +88,8 @@ float RadiosityTree::irradianceOf(const Node& node, const Vec3f& position, const
     const float slack = std::min(1.0f, node.ball.radius / distance);
     const float here = std::min(1.0f, normal.dot(way) / distance + slack);
     // Normals that differ face more than their mean does.
-    const float there = std::min(
-        1.0f, 1 - node.facing.length() + slack - node.facing.dot(way) / distance);
+    const float there =
+        std::min(1.0f, 1 - node.facing.length() + slack - node.facing.dot(way) / distance);
     if (here <= 0 || there <= 0) return 0;
     return node.power * here * there / std::max(squared, node.ball.radius * node.ball.radius);
 }

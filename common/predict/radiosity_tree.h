@@ -8,8 +8,8 @@
 
 namespace shadowcache {
 
-/// What surfaces reflect to a place, as a cache predicts it: its items as a tree of balls, as lights
-/// are in [Conty Estevez & Kulla 2018]. Immutable, thread-safe.
+/// What surfaces reflect to a place, as a cache predicts it: its items as a tree of balls, as
+/// lights are in [Conty Estevez & Kulla 2018]. Immutable, thread-safe.
 class RadiosityTree {
 public:
     /// @param solve    outlives the tree
@@ -44,8 +44,8 @@ public:
 private:
     struct Node {
         Ball ball;
-        float power = 0;        ///< radiance times area
-        Vec3f facing{0};        ///< mean normal, by power
+        float power = 0;         ///< radiance times area
+        Vec3f facing{0};         ///< mean normal, by power
         std::uint32_t left = 0;  ///< the first of its two children, which are neighbours; 0: none
     };
     struct Lit;

@@ -31,11 +31,10 @@ public:
     ///
     /// @param normal   unit
     /// @param numbers  in [0, 1)
-    Drawn draw(const Vec3f& origin, const Vec3f& normal,
-               const std::array<float, 2>& numbers) const;
+    Drawn draw(const Vec3f& origin, const Vec3f& normal, const std::array<float, 2>& numbers) const;
 
-    /// Density with which draw() takes a direction above the horizon [1/sr], times pi: by the cosine
-    /// that is the cosine.
+    /// Density with which draw() takes a direction above the horizon [1/sr], times pi: by the
+    /// cosine that is the cosine.
     ///
     /// @param direction  unit
     /// @param part       whose ball holds the direction for sure, as that drew it; kByCosine: none

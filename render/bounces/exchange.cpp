@@ -71,8 +71,8 @@ public:
                 out_[members[k]] += radiance * tint * weight;
                 if (!ofGroups_.empty()) addTo(grouped_[members[k]], ofGroups_, tint * weight);
             }
-            const Rgb share = vertexMet(child).tint * (static_cast<float>(kPi) *
-                                                       (column[j].byCosine / column[j].density));
+            const Rgb share = vertexMet(child).tint *
+                              (static_cast<float>(kPi) * (column[j].byCosine / column[j].density));
             out_[members[j]] += light.mirrored * share;
             if (!next_.groupedLight.mirrored.empty())
                 addTo(grouped_[members[j]],

@@ -102,10 +102,9 @@ float GuideMaker::radianceMet(const Hit& hit, const Vec3f& direction) const {
     const bool back = hit.normal.dot(direction) > 0;
     if (back && !isDoubleSided(context_.scene.mesh(), hit.triangle)) return 0;
     const Vec3f normal = back ? -hit.normal : hit.normal;
-    const std::uint32_t item = tree_.solve().items().itemAt(
-        context_.scene.mesh().origin + Vec3d(hit.position), normal);
-    return item == kNoItem ? 0
-                           : tree_.radianceOf(item) * context_.environment.luminance(hit.tint);
+    const std::uint32_t item =
+        tree_.solve().items().itemAt(context_.scene.mesh().origin + Vec3d(hit.position), normal);
+    return item == kNoItem ? 0 : tree_.radianceOf(item) * context_.environment.luminance(hit.tint);
 }
 
 /// Luminance of the irradiance that is predicted to bounce to a place.
@@ -119,8 +118,8 @@ double GuideMaker::predictedAt(const GuidePlace& place) const {
 
 /// Keeps the balls with which the second moment of what a ray finds is least; with f the share of
 /// the light that comes from them and a that of the hemisphere, by the cosine, it is f^2 / a +
-/// (1 - f)^2 / (1 - a) by the cosine, and f^2 / ((1 - s) a + s) + (1 - f)^2 / ((1 - s) (1 - a)) where
-/// a share s of the rays goes to them.
+/// (1 - f)^2 / (1 - a) by the cosine, and f^2 / ((1 - s) a + s) + (1 - f)^2 / ((1 - s) (1 - a))
+/// where a share s of the rays goes to them.
 ///
 /// @param predicted  luminance of the irradiance from everywhere
 /// @return the share of guided rays; 0: none pays
@@ -140,8 +139,7 @@ float GuideMaker::keepBest(double predicted) {
         const double rest = (1 - part) * (1 - part) / (1 - extent);
         const double unguided = part * part / extent + rest;
         for (const double share : kShares) {
-            const double guided =
-                part * part / ((1 - share) * extent + share) + rest / (1 - share);
+            const double guided = part * part / ((1 - share) * extent + share) + rest / (1 - share);
             if (!(guided < least * unguided)) continue;
             least = guided / unguided;
             kept = i + 1;

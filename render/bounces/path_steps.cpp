@@ -24,7 +24,7 @@ struct PathRay {
     Vec3f direction;
     std::uint32_t from;  ///< vertex that sends it
     bool ofLobe;
-    Rgb share;  ///< by which radiance that it finds counts at `from`, alone
+    Rgb share;                      ///< by which radiance that it finds counts at `from`, alone
     float cosine = 0, density = 0;  ///< as VertexChildren has them
 };
 

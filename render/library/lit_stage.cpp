@@ -119,9 +119,8 @@ void LitStage::setEnvironment(const Environment& environment) {
             *solve_, looks_, std::max(options_.bounces - 1, kUnlimitedBounces),
             environment.luminanceWeights(), scene_.mesh().origin);
         if (groups_)
-            groupedSolve_ = std::make_unique<GroupedSolve>(*solve_, *transport_, looks_,
-                                                           lightOfGroups_,
-                                                           environment.luminanceIntegral() > 0);
+            groupedSolve_ = std::make_unique<GroupedSolve>(
+                *solve_, *transport_, looks_, lightOfGroups_, environment.luminanceIntegral() > 0);
     }
     estimator_ = entry_.make({.scene = scene_,
                               .environment = environment,

@@ -239,8 +239,8 @@ INSTANTIATE_TEST_SUITE_P(Sets, RoomBy,
                                          Set{"glazedByCache", Looks::glazed, "cache", true}),
                          [](const auto& set) { return set.param.name; });
 
-// An uplight beneath the ceiling: most of what bounces comes from a spot that few rays by the cosine
-// meet. Guided rays leave the mean as it is, and half of the variance or less.
+// An uplight beneath the ceiling: most of what bounces comes from a spot that few rays by the
+// cosine meet. Guided rays leave the mean as it is, and half of the variance or less.
 TEST_F(Room, IsGuidedToABrightSpot) {
     Material plain, lamp;
     plain.albedo = Rgb(0.6f);

@@ -13,7 +13,8 @@
 namespace shadowcache {
 namespace {
 
-constexpr int kRows = 16, kColumns = 24;  // of cells over the upper hemisphere, alike in solid angle
+constexpr int kRows = 16,
+              kColumns = 24;  // of cells over the upper hemisphere, alike in solid angle
 constexpr int kDraws = 400'000;
 const Vec3f kNormal(0, 0, 1);
 
@@ -30,17 +31,17 @@ DirectionGuide guide() {
 std::vector<double> countDraws(const DirectionGuide& guide) {
     std::vector<double> counts(kRows * kColumns + 1);
     for (std::uint64_t i = 0; i < kDraws; ++i) {
-        const Vec3d d(
-            guide.draw(Vec3f(0), kNormal, {toUnitFloat(static_cast<std::uint32_t>(hashWords(i))),
-                                           toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 1)))})
-                .direction);
+        const Vec3d d(guide
+                          .draw(Vec3f(0), kNormal,
+                                {toUnitFloat(static_cast<std::uint32_t>(hashWords(i))),
+                                 toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 1)))})
+                          .direction);
         const auto row = static_cast<int>(d.z * kRows);
-        const auto column =
-            static_cast<int>((std::atan2(d.y, d.x) / (2 * kPi) + 0.5) * kColumns);
-        const std::size_t cell = d.z < 0 ? counts.size() - 1
-                                         : static_cast<std::size_t>(std::min(row, kRows - 1) *
-                                                                        kColumns +
-                                                                    std::min(column, kColumns - 1));
+        const auto column = static_cast<int>((std::atan2(d.y, d.x) / (2 * kPi) + 0.5) * kColumns);
+        const std::size_t cell =
+            d.z < 0 ? counts.size() - 1
+                    : static_cast<std::size_t>(std::min(row, kRows - 1) * kColumns +
+                                               std::min(column, kColumns - 1));
         counts[cell] += 1;
     }
     return counts;
@@ -68,7 +69,8 @@ std::vector<double> expectDraws(const DirectionGuide& guide) {
 TEST(DirectionGuide, DrawsByItsDensity) {
     const std::vector<double> expected = expectDraws(guide());
     EXPECT_GT(test::chiSquaredPValue(countDraws(guide()), expected), test::significance(1));
-    EXPECT_LT(test::chiSquaredPValue(countDraws(DirectionGuide()), expected), test::significance(1));
+    EXPECT_LT(test::chiSquaredPValue(countDraws(DirectionGuide()), expected),
+              test::significance(1));
 }
 
 // The cosine over a cone that is a little wider than that of a far ball, by draws: rays at the edge
@@ -81,12 +83,11 @@ TEST(DirectionGuide, IsRightForFarBalls) {
     std::vector<double> found(100);
     constexpr std::uint64_t kEach = 20'000;
     for (std::uint64_t i = 0; i < found.size() * kEach; ++i) {
-        const auto [d, part] =
-            far.draw(Vec3f(0), kNormal, {toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 2))),
+        const auto [d, part] = far.draw(Vec3f(0), kNormal,
+                                        {toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 2))),
                                          toUnitFloat(static_cast<std::uint32_t>(hashWords(i, 3)))});
         if (Vec3d(d).cross(Vec3d(axis)).length() > kSine || d.dot(axis) < 0) continue;
-        found[i / kEach] +=
-            static_cast<double>(d.z / far.density(Vec3f(0), d.z, d, part)) / kEach;
+        found[i / kEach] += static_cast<double>(d.z / far.density(Vec3f(0), d.z, d, part)) / kEach;
     }
     const double truth = kSine * kSine * static_cast<double>(axis.z);  // over pi
     EXPECT_GT(test::meanPValue(found, truth), test::significance(1));

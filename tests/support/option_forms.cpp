@@ -12,13 +12,13 @@ namespace {
 /// Options that hold no number.
 const std::set<std::string>& wordOptions() {
     static const std::set<std::string> words{
-        "--up",          "--env",          "--dynamic",   "--normals",      "--camera",
-        "--filter",      "--budget",       "--sequence",  "--estimator",    "--cache",
-        "--output",      "--aov",          "--reference", "--stats",        "--config",
-        "--write-config", "--progress",    "--extend",    "--report",       "--bake-with",
-        "--for",         "--pictures",     "--surfaces",  "--lamps",        "--lookups",
-        "--lamp",        "--aov-names",    "--quality",   "--bake",         "--bake-quality",
-        "--mix",         "--gain",         "--light-groups"};
+        "--up",           "--env",       "--dynamic",     "--normals",   "--camera",
+        "--filter",       "--budget",    "--sequence",    "--estimator", "--cache",
+        "--output",       "--aov",       "--reference",   "--stats",     "--config",
+        "--write-config", "--progress",  "--extend",      "--report",    "--bake-with",
+        "--for",          "--pictures",  "--surfaces",    "--lamps",     "--lookups",
+        "--lamp",         "--aov-names", "--quality",     "--bake",      "--bake-quality",
+        "--mix",          "--gain",      "--light-groups"};
     return words;
 }
 
