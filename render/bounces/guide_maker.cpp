@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/tuned.h"
+#include "common/mesh/placed_mesh.h"
 #include "common/random/sequence.h"
 
 namespace shadowcache {
