@@ -61,18 +61,19 @@ enum class RenderSalt : std::uint64_t {
     bounceLobeChild = 104,  ///< and of what a lobe's ray met
     bounceDirect = 105,     ///< seed of a vertex's direct light
     shutterTime = 106,      ///< a pixel's seed for when its camera rays are sent
-    bounceTrial =
-        109,  ///< a cluster's, or an item's, seed for rays that try where light comes from
-    bounceSender = 108,    ///< which camera ray of a run sends rays; third word: the run
-    placeSamples = 107,    ///< the sequence of a place's samples; third word: its number
-    domePilotTile = 90,    ///< tiles of the map that `dome`'s pilot rays go to
-    domePilotTexel = 91,   ///< places of these rays in their texels
-    domeTurn = 92,         ///< which of `dome`'s samples is the first drawn by the cosine
-    domeTexel = 93,        ///< place of a sample in a texel of its tile
-    emitterSamples = 109,  ///< a pixel's seed for its samples of emitters
-    emitterGloss = 110,    ///< the same for those of its glossy surfaces
-    emitterGuess = 112,    ///< the same without rays, as lobes are predicted
-    emitterLobe = 111,     ///< and for the rays of their lobes that look for emitters
+    clusterTrial = 114,     ///< a cluster's seed for rays that try where its light comes from
+    itemTrial = 115,        ///< the same of an item
+    trialRay = 116,         ///< direction of such a ray
+    bounceSender = 108,     ///< which camera ray of a run sends rays; third word: the run
+    placeSamples = 107,     ///< the sequence of a place's samples; third word: its number
+    domePilotTile = 90,     ///< tiles of the map that `dome`'s pilot rays go to
+    domePilotTexel = 91,    ///< places of these rays in their texels
+    domeTurn = 92,          ///< which of `dome`'s samples is the first drawn by the cosine
+    domeTexel = 93,         ///< place of a sample in a texel of its tile
+    emitterSamples = 109,   ///< a pixel's seed for its samples of emitters
+    emitterGloss = 110,     ///< the same for those of its glossy surfaces
+    emitterGuess = 112,     ///< the same without rays, as lobes are predicted
+    emitterLobe = 111,      ///< and for the rays of their lobes that look for emitters
 };
 
 /// Member `i` of a salt's family.

@@ -5,6 +5,7 @@
 
 #include "common/base/tuned.h"
 #include "common/mesh/placed_mesh.h"
+#include "common/random/salts.h"
 #include "common/random/sequence.h"
 
 namespace shadowcache {
@@ -18,7 +19,7 @@ SHADOWCACHE_TUNED(std::size_t, kGuideBalls, 32);
 SHADOWCACHE_TUNED(int, kTrialRays, 16);
 
 /// By how much guided rays have to lower the second moment of what a ray finds.
-SHADOWCACHE_TUNED(double, kLeastGain, 1.5);
+SHADOWCACHE_TUNED(double, kLeastGuideGain, 1.5);
 
 /// Shares of guided rays that are compared.
 constexpr double kShares[] = {0.25, 0.5, 0.75};
@@ -67,7 +68,7 @@ void GuideMaker::sendTrials(std::span<const GuidePlace> places, std::uint64_t se
             const GuidePlace& from = places[ray % places.size()];
             const BallCone cone(trials_[b].ball, from.origin);
             if (cone.empty()) continue;
-            const std::uint64_t h = hashWords(ray, 1);
+            const std::uint64_t h = hashWords(ray, RenderSalt::trialRay);
             const Vec3f direction = cone.draw(toUnitFloat(static_cast<std::uint32_t>(h)),
                                               toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
             const float cosine = direction.dot(from.normal);
@@ -132,7 +133,7 @@ float GuideMaker::keepBest(double predicted) {
     double all = 0;
     for (const Trial& trial : trials_) all += trial.light;
     const double whole = std::max(predicted, all);
-    double best = 0, least = 1 / kLeastGain, part = 0, extent = 0;
+    double best = 0, least = 1 / kLeastGuideGain, part = 0, extent = 0;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < trials_.size(); ++i) {
         part += trials_[i].light / whole;

@@ -31,7 +31,7 @@ const DirectionGuide& ItemGuides::of(std::uint32_t item) {
         const Vec3f& normal = items.normal(item);
         const GuidePlace place{aboveItem(context_.scene, items, item), normal, normal};
         GuideMaker maker(context_);
-        slot.guide = maker.make(std::span(&place, 1), hashWords(item, RenderSalt::bounceTrial));
+        slot.guide = maker.make(std::span(&place, 1), hashWords(item, RenderSalt::itemTrial));
         rays_ += maker.rays();
     });
     return slot.guide;
@@ -59,7 +59,7 @@ Guides Guides::ofClusters(const EstimatorContext& context, std::span<const PathV
                 places.push_back({v.origin, v.normal, v.geometricNormal});
             }
             guides.clusters_[c] = maker.make(
-                places, hashWords(vertices[members.front()].seed, RenderSalt::bounceTrial));
+                places, hashWords(vertices[members.front()].seed, RenderSalt::clusterTrial));
             for (const std::uint32_t m : members) guides.byVertex_[m] = &guides.clusters_[c];
         }
         sent += maker.rays();

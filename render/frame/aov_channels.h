@@ -33,8 +33,10 @@ std::vector<Channel> channels(const Film& film, const std::vector<std::string>& 
 /// The metadata of a picture that names its light groups, without a program's prefix.
 inline constexpr const char* kGroupsKey = "groups";
 
-/// The names of light groups as a text, and back.
+/// The names of light groups as a text.
 std::string groupsText(const std::vector<std::string>& groups);
+
+/// The names that such a text has.
 std::vector<std::string> groupsOf(const std::string& text);
 
 }  // namespace shadowcache
