@@ -96,8 +96,8 @@ TEST(HostileInput, MissingEmptyAndDirectory) {
         expectError([&] { kind.read(path / "in" / "it"); }, path.string(), "no such file");
         std::filesystem::remove(path);
     }
-    expectError([] { loadFile("/dev/null"); }, "/dev/null", "extension");
-    expectError([] { readRadiance("/dev/null"); }, "/dev/null", "");
+    expectError([] { loadFile("/dev/null"); }, "/dev/null", "expected an ordinary file");
+    expectError([] { readRadiance("/dev/null"); }, "/dev/null", "expected an ordinary file");
 }
 
 TEST(HostileInput, CutOffFiles) {
