@@ -5,7 +5,7 @@ REQUEST.json: files (a glTF file), camera (origin, forward, up, fov), map (or nu
 size [width, height], bounces, threads, samples, pictures (an .exr for each seed from 1 on), set (the .glb to write) and stats, a
 JSON file that gets the processor seconds of the quickest picture, less those of a picture of one sample.
 
-Surfaces become Lambertian, as Blender's Principled BSDF is not at any roughness: Diffuse and Emission, and panes as a mix of
+Surfaces become Lambertian, as Blender's Principled BSDF is not at any roughness: Diffuse, or Emission where they shine, and panes as a mix of
 Transparent and Glossy. So both programs show the same set.
 """
 import json
@@ -19,7 +19,7 @@ sys.path[:0] = [os.path.join(HERE, "../../render/trade/shadowcache_trade"), os.p
 sys.dont_write_bytecode = True
 import blender_export  # noqa: E402
 import in_blender  # noqa: E402
-from in_blender import connect, node_of  # noqa: E402
+from in_blender import node_of  # noqa: E402
 
 
 def make_lambertian(material):
@@ -34,8 +34,7 @@ def make_lambertian(material):
     else:
         shader = node_of(tree, "ShaderNodeBsdfDiffuse", Color=inputs["Base Color"])
         if inputs["Emission"].is_linked or any(inputs["Emission"].default_value[:3]):
-            light = node_of(tree, "ShaderNodeEmission", Color=inputs["Emission"], Strength=inputs["Emission Strength"])
-            shader = node_of(tree, "ShaderNodeAddShader", _0=shader, _1=light)
+            shader = node_of(tree, "ShaderNodeEmission", Color=inputs["Emission"], Strength=inputs["Emission Strength"])
     tree.links.new(shader, tree.get_output_node("CYCLES").inputs["Surface"])
 
 
