@@ -162,7 +162,7 @@ TEST_F(Sphere, IsSteadyWhereItIsPredicted) {
         EstimatorContext context = world.context();
         context.solve = &solve;
         const auto estimator = findEstimator("cache").make(context, {});
-        const std::vector<double> found = estimates(*estimator, c.albedo, c.most, 16, 300);
+        const std::vector<double> found = estimates(*estimator, c.albedo, c.most, 32, 150);
         const double truth = Sphere::truth(static_cast<double>(c.albedo), c.most);
         EXPECT_GT(test::meanPValue(found, truth), level);
         EXPECT_LT(test::meanPValue(found, 1.25 * truth), level) << "25 % more is accepted";
