@@ -15,7 +15,7 @@ class GltfExport:
     """Meshes, cameras, lamps and their places; animations of those that move, sampled in each frame of the scene."""
 
     def __init__(self, depsgraph, report, with_cameras=True, panes=True, stand_in=False):
-        """stand_in: where nothing that stands still has a face, the file has a triangle that no camera sees, so that it is a
+        """stand_in: where nothing that stands still has a face, the file has a triangle too small to be seen, so that it is a
         set in each frame."""
         self.depsgraph = depsgraph
         self.report = report
@@ -34,8 +34,9 @@ class GltfExport:
         tracks = motion.tracks()
         # What stands still with a scale of 0 is not there.
         entries = [(row, node) for row, node in entries if row in tracks or motion.base[row][:3, :3].any()]
-        if self.stand_in and all(row in tracks for row, node in entries if "mesh" in node):
-            self._add_stand_in()
+        meshes = [row for row, node in entries if "mesh" in node]
+        if self.stand_in and all(row in tracks for row in meshes):
+            self._add_stand_in([matrices.of_mesh(motion.base[row])[:3, 3] for row in meshes[:1]])
         times = None
         if tracks:
             render = self.depsgraph.scene.render
@@ -79,13 +80,15 @@ class GltfExport:
             self.report.add("camera %s: renders hide it" % scene.camera.name)
         return entries
 
-    def _add_stand_in(self):
-        """A metre, a thousand kilometres down."""
-        corners = numpy.array([(0, 0, 0), (1, 0, 0), (0, 0, 1)], numpy.float32)
+    def _add_stand_in(self, places):
+        """A hundredth of a millimetre at the first of the places, which a set far from it would be rounded by; else a
+        thousand kilometres down."""
+        corners = numpy.array([(0, 0, 0), (1e-5, 0, 0), (0, 0, 1e-5)], numpy.float32)
+        place = [float(number) for number in places[0]] if places else [0.0, -1e6, 0.0]
         primitive = {"attributes": {"POSITION": self.file.add_accessor(corners, bounds=True)},
                      "indices": self.file.add_accessor(numpy.arange(3, dtype=numpy.uint32))}
         mesh = self.file.add("meshes", {"name": "nothing", "primitives": [primitive]})
-        self.file.add("nodes", {"name": "nothing", "mesh": mesh, "translation": [0.0, -1e6, 0.0]})
+        self.file.add("nodes", {"name": "nothing", "mesh": mesh, "translation": place})
 
     def _light(self, light):
         """A node's extensions with a light."""
