@@ -115,7 +115,6 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
         light[i].irradiance = next.light[i].irradiance;
         light[i].glossy = next.light[i].mirrored;
     }
-    counts.pathRays += itemGuides_.takeRays();
     GroupedBounce grouped{std::move(next.groupedLight.irradiance),
                           std::move(next.groupedLight.mirrored)};
     clampLight(receivers, light, grouped);
@@ -124,10 +123,10 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
 
 Guides BounceLight::guide(const PathLevel& level, int bounce, BounceCounts& counts) const {
     const EstimatorContext& context = estimator_.context();
-    if (!options_.shared || !context.radiosity) return {};
-    return bounce == 0
-               ? Guides::ofClusters(context, level.at.vertices, level.groups, counts.pathRays)
-               : Guides::ofItems(itemGuides_, level.at.vertices, level.groups);
+    // Guides of later vertices, item by item, cost a small frame of a large set more than they
+    // gain.
+    if (!options_.shared || !context.radiosity || bounce > 0) return {};
+    return Guides::ofClusters(context, level.at.vertices, level.groups, counts.pathRays);
 }
 
 void BounceLight::addGroups(PathLevel& level) const {

@@ -59,7 +59,6 @@ private:
     const EstimatorPlan* plan_;
     const BounceOptions options_;
     mutable Pool<Workspace> workspaces_;
-    mutable ItemGuides itemGuides_;
 };
 
 }  // namespace shadowcache
