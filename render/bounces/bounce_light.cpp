@@ -51,7 +51,7 @@ void takePredicted(GroupedVertexLight& light, std::size_t number) {
 
 BounceLight::BounceLight(const Estimator& estimator, const EstimatorPlan* plan,
                          const BounceOptions& options)
-    : estimator_(estimator), plan_(plan), options_(options), itemGuides_(estimator.context()) {}
+    : estimator_(estimator), plan_(plan), options_(options) {}
 
 int BounceLight::bouncesLeft(int bounce) const {
     return options_.most == kUnlimitedBounces ? kUnlimitedBounces : options_.most - bounce;
