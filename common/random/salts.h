@@ -62,8 +62,7 @@ enum class RenderSalt : std::uint64_t {
     bounceDirect = 105,     ///< seed of a vertex's direct light
     shutterTime = 106,      ///< a pixel's seed for when its camera rays are sent
     clusterTrial = 114,     ///< a cluster's seed for rays that try where its light comes from
-    itemTrial = 115,        ///< the same of an item
-    trialRay = 116,         ///< direction of such a ray
+    trialRay = 115,         ///< direction of such a ray
     bounceSender = 108,     ///< which camera ray of a run sends rays; third word: the run
     placeSamples = 107,     ///< the sequence of a place's samples; third word: its number
     domePilotTile = 90,     ///< tiles of the map that `dome`'s pilot rays go to

@@ -1,12 +1,12 @@
 #include "render/bounces/guides.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "common/base/parallel.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
 #include "render/bounces/guide_maker.h"
-#include "render/bounces/item_looks.h"
 
 namespace shadowcache {
 
@@ -15,27 +15,10 @@ namespace {
 /// Members of a cluster whose trial rays stand for all.
 constexpr std::size_t kTrialMembers = 32;
 
-/// Clusters, and vertices, that a thread takes at a time.
-constexpr std::size_t kClustersOfChunk = 8, kVerticesOfChunk = 1024;
+/// Clusters that a thread takes at a time.
+constexpr std::size_t kClustersOfChunk = 8;
 
 }  // namespace
-
-ItemGuides::ItemGuides(const EstimatorContext& context)
-    : context_(context),
-      slots_(context.radiosity ? context.radiosity->solve().items().size() : 0) {}
-
-const DirectionGuide& ItemGuides::of(std::uint32_t item) {
-    Slot& slot = slots_[item];
-    std::call_once(slot.made, [&] {
-        const ItemTable& items = context_.radiosity->solve().items();
-        const Vec3f& normal = items.normal(item);
-        const GuidePlace place{aboveItem(context_.scene, items, item), normal, normal};
-        GuideMaker maker(context_);
-        slot.guide = maker.make(std::span(&place, 1), hashWords(item, RenderSalt::itemTrial));
-        rays_ += maker.rays();
-    });
-    return slot.guide;
-}
 
 Guides Guides::ofClusters(const EstimatorContext& context, std::span<const PathVertex> vertices,
                           const VertexGroups& groups, std::uint64_t& rays) {
@@ -65,19 +48,6 @@ Guides Guides::ofClusters(const EstimatorContext& context, std::span<const PathV
         sent += maker.rays();
     });
     rays += sent;
-    return guides;
-}
-
-Guides Guides::ofItems(ItemGuides& ofItems, std::span<const PathVertex> vertices,
-                       const VertexGroups& groups) {
-    Guides guides;
-    guides.byVertex_.assign(vertices.size(), nullptr);
-    parallelFor(groups.members.size(), kVerticesOfChunk, [&](const Chunk& chunk) {
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const std::uint32_t m = groups.members[i];
-            if (vertices[m].item != kNoItem) guides.byVertex_[m] = &ofItems.of(vertices[m].item);
-        }
-    });
     return guides;
 }
 
