@@ -15,9 +15,9 @@ namespace shadowcache {
 /// cosine, and V_kj whether k sees z_j.
 /// [Veach & Guibas 1995; Bekaert et al. 2002] What z_j mirrors is for the one it was met by.
 ///
+/// @param next     what the level's rays met; its light is known
+/// @param rays     counts those that were traced
 /// @param grouped  receives the same by light group, which it has room for; black, or empty
-/// @param next  what the level's rays met; its light is known
-/// @param rays  counts those that were traced
 /// @return by vertex; 0 where a vertex is in no group
 std::vector<Rgb> exchange(const Scene& scene, const PathLevel& level, const PathLevel& next,
                           std::uint64_t& rays, GroupedLight& grouped);

@@ -18,6 +18,9 @@ SHADOWCACHE_TUNED(std::size_t, kGuideBalls, 32);
 /// Trial rays to each.
 SHADOWCACHE_TUNED(int, kTrialRays, 16);
 
+/// Of these, the first ones, after which no more are sent where they show no gain.
+SHADOWCACHE_TUNED(int, kFirstTrialRays, 4);
+
 /// By how much guided rays have to lower the second moment of what a ray finds.
 SHADOWCACHE_TUNED(double, kLeastGuideGain, 1.5);
 
@@ -48,23 +51,26 @@ DirectionGuide GuideMaker::make(std::span<const GuidePlace> places, std::uint64_
     for (const RadiosityTree::Ball& ball :
          tree_.brightestFor(position, normal.normalized(), kGuideBalls))
         trials_.push_back({ball});
-    sendTrials(places, seed);
-    const float share = keepBest(predicted);
+    sendTrials(places, seed, 0, kFirstTrialRays);
+    if (best(predicted).share <= 0) return {};
+    sendTrials(places, seed, kFirstTrialRays, kTrialRays);
+    const auto [kept, share] = best(predicted);
     if (share <= 0) return {};
     double found = 0, sum = 0;
-    for (const Trial& trial : trials_) found += trial.light;
-    const double least = kLeastOfMean * found / static_cast<double>(trials_.size());
-    for (const Trial& trial : trials_) sum += std::max(trial.light, least);
+    for (const Trial& trial : kept) found += trial.light;
+    const double least = kLeastOfMean * found / static_cast<double>(kept.size());
+    for (const Trial& trial : kept) sum += std::max(trial.light, least);
     std::vector<DirectionGuide::Part> parts;
-    for (const Trial& trial : trials_)
+    for (const Trial& trial : kept)
         parts.push_back({trial.ball, static_cast<float>(std::max(trial.light, least) / sum)});
     return {std::move(parts), share};
 }
 
-void GuideMaker::sendTrials(std::span<const GuidePlace> places, std::uint64_t seed) {
+void GuideMaker::sendTrials(std::span<const GuidePlace> places, std::uint64_t seed, int first,
+                            int last) {
     for (std::size_t b = 0; b < trials_.size(); ++b)
-        for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(kTrialRays); ++i) {
-            const std::uint64_t ray = hashWords(seed, b, i);
+        for (int i = first; i < last; ++i) {
+            const std::uint64_t ray = hashWords(seed, b, static_cast<std::uint64_t>(i));
             const GuidePlace& from = places[ray % places.size()];
             const BallCone cone(trials_[b].ball, from.origin);
             if (cone.empty()) continue;
@@ -73,10 +79,10 @@ void GuideMaker::sendTrials(std::span<const GuidePlace> places, std::uint64_t se
                                               toUnitFloat(static_cast<std::uint32_t>(h >> 32)));
             const float cosine = direction.dot(from.normal);
             if (cosine <= 0 || direction.dot(from.geometricNormal) <= 0) continue;
-            queue({b, static_cast<double>(cosine * cone.solidAngle()) / kTrialRays}, from.origin,
-                  direction);
+            queue({b, static_cast<double>(cosine * cone.solidAngle())}, from.origin, direction);
         }
     flush();
+    sent_ = last;
 }
 
 void GuideMaker::queue(const Queued& ray, const Vec3f& origin, const Vec3f& direction) {
@@ -118,26 +124,27 @@ double GuideMaker::predictedAt(const GuidePlace& place) const {
         context_.environment.luminance(tree_.solve().indirect(item, kAllBounces)));
 }
 
-/// Keeps the balls with which the second moment of what a ray finds is least; with f the share of
-/// the light that comes from them and a that of the hemisphere, by the cosine, it is f^2 / a +
+/// The balls with which the second moment of what a ray finds is least; with f the share of the
+/// light that comes from them and a that of the hemisphere, by the cosine, it is f^2 / a +
 /// (1 - f)^2 / (1 - a) by the cosine, and f^2 / ((1 - s) a + s) + (1 - f)^2 / ((1 - s) (1 - a))
 /// where a share s of the rays goes to them.
 ///
 /// @param predicted  luminance of the irradiance from everywhere
-/// @return the share of guided rays; 0: none pays
-float GuideMaker::keepBest(double predicted) {
-    std::erase_if(trials_, [](const Trial& t) { return !(t.light > 0 && t.extent > 0); });
-    std::ranges::stable_sort(trials_, [](const Trial& a, const Trial& b) {
+GuideMaker::Best GuideMaker::best(double predicted) const {
+    Best found{trials_, 0};
+    std::vector<Trial>& trials = found.trials;
+    std::erase_if(trials, [](const Trial& t) { return !(t.light > 0 && t.extent > 0); });
+    std::ranges::stable_sort(trials, [](const Trial& a, const Trial& b) {
         return a.light * b.extent > b.light * a.extent;
     });
     double all = 0;
-    for (const Trial& trial : trials_) all += trial.light;
+    for (const Trial& trial : trials) all += trial.light / sent_;
     const double whole = std::max(predicted, all);
-    double best = 0, least = 1 / kLeastGuideGain, part = 0, extent = 0;
+    double least = 1 / kLeastGuideGain, part = 0, extent = 0;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < trials_.size(); ++i) {
-        part += trials_[i].light / whole;
-        extent = std::min(extent + trials_[i].extent / kPi, kMostExtent);
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+        part += trials[i].light / sent_ / whole;
+        extent = std::min(extent + trials[i].extent / sent_ / kPi, kMostExtent);
         const double rest = (1 - part) * (1 - part) / (1 - extent);
         const double unguided = part * part / extent + rest;
         for (const double share : kShares) {
@@ -145,11 +152,11 @@ float GuideMaker::keepBest(double predicted) {
             if (!(guided < least * unguided)) continue;
             least = guided / unguided;
             kept = i + 1;
-            best = share;
+            found.share = static_cast<float>(share);
         }
     }
-    trials_.resize(kept);
-    return static_cast<float>(best);
+    trials.resize(kept);
+    return found;
 }
 
 }  // namespace shadowcache

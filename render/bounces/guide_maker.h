@@ -30,27 +30,33 @@ public:
     std::uint64_t rays() const { return rays_; }
 
 private:
-    /// What trial rays found of a ball.
+    /// What trial rays found of a ball, summed over them.
     struct Trial {
         RadiosityTree::Ball ball;
         double light = 0;   ///< irradiance from it, in luminance
         double extent = 0;  ///< projected solid angle [sr]
+    };
+    /// Balls to guide rays to.
+    struct Best {
+        std::vector<Trial> trials;
+        float share;  ///< of guided rays; 0: none pays
     };
     struct Queued {
         std::size_t ball;
         double weight;  ///< of its radiance in the irradiance
     };
 
-    void sendTrials(std::span<const GuidePlace> places, std::uint64_t seed);
+    void sendTrials(std::span<const GuidePlace> places, std::uint64_t seed, int first, int last);
     void queue(const Queued& ray, const Vec3f& origin, const Vec3f& direction);
     void flush();
     float radianceMet(const Hit& hit, const Vec3f& direction) const;
     double predictedAt(const GuidePlace& place) const;
-    float keepBest(double predicted);
+    Best best(double predicted) const;
 
     const EstimatorContext& context_;
     const RadiosityTree& tree_;
     std::vector<Trial> trials_;
+    int sent_ = 0;  ///< trial rays to each
     RayPacket packet_{};
     std::array<Queued, RayPacket::kSize> queued_{};
     std::size_t count_ = 0;
