@@ -78,7 +78,8 @@ void ObjTexcoords::write(std::uint32_t vertex, const Use& use) {
     const bool placed = use[0] < texcoords_.size();
     if (!placed)
         ++mesh_.remarks["vertices without texture coordinates, whose material has a picture"];
-    const auto& [places, repeats, normalMap] = kinds_[use[1]];
+    const auto& places = kinds_[use[1]].places;
+    const auto& repeats = kinds_[use[1]].repeats;
     const auto at = [&](std::size_t layer) {
         return placed ? islands_.at(use[0], places[layer], repeats[layer])
                       : TextureIslands::none(places[layer]);

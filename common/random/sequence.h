@@ -33,18 +33,18 @@ struct Sequence {
               std::span<std::uint32_t> out) const noexcept;
     bool operator==(const Sequence&) const = default;
 
-    static const Sequence sobol, random;
+    static const Sequence kSobol, kRandom;
 };
 
 /// Words that are hashes: independent of each other.
 void randomWords(const Sequence& sequence, std::uint32_t first, int dimension, std::uint64_t seed,
                  std::span<std::uint32_t> out) noexcept;
 
-inline constexpr Sequence Sequence::sobol{};
-inline constexpr Sequence Sequence::random{randomWords};
+inline constexpr Sequence Sequence::kSobol{};
+inline constexpr Sequence Sequence::kRandom{randomWords};
 
 /// Names accepted by --sequence.
-inline constexpr Named<Sequence> kSequences[] = {{"sobol", Sequence::sobol},
-                                                 {"random", Sequence::random}};
+inline constexpr Named<Sequence> kSequences[] = {{"sobol", Sequence::kSobol},
+                                                 {"random", Sequence::kRandom}};
 
 }  // namespace shadowcache

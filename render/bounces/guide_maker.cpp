@@ -61,6 +61,7 @@ DirectionGuide GuideMaker::make(std::span<const GuidePlace> places, std::uint64_
     const double least = kLeastOfMean * found / static_cast<double>(kept.size());
     for (const Trial& trial : kept) sum += std::max(trial.light, least);
     std::vector<DirectionGuide::Part> parts;
+    parts.reserve(kept.size());
     for (const Trial& trial : kept)
         parts.push_back({trial.ball, static_cast<float>(std::max(trial.light, least) / sum)});
     return {std::move(parts), share};

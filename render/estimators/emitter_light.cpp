@@ -79,30 +79,30 @@ EmitterLight::EmitterLight(const Scene& scene, const Emitters& emitters, const S
     : scene_(scene), emitters_(emitters), cache_(cache), visibility_(visibility) {}
 
 EmitterLight::Tools::Tools(const EmitterLight& light)
-    : items(ShadowCache::kMaxItems),
-      shares(light.emitters_.size(), EmitterVisibility::kUnknown),
-      chances(light.emitters_.size()) {
-    if (light.visibility_) reader.emplace(*light.cache_);
-    queued.reserve(RayStream::kSize);
+    : items_(ShadowCache::kMaxItems),
+      shares_(light.emitters_.size(), EmitterVisibility::kUnknown),
+      chances_(light.emitters_.size()) {
+    if (light.visibility_) reader_.emplace(*light.cache_);
+    queued_.reserve(RayStream::kSize);
 }
 
 void EmitterLight::lookUp(const SetPlace& place, Tools& tools) const {
     if (!visibility_) return;
-    const int found = tools.reader->lookUp(place.position, place.geometricNormal, tools.items);
-    visibility_->shares(std::span(tools.items).first(static_cast<std::size_t>(found)),
-                        tools.shares);
+    const int found = tools.reader_->lookUp(place.position, place.geometricNormal, tools.items_);
+    visibility_->shares(std::span(tools.items_).first(static_cast<std::size_t>(found)),
+                        tools.shares_);
 }
 
 /// Chances of the emitters at a place. @return whether there are any
 bool EmitterLight::weigh(const Receiver& at, Tools& tools) const {
     float sum = 0;
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
-        const float share = tools.shares[e];
+        const float share = tools.shares_[e];
         const float visible = share < 0 ? 1 : share + kHiddenShare;
-        sum += tools.chances[e] = emitters_.irradiance(e, at).weight * visible;
+        sum += tools.chances_[e] = emitters_.irradiance(e, at).weight * visible;
     }
     if (!(sum > 0)) return false;
-    for (float& chance : tools.chances) chance /= sum;
+    for (float& chance : tools.chances_) chance /= sum;
     return true;
 }
 
@@ -110,22 +110,22 @@ bool EmitterLight::weigh(const Receiver& at, Tools& tools) const {
 EmitterLight::Drawn EmitterLight::draw(const Receiver& at, std::size_t k,
                                        const Tools& tools) const {
     Drawn drawn;
-    double choice = unit(tools.words[0][k]);
+    double choice = unit(tools.words_[0][k]);
     std::size_t e = 0, last = 0;
-    for (; e < tools.chances.size(); ++e) {
-        const auto chance = static_cast<double>(tools.chances[e]);
+    for (; e < tools.chances_.size(); ++e) {
+        const auto chance = static_cast<double>(tools.chances_[e]);
         if (chance > 0) last = e;
         if (choice < chance) break;
         choice -= chance;
     }
     // Rounding may leave something behind the last one.
-    if (e == tools.chances.size()) e = last;
-    choice = std::clamp(choice / static_cast<double>(tools.chances[e]), 0.0, 1 - 0x1p-53);
+    if (e == tools.chances_.size()) e = last;
+    choice = std::clamp(choice / static_cast<double>(tools.chances_[e]), 0.0, 1 - 0x1p-53);
     const Emitters::Choice chosen = emitters_.choose(e, at, choice);
     if (!(chosen.chance > 0)) return drawn;
     const EmitterPart& t = emitters_.parts()[chosen.part];
-    drawn.point = samplePoint(t, at, unit(tools.words[1][k]), unit(tools.words[2][k]));
-    drawn.density = tools.chances[e] * chosen.chance * drawn.point.density;
+    drawn.point = samplePoint(t, at, unit(tools.words_[1][k]), unit(tools.words_[2][k]));
+    drawn.density = tools.chances_[e] * chosen.chance * drawn.point.density;
     if (!(drawn.density > 0)) return drawn;
     drawn.part = &t;
     drawn.radiance = emitters_.radianceAt(t, drawn.point);
@@ -134,7 +134,7 @@ EmitterLight::Drawn EmitterLight::draw(const Receiver& at, std::size_t k,
 
 /// Chance of a part of an emitter at a place.
 float EmitterLight::chanceOf(std::size_t part, const Receiver& at, const Tools& tools) const {
-    const float chance = tools.chances[emitters_.emitterOf(part)];
+    const float chance = tools.chances_[emitters_.emitterOf(part)];
     return chance > 0 ? chance * emitters_.chanceOf(part, at) : 0;
 }
 
@@ -157,9 +157,9 @@ Rgb EmitterLight::weighed(const Hit& hit, const Receiver& at, bool draws, float 
 Rgb EmitterLight::lampsMet(const Tools::LobeRay& ray, float distance, const Receiver& at,
                            Tools& tools, const GroupSink& sink) const {
     Rgb sum(0, 0, 0);
-    tools.met.clear();
-    emitters_.meetLamps(at, ray.direction, tools.met);
-    for (const auto& [part, hit] : tools.met) {
+    tools.met_.clear();
+    emitters_.meetLamps(at, ray.direction, tools.met_);
+    for (const auto& [part, hit] : tools.met_) {
         if (hit.distance > distance) continue;
         Rgb met = hit.radiance * (1 / (ray.density + chanceOf(part, at, tools) * hit.density));
         if (scene_.tints()) met *= scene_.tint(at.position, ray.direction, hit.distance);
@@ -172,17 +172,17 @@ Rgb EmitterLight::lampsMet(const Tools::LobeRay& ray, float distance, const Rece
 void EmitterLight::enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value,
                            std::uint32_t number, Tools& tools) const {
     const bool seen = value != Rgb(0, 0, 0) && drawn.point.direction.dot(place.geometricNormal) > 0;
-    tools.samples.push_back({number, seen, false, value, numberOf(drawn)});
+    tools.samples_.push_back({number, seen, false, value, numberOf(drawn)});
     if (!seen) return;
     const EmitterRay ray = rayTo(scene_, *drawn.part, drawn.point, place.rayOrigin);
-    const std::size_t i = tools.queued.size();
+    const std::size_t i = tools.queued_.size();
     for (int k = 0; k < 3; ++k) {
-        tools.stream.origin[k][i] = place.rayOrigin[k];
-        tools.stream.direction[k][i] = ray.way[k];
+        tools.stream_.origin[k][i] = place.rayOrigin[k];
+        tools.stream_.direction[k][i] = ray.way[k];
     }
-    tools.stream.reach[i] = ray.reach;
-    tools.queued.push_back(static_cast<std::uint32_t>(tools.samples.size() - 1));
-    if (tools.queued.size() == RayStream::kSize) trace(tools);
+    tools.stream_.reach[i] = ray.reach;
+    tools.queued_.push_back(static_cast<std::uint32_t>(tools.samples_.size() - 1));
+    if (tools.queued_.size() == RayStream::kSize) trace(tools);
 }
 
 /// Whether nothing is in the way of a ray of rayTo(), of what moves, too.
@@ -194,25 +194,25 @@ bool EmitterLight::passes(const Vec3f& origin, const Vec3f& way, float reach) co
 }
 
 void EmitterLight::trace(Tools& tools) const {
-    if (tools.queued.empty()) return;
-    scene_.trace(tools.stream, tools.queued.size());
+    if (tools.queued_.empty()) return;
+    scene_.trace(tools.stream_, tools.queued_.size());
     // Streams do not see what moves.
     const bool moves = !scene_.movingBalls().empty();
-    for (std::size_t i = 0; i < tools.queued.size(); ++i) {
+    for (std::size_t i = 0; i < tools.queued_.size(); ++i) {
         const auto vector = [i](const float(&of)[3][RayStream::kSize]) {
             return Vec3f(of[0][i], of[1][i], of[2][i]);
         };
-        bool visible = tools.stream.reach[i] >= 0;
+        bool visible = tools.stream_.reach[i] >= 0;
         if (visible && moves)
-            visible = passes(vector(tools.stream.origin), vector(tools.stream.direction),
-                             tools.stream.reach[i]);
-        Tools::Sample& sample = tools.samples[tools.queued[i]];
+            visible = passes(vector(tools.stream_.origin), vector(tools.stream_.direction),
+                             tools.stream_.reach[i]);
+        Tools::Sample& sample = tools.samples_[tools.queued_[i]];
         sample.visible = visible;
         if (visible && scene_.tints())
-            sample.value *= scene_.tint(vector(tools.stream.origin), vector(tools.stream.direction),
-                                        tools.stream.reach[i]);
+            sample.value *= scene_.tint(vector(tools.stream_.origin),
+                                        vector(tools.stream_.direction), tools.stream_.reach[i]);
     }
-    tools.queued.clear();
+    tools.queued_.clear();
 }
 
 /// Adds the samples of each point to its estimate.
@@ -233,20 +233,20 @@ void EmitterLight::addUp(const Samples& samples, const Rgb& luminanceWeights, co
 /// Adds the samples that go to emitters to their groups.
 void EmitterLight::addToGroups(const Tools& tools, const GroupSink& sink) {
     if (!sink) return;
-    for (const Tools::Sample& sample : tools.samples)
+    for (const Tools::Sample& sample : tools.samples_)
         if (sample.visible) sink.at(sample.point)[sink.groups->ofPart(sample.part)] += sample.value;
 }
 
 void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWeights, Tools& tools,
                                  std::span<Estimate> estimates, const GroupSink& sink) const {
-    tools.samples.clear();
+    tools.samples_.clear();
     for (std::size_t i = 0; i < batch.points.size(); ++i) {
         const ShadingPoint& point = batch.points[i];
         const Receiver at{point.place.rayOrigin, point.place.normal};
         lookUp(point.place, tools);
         if (!weigh(at, tools)) continue;
         const int samples = samplesOf(batch, point.slot);
-        fillWords(point.slot, RenderSalt::emitterSamples, samples, tools.words);
+        fillWords(point.slot, RenderSalt::emitterSamples, samples, tools.words_);
         for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k) {
             const Drawn drawn = draw(at, k, tools);
             const float cosine = std::max(0.0f, at.normal.dot(drawn.point.direction));
@@ -259,7 +259,7 @@ void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWe
     }
     trace(tools);
     addToGroups(tools, sink);
-    addUp(tools.samples, luminanceWeights,
+    addUp(tools.samples_, luminanceWeights,
           [&](std::uint32_t i, const Rgb& sum, float variance, std::uint32_t rays) {
               estimates[i].irradiance += sum;
               estimates[i].variance += variance;
@@ -270,8 +270,8 @@ void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWe
 void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint> points,
                             const Rgb& luminanceWeights, Tools& tools,
                             std::span<GlossEstimate> estimates, const GroupSink& sink) const {
-    tools.samples.clear();
-    tools.lobeRays.clear();
+    tools.samples_.clear();
+    tools.lobeRays_.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto number = static_cast<std::uint32_t>(i);
         const ShadingPoint& point = points[i].point;
@@ -282,8 +282,8 @@ void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint
         // As many rays of either kind.
         const int samples = (samplesOf(batch, point.slot) + 1) / 2;
         const float share = 1 / static_cast<float>(samples);
-        fillWords(point.slot, RenderSalt::emitterGloss, draws ? samples : 0, tools.words);
-        for (std::size_t k = 0; k < tools.words[0].size(); ++k) {
+        fillWords(point.slot, RenderSalt::emitterGloss, draws ? samples : 0, tools.words_);
+        for (std::size_t k = 0; k < tools.words_[0].size(); ++k) {
             const Drawn drawn = draw(at, k, tools);
             Rgb value(0, 0, 0);
             if (drawn.part)
@@ -291,12 +291,12 @@ void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint
                         (share / drawn.densityWith(lobe.density(drawn.point.direction)));
             enqueue(point.place, drawn, value, number, tools);
         }
-        fillWords(point.slot, RenderSalt::emitterLobe, samples, tools.words);
-        const std::size_t first = tools.lobeRays.size();
+        fillWords(point.slot, RenderSalt::emitterLobe, samples, tools.words_);
+        const std::size_t first = tools.lobeRays_.size();
         for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k)
-            tools.lobeRays.push_back(lobeRay(points[i], number, share, k, tools));
+            tools.lobeRays_.push_back(lobeRay(points[i], number, share, k, tools));
         // While the chances are this point's. No ray decides about another.
-        traceLobe(at, draws, std::span(tools.lobeRays).subspan(first), tools, sink);
+        traceLobe(at, draws, std::span(tools.lobeRays_).subspan(first), tools, sink);
     }
     trace(tools);
     addToGroups(tools, sink);
@@ -305,8 +305,8 @@ void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint
         estimates[i].variance += variance;
         estimates[i].rays += rays;
     };
-    addUp(tools.samples, luminanceWeights, add);
-    addUp(tools.lobeRays, luminanceWeights, add);
+    addUp(tools.samples_, luminanceWeights, add);
+    addUp(tools.lobeRays_, luminanceWeights, add);
 }
 
 EmitterLight::Tools::LobeRay EmitterLight::lobeRay(const GlossyPoint& glossy, std::uint32_t number,
@@ -314,7 +314,7 @@ EmitterLight::Tools::LobeRay EmitterLight::lobeRay(const GlossyPoint& glossy, st
     Tools::LobeRay ray;
     ray.point = number;
     ray.direction =
-        glossy.lobe.sample(toUnitFloat(tools.words[0][k]), toUnitFloat(tools.words[1][k]));
+        glossy.lobe.sample(toUnitFloat(tools.words_[0][k]), toUnitFloat(tools.words_[1][k]));
     ray.density = glossy.lobe.density(ray.direction);
     if (!(ray.density > 0) || !(ray.direction.dot(glossy.point.place.geometricNormal) > 0))
         return ray;
@@ -367,13 +367,13 @@ Rgb EmitterLight::predictGloss(const GlossyPoint& glossy, Tools& tools, const Gr
     const Receiver at{glossy.point.place.rayOrigin, glossy.lobe.normal()};
     lookUp(glossy.point.place, tools);
     if (!weigh(at, tools)) return {0, 0, 0};
-    fillWords(glossy.point.slot, RenderSalt::emitterGuess, kDirections, tools.words);
+    fillWords(glossy.point.slot, RenderSalt::emitterGuess, kDirections, tools.words_);
     Rgb sum(0, 0, 0);
     for (std::size_t k = 0; k < kDirections; ++k) {
         const Drawn drawn = draw(at, k, tools);
         if (!drawn.part) continue;
         const std::size_t part = numberOf(drawn);
-        const float share = tools.shares[emitters_.emitterOf(part)];
+        const float share = tools.shares_[emitters_.emitterOf(part)];
         const Rgb value = drawn.radiance * glossy.lobe.value(drawn.point.direction);
         const float factor = (share < 0 ? 1 : share) / (drawn.density * kDirections);
         sum += value * factor;

@@ -47,15 +47,15 @@ public:
             float density = 0;
         };
 
-        std::optional<ShadowCache::Reader> reader;
-        std::vector<ItemView> items;
-        std::vector<float> shares, chances;
-        std::vector<std::uint32_t> words[3];
-        std::vector<Sample> samples;
-        std::vector<LobeRay> lobeRays;
-        std::vector<Emitters::Met> met;
-        RayStream stream{};
-        std::vector<std::uint32_t> queued;  ///< numbers of the samples in the stream
+        std::optional<ShadowCache::Reader> reader_;
+        std::vector<ItemView> items_;
+        std::vector<float> shares_, chances_;
+        std::vector<std::uint32_t> words_[3];
+        std::vector<Sample> samples_;
+        std::vector<LobeRay> lobeRays_;
+        std::vector<Emitters::Met> met_;
+        RayStream stream_{};
+        std::vector<std::uint32_t> queued_;  ///< numbers of the samples in the stream
     };
 
     /// Adds the irradiance of a batch's points to their estimates: as many rays of each as the

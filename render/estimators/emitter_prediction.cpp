@@ -13,7 +13,7 @@ Rgb EmitterLight::predict(const SetPlace& place, Tools& tools, const GroupSink& 
     Rgb sum(0, 0, 0);
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
         const Rgb unoccluded = emitters_.irradiance(e, at).irradiance;
-        const float share = tools.shares[e] < 0 ? 1.0f : tools.shares[e];
+        const float share = tools.shares_[e] < 0 ? 1.0f : tools.shares_[e];
         sum += unoccluded * share;
         if (sink) sink.groups->add(e, unoccluded, share, sink.at(number));
     }
@@ -22,11 +22,11 @@ Rgb EmitterLight::predict(const SetPlace& place, Tools& tools, const GroupSink& 
 
 Rgb EmitterLight::predictItem(std::uint64_t item, const Receiver& place, Tools& tools,
                               const GroupSink& sink) const {
-    visibility_->shares(item, tools.shares);
+    visibility_->shares(item, tools.shares_);
     Rgb sum(0, 0, 0);
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
         const Rgb unoccluded = emitters_.irradiance(e, place).irradiance;
-        const float share = std::max(0.0f, tools.shares[e]);
+        const float share = std::max(0.0f, tools.shares_[e]);
         sum += unoccluded * share;
         if (sink) sink.groups->add(e, unoccluded, share, sink.at(item));
     }

@@ -27,7 +27,7 @@ struct EstimatorContext {
     const Scene& scene;
     const Environment& environment;
     const ShadowCache* cache;  ///< may be null
-    Sequence sequence = Sequence::sobol;
+    Sequence sequence = Sequence::kSobol;
     /// What the cache predicts of the light that bounces under this environment; may be null.
     const BounceSolve* solve = nullptr;
     /// What shines in the set, which direct light includes; null: nothing does, or rays of paths

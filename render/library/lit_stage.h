@@ -23,7 +23,7 @@ namespace shadowcache {
 /// How a stage is lit.
 struct LightingOptions {
     EstimatorOptions estimator = {};          ///< of the one that is chosen
-    Sequence sequence = Sequence::sobol;      ///< of random numbers
+    Sequence sequence = Sequence::kSobol;     ///< of random numbers
     int bounces = 0;                          ///< as RenderOptions::bounces
     PlainLook plain = {};                     ///< as RenderOptions::plain
     std::vector<LightGroupRule> groups = {};  ///< whose light is kept apart; empty: all is one

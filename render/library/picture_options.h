@@ -13,7 +13,7 @@ namespace shadowcache {
 struct PictureOptions {
     std::optional<std::string> estimator{};  ///< none: `cache` with a cache, `mis` without
     EstimatorOptions estimators{};           ///< of all of them
-    Sequence sequence = Sequence::sobol;
+    Sequence sequence = Sequence::kSobol;
     PixelRays rays{};
     std::optional<int> bounces{};  ///< none: kStandardBounces
     std::vector<std::string> aovs{};

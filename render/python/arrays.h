@@ -50,7 +50,7 @@ struct Argument {
 class Broadcast {
 public:
     /// @throws TypeError, ValueError and MemoryError as vectorsOf(); ValueError if they do not fit
-    explicit Broadcast(std::initializer_list<Argument> arguments);
+    Broadcast(std::initializer_list<Argument> arguments);
 
     /// Without the last axis, and with others behind.
     Shape shape(std::initializer_list<pybind11::ssize_t> more = {}) const;

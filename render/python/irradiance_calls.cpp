@@ -114,7 +114,8 @@ void predict(const ShadowCache& cache, const CachePreview& preview, const Solved
     if (inAir.empty()) return;
     if (!wanted.set) refuseInAir(places.positions[inAir.front()]);
     std::optional<BouncingLight> bounced;
-    if (wanted.bounces != 0) bounced.emplace(*wanted.solve, *wanted.looks, wanted.bounces);
+    if (wanted.bounces != 0)
+        bounced.emplace(BouncingLight{*wanted.solve, *wanted.looks, wanted.bounces});
     irradianceInAir(wanted.set->scene, *wanted.light, bounced ? &*bounced : nullptr, places, inAir,
                     out);
     if (own) addOwnLightByRays(wanted.set->scene, own->light(), places, inAir, out);
@@ -176,7 +177,8 @@ py::array skyOperator(const CacheObject& cache, const py::object& points, const 
             std::optional<BouncePaths> paths;
             if (wanted.bounces != 0) {
                 transport = readPaths(*kept, wanted);
-                paths.emplace(*wanted.items, *transport, *wanted.looks, wanted.bounces);
+                paths.emplace(
+                    BouncePaths{*wanted.items, *transport, *wanted.looks, wanted.bounces});
             }
             const SkyOperator rows{*kept, wanted.set ? &wanted.set->scene : nullptr,
                                    paths ? &*paths : nullptr, level};

@@ -143,7 +143,7 @@ py::object occluded(const SceneObject& scene, const py::object& origins,
                 std::ranges::fill(stopped.subspan(first, count), false);
             };
             const float most =
-                static_cast<float>(std::min(reach, double{std::numeric_limits<float>::max()}));
+                static_cast<float>(std::min<double>(reach, std::numeric_limits<float>::max()));
             forEachBundle<RayStream::kSize>(
                 all, begin,
                 [&](std::size_t first, const Places& rays, std::span<const std::size_t> numbers) {

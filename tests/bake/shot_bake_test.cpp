@@ -121,7 +121,7 @@ Camera cameraOf(int frame) {
 Film picture(const ShadowCache& cache, int frame, RenderStats& stats) {
     static const Environment kLight = test::environmentOf(test::noiseMap(32, 16, 5));
     const auto estimator =
-        findEstimator("cache").make({*courtyard().scene, kLight, &cache, Sequence::sobol});
+        findEstimator("cache").make({*courtyard().scene, kLight, &cache, Sequence::kSobol});
     RenderOptions options;
     options.width = 320;
     options.height = 180;

@@ -21,10 +21,10 @@ void sequences(const Settings& settings) {
                     .image;
             for (const char* estimator : {"cosine", "environment", "mis", "paper", "cache"}) {
                 double error[2] = {0, 0};
-                for (const Sequence sequence : {Sequence::random, Sequence::sobol}) {
+                for (const Sequence sequence : {Sequence::kRandom, Sequence::kSobol}) {
                     context.sequence = sequence;
                     for (int i = 1; i <= settings.repeats; ++i)
-                        error[sequence == Sequence::sobol] +=
+                        error[sequence == Sequence::kSobol] +=
                             relativeError(renderFrame(context, *set, estimator, 1, settings.samples,
                                                       static_cast<std::uint64_t>(i), settings)
                                               .image,

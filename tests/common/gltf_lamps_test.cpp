@@ -117,8 +117,8 @@ TEST(GltfLamps, OfBadNumbersAreRefused) {
         {{{"type", "point"}, {"extras", {{"radius", -1}}}}, "radius"},
         {{{"type", "spot"}, {"extras", {{"shape", "rectangle"}, {"size", {0, 1}}}}}, "size"},
         {{{"type", "spot"}, {"extras", {{"shape", "star"}}}}, "shape"}};
-    for (const auto& [light, text] : cases)
-        test::expectError([&] { loaded(setWith(light)); }, "light 0", text);
+    for (const auto& badLight : cases)
+        test::expectError([&] { loaded(setWith(badLight.first)); }, "light 0", badLight.second);
 }
 
 TEST(GltfLamps, ThatAreNotReadAreNamed) {

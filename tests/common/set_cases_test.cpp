@@ -106,7 +106,7 @@ std::vector<std::uint32_t> visibility(const TriangleMesh& mesh) {
         for (int i = 0; i < 16; ++i) {
             const double u = 0.02 + 0.9 * (i % 4) / 4, v = (0.98 - u) * (0.5 + i / 4) / 4;
             const auto [a, b, c] = placedCorners(mesh, t);
-            const Vec3f p(a + (b - a) * u + (c - a) * v), side(0, 1, 0);
+            const Vec3f p(a + (b - a) * u + (c - a) * v);
             RayPacket rays{};
             for (int k = 0; k < 8; ++k)
                 rays.set(

@@ -61,7 +61,7 @@ protected:
         for (const ShadingPoint& point : points_)
             wanted.push_back(share * static_cast<double>(point.slot.sampleFraction));
         roundCounts(wanted, toUnit(hashWords(seed)), counts_);
-        return sampler_.draw(batch, members_, counts_, distribution_, Sequence::sobol);
+        return sampler_.draw(batch, members_, counts_, distribution_, Sequence::kSobol);
     }
 
     /// Control variate's value along a sample's direction, for its point.
@@ -239,7 +239,7 @@ TEST_F(Cluster, SamplesAreStratifiedOverAllPoints) {
                     const std::span<const std::uint32_t> one(&members_[i], 1);
                     for (const ClusterSample& s : sampler_.draw({points_, 1, kPoints / 4, 4}, one,
                                                                 std::span(counts_).subspan(i, 1),
-                                                                distribution_, Sequence::sobol))
+                                                                distribution_, Sequence::kSobol))
                         ++count[s.place.group];
                 }
             }

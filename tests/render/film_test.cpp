@@ -150,7 +150,7 @@ protected:
     const Scene scene_{mesh_};
     Environment environment_ = test::environmentOf(test::noiseMap(64, 32, 5), 30);
     Camera camera_ = lookAt({0.9, 1.3, 1.6}, {0, 0, 0.1}, {0, 1, 0}, 0.9);
-    Sequence sequence_ = Sequence::sobol;
+    Sequence sequence_ = Sequence::kSobol;
     RenderOptions options_;
 };
 
@@ -216,7 +216,7 @@ double variancePValue(const std::vector<Film>& films, double scale) {
 TEST_F(Frame, PixelsKnowTheirVariance) {
     // One constant plane: no edge, whose stratified rays vary less than their spread tells.
     camera_ = lookAt({0, 3, 0.01}, {0, 0, 0}, {0, 0, -1}, 0.2);
-    sequence_ = Sequence::random;
+    sequence_ = Sequence::kRandom;
     options_.width = options_.height = 24;
     options_.samples = 1;
     for (const int rays : {2, 3, 16}) {

@@ -130,7 +130,7 @@ TEST_P(GlossyReflection, IsBruteForces) {
 // The control is the factor itself: noise is not told twice or half.
 TEST(GlossyLight, TellsItsVariance) {
     const test::World world(test::slabMesh(), test::noiseMap(64, 32, 7));
-    const auto estimator = findEstimator("mis").make(world.context(Sequence::random), {});
+    const auto estimator = findEstimator("mis").make(world.context(Sequence::kRandom), {});
     const ShadingPoint point = world.below();
     const GlossyLook look = test::glossyLooks()[2];
     const test::Estimates found =

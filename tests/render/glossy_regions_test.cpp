@@ -225,7 +225,7 @@ TEST_F(GlossyRegionsTest, IntegralIsWhatSamplesSubtract) {
         roundCounts(std::array{32.0}, 0, shares);
         double sum = 0;
         for (const ClusterSample& sample :
-             sampler.draw(batch, {&member, 1}, shares, distribution_, Sequence::sobol)) {
+             sampler.draw(batch, {&member, 1}, shares, distribution_, Sequence::kSobol)) {
             const EnvironmentSample s = sample.finish(world_.environment);
             const RegionGroup& group = glossy_.regions.groups[sample.place.group];
             const Rgb fitted = cells_.value(

@@ -107,7 +107,7 @@ TEST(ServeRequests, OptionsAreThoseOfTheCommandLine) {
     EXPECT_EQ(all.picture.options.seed, 9007199254740991u);
     EXPECT_EQ(all.picture.options.plain.albedo, Rgb(0.25f));
     EXPECT_EQ(all.picture.options.plain.gloss->metallic, 1);
-    EXPECT_EQ(all.picture.sequence, Sequence::random);
+    EXPECT_EQ(all.picture.sequence, Sequence::kRandom);
     EXPECT_FALSE(all.picture.estimators.cache.adaptive);
 }
 

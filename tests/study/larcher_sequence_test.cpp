@@ -36,7 +36,7 @@ TEST(LarcherPillichshammer, MakesNetsWithItsIndex) {
     for (const int m : {1, 4, 7, 10}) {
         EXPECT_TRUE(isNet(m, larcherXor(1u << m))) << m;
         EXPECT_FALSE(isNet(m, larcherXor(1u << m), 0x80000000u)) << m;
-        EXPECT_FALSE(m > 1 && isNet(m, Sequence::random)) << m;
+        EXPECT_FALSE(m > 1 && isNet(m, Sequence::kRandom)) << m;
     }
     EXPECT_EQ(larcherPillichshammer(1), 0x80000000u);
     EXPECT_EQ(larcherPillichshammer(2), 0xc0000000u);

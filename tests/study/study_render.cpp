@@ -42,8 +42,8 @@ constexpr Named<bool> kConvolutions[] = {{"table", false}, {"exact", true}};
 
 /// How the numbers of a pixel's samples are made.
 constexpr Named<Sequence (*)(std::uint32_t samples)> kSequencesOfStudy[] = {
-    {"sobol", [](std::uint32_t) { return Sequence::sobol; }},
-    {"random", [](std::uint32_t) { return Sequence::random; }},
+    {"sobol", [](std::uint32_t) { return Sequence::kSobol; }},
+    {"random", [](std::uint32_t) { return Sequence::kRandom; }},
     {"larcher-xor", larcherXor},
     {"larcher-shift", larcherShift}};
 

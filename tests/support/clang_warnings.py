@@ -14,7 +14,7 @@ from plain_commands import plain_commands
 
 # What has a value of its own in the next word, or names what only a build needs.
 WITH_VALUE, ALONE = {"-o", "-MF", "-MT"}, {"-c", "-MD", "/usr/bin/ccache", "-Wno-restrict",
-                     "-Wno-stringop-overflow"}
+                     "-Wno-stringop-overflow", "-Wno-subobject-linkage"}
 
 
 def warnings(entry):

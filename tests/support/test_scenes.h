@@ -89,7 +89,7 @@ struct World {
 
     World(TriangleMesh set, const Image& map, const BakeOptions& options = {.spacing = 0.5});
 
-    EstimatorContext context(Sequence sequence = Sequence::sobol) const {
+    EstimatorContext context(Sequence sequence = Sequence::kSobol) const {
         return {scene,    environment, &cache.cache(),
                 sequence, nullptr,     light ? &light->light() : nullptr};
     }
