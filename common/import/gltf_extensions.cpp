@@ -40,9 +40,6 @@ bool has(const std::array<std::string_view, N>& names, const std::string& name) 
     return std::ranges::find(names, name) != names.end();
 }
 
-/// Of kinds and names; others are counted together.
-constexpr std::size_t kMostNamed = 20;
-
 constexpr const char* kLeftOut = " is left out";
 
 /// A name from a file in one line of a terminal.

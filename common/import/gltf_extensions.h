@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <set>
 #include <string>
 
@@ -14,6 +15,9 @@ bool mayRequireGltfExtension(const std::string& name);
 
 /// Whether what the extension says of a material is read.
 bool isReadOfMaterials(const std::string& name);
+
+/// Kinds and names that are told; others are counted together.
+inline constexpr std::size_t kMostNamed = 20;
 
 /// Counts, by kind of thing, the extensions that are left out.
 class ExtensionCounter {

@@ -191,7 +191,7 @@ private:
 
 void nameOne(const std::string& kind, const std::string& cause, const std::string& name,
              LeftOutOf& leftOut) {
-    constexpr std::size_t kMostNamed = 20, kMostBytes = 60;
+    constexpr std::size_t kMostBytes = 60;
     std::string named = cause + ": " + oneLine(name.substr(0, kMostBytes));
     if (leftOut.size() >= kMostNamed && !leftOut.contains({kind, named}))
         named = cause + ": others";

@@ -13,6 +13,7 @@
 
 #include "bake/app/bake_task.h"
 #include "bake/core/baker.h"
+#include "common/base/json_file.h"
 #include "common/base/process.h"
 #include "render/app/duration_text.h"
 #include "render/app/thumbnail.h"
@@ -149,6 +150,14 @@ std::string textOf(const BakeWorth& worth, int frames) {
     return text + fmt::format("worth       a bake: it pays from frame {:.0f} on and saves {}\n",
                               std::max(1.0, first),
                               durationText(frames * saved - worth.bake.seconds));
+}
+
+void writeWorth(const BakeWorth& worth, const std::filesystem::path& path) {
+    JsonFile out;
+    out.set("worth.seconds.bake", worth.bake.seconds);
+    out.set("worth.seconds.frame", worth.frameSeconds);
+    out.set("worth.seconds.frame_without", worth.withoutSeconds);
+    out.write(path);
 }
 
 }  // namespace shadowcache

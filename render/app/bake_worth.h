@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "bake/app/estimate.h"
@@ -40,5 +41,8 @@ BakeWorth worthOfBake(const BakeJob& bake, const TriangleMesh& mesh, const Worth
 ///
 /// @param frames  of the shot
 std::string textOf(const BakeWorth& worth, int frames);
+
+/// Writes its seconds as JSON, for --stats. @throws Error
+void writeWorth(const BakeWorth& worth, const std::filesystem::path& path);
 
 }  // namespace shadowcache

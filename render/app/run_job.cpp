@@ -175,6 +175,7 @@ private:
         const BakeWorth worth = worthOfBake(
             bake, *mesh, {stage_->scene(), light_.environment(), camera, frame, job_.picture});
         std::fputs(textOf(worth, static_cast<int>(run_.frames.size())).c_str(), stdout);
+        if (!run_.stats.empty()) writeWorth(worth, run_.stats);
     }
 
     /// Bakes, and shows pictures of the first frame meanwhile.

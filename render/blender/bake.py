@@ -11,7 +11,7 @@ from . import child, programs
 from .fingerprint import digest_of
 from .set_file import fps
 
-MARGIN = 1  # voxels around those that a shot looks up
+MARGIN = ("--margin", "1")  # voxels around those that a shot looks up
 
 
 class Recipe:
@@ -71,7 +71,7 @@ def bake(set_file, recipe, views, scene, folder, should_stop, on_progress):
     # What is extended has its own spacing and level.
     options = ["--extend", set_file.cache] if extend else recipe.options()
     if not whole:
-        options += shot_options(set_file, views, fps(scene))
+        options += [*shot_options(set_file, views, fps(scene)), *MARGIN]
     command = [programs.find("shadowcache-bake", folder), set_file.path, "-o", set_file.cache, *options,
                "--progress", "json"]
     try:
@@ -87,17 +87,29 @@ def bake(set_file, recipe, views, scene, folder, should_stop, on_progress):
 def estimate(set_file, recipe, views, rate, folder, should_stop):
     """What a bake of these views, or of the whole set, takes: the "estimate" of shadowcache-bake's statistics. views
     is None if Recipe.whole."""
+    shot = [*shot_options(set_file, views, rate), *MARGIN] if views and views.serves() else []
+    command = [programs.find("shadowcache-bake", folder), set_file.path, "--estimate", *recipe.options(), *shot]
+    return stats_of(command, set_file, should_stop)["estimate"]
+
+
+def worth(set_file, quality, views, rate, options, folder, should_stop):
+    """Seconds of a picture with a bake of these views and of one of the same noise without: "frame" and "frame_without".
+    options: of light and picture, for shadowcache-render."""
+    command = [programs.find("shadowcache-render", folder), set_file.path, "--bake", set_file.cache + ".none.vdb", "--explain",
+               "--bake-quality", quality, "-o", "none.####.exr", *shot_options(set_file, views, rate), *options]
+    return stats_of(command, set_file, should_stop)["worth"]["seconds"]
+
+
+def stats_of(command, set_file, should_stop):
+    """The statistics of a program that writes nothing else."""
     with tempfile.TemporaryDirectory() as work:
         stats = os.path.join(work, "stats.json")
-        shot = shot_options(set_file, views, rate) if views and views.serves() else []
-        command = [programs.find("shadowcache-bake", folder), set_file.path, "--estimate", "--stats", stats,
-                   "--progress", "none", *recipe.options(), *shot]
         try:
-            child.run(command, should_stop)
+            child.run([*command, "--stats", stats, "--progress", "none"], should_stop)
         finally:
             clean(set_file.cache)
         with open(stats, encoding="ascii") as file:
-            return json.load(file)["estimate"]
+            return json.load(file)
 
 
 def camera_of(set_file):
@@ -105,11 +117,11 @@ def camera_of(set_file):
 
 
 def shot_options(set_file, views, rate):
-    """Of a bake for these views; writes their camera file."""
+    """That name these views to both programs; writes their camera file."""
     views.write(camera_of(set_file), rate)
     frames = ",".join(str(frame) for frame in sorted(views.frames))
     return ["--camera", camera_of(set_file), "--frames", frames, "--size", "%dx%d" % views.size,
-            "--fps", "%.9g" % rate, "--margin", str(MARGIN)]
+            "--fps", "%.9g" % rate]
 
 
 def progress_of(process):

@@ -59,7 +59,8 @@ class SHADOWCACHE_PT_bake(Panel, bpy.types.Panel):
         column.label(text=state, icon="INFO")
         expected = estimate.FOUND.get(estimate.key_of(set_file, recipe))
         if expected and not state.startswith("Baked"):
-            column.label(text=expected, icon="TIME")
+            for line in expected.split(". "):
+                column.label(text=line, icon="TIME")
         row = column.row()
         row.operator("shadowcache.estimate")
         row.operator("shadowcache.forget")

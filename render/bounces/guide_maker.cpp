@@ -52,9 +52,9 @@ DirectionGuide GuideMaker::make(std::span<const GuidePlace> places, std::uint64_
          tree_.brightestFor(position, normal.normalized(), kGuideBalls))
         trials_.push_back({ball});
     sendTrials(places, seed, 0, kFirstTrialRays);
-    if (best(predicted).share <= 0) return {};
+    if (best(predicted, 1).share <= 0) return {};
     sendTrials(places, seed, kFirstTrialRays, kTrialRays);
-    const auto [kept, share] = best(predicted);
+    const auto [kept, share] = best(predicted, kLeastGuideGain);
     if (share <= 0) return {};
     double found = 0, sum = 0;
     for (const Trial& trial : kept) found += trial.light;
@@ -131,7 +131,8 @@ double GuideMaker::predictedAt(const GuidePlace& place) const {
 /// where a share s of the rays goes to them.
 ///
 /// @param predicted  luminance of the irradiance from everywhere
-GuideMaker::Best GuideMaker::best(double predicted) const {
+/// @param gain       by how much the second moment has to be lower
+GuideMaker::Best GuideMaker::best(double predicted, double gain) const {
     Best found{trials_, 0};
     std::vector<Trial>& trials = found.trials;
     std::erase_if(trials, [](const Trial& t) { return !(t.light > 0 && t.extent > 0); });
@@ -141,7 +142,7 @@ GuideMaker::Best GuideMaker::best(double predicted) const {
     double all = 0;
     for (const Trial& trial : trials) all += trial.light / sent_;
     const double whole = std::max(predicted, all);
-    double least = 1 / kLeastGuideGain, part = 0, extent = 0;
+    double least = 1 / gain, part = 0, extent = 0;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < trials.size(); ++i) {
         part += trials[i].light / sent_ / whole;

@@ -51,7 +51,7 @@ private:
     void flush();
     float radianceMet(const Hit& hit, const Vec3f& direction) const;
     double predictedAt(const GuidePlace& place) const;
-    Best best(double predicted) const;
+    Best best(double predicted, double gain) const;
 
     const EstimatorContext& context_;
     const RadiosityTree& tree_;

@@ -175,6 +175,10 @@ TEST_F(BakeAndRender, ExplainsWhatTheBakeIsWorth) {
     }
     EXPECT_FALSE(exists("a.vdb"));
     EXPECT_FALSE(exists("a.0001.exr"));
+    runWell("render", asked + "--spp 8 --explain --stats worth.json");
+    const std::string written = readBytes(path("worth.json"));
+    for (const char* of : {"\"bake\"", "\"frame\"", "\"frame_without\""})
+        EXPECT_NE(written.find(of), std::string::npos) << written;
     expectRefusal(run("render", asked + "--explain --samples 0 --camera-rays 1"), "render",
                   "--preview", "unbiased");
 }

@@ -92,11 +92,18 @@ def estimates():
     texts = list(module.FOUND.values())
     print("case estimates: %s" % texts)
     assert len(texts) == 2 and all("about 0:0" in text for text in texts), texts
+    assert "pay" not in "".join(texts), "with a spacing of one's own"
     megabytes = [float(text.split(" MB")[0].split()[-1]) for text in texts]
     settings.bake_scope = "SHOT"
     render("SHADOWCACHE")
     baked = next(os.path.getsize(os.path.join(settings.cache_folder, n)) for n in stamps() if n.endswith(".vdb"))
     assert abs(baked / 1e6 / megabytes[0] - 1) < 0.2 and megabytes[1] > megabytes[0], (baked, texts)
+    settings.bake_spacing, spacing = 0, settings.bake_spacing
+    assert bpy.ops.shadowcache.estimate() == {"FINISHED"}
+    said = list(module.FOUND.values())[-1]
+    print("case estimates: " + said)
+    assert "it pays from frame " in said or "It does not pay" in said, said
+    settings.bake_spacing = spacing
     panels()
     preferences().folder = "/nowhere"
     assert "no program shadowcache-bake there" in error_of(bpy.ops.shadowcache.estimate)
