@@ -137,28 +137,31 @@ std::string standardOf(const std::optional<T>&) {
 
 /// A whole number within [least, most]. T: int or std::optional<int>.
 template <class T>
-OptionRow wholeRow(std::string name, T& value, int least, int most, std::string help) {
+OptionRow wholeRow(const std::string& name, T& value, int least, int most,
+                   const std::string& help) {
     const auto put = [&value](std::int64_t n) { value = static_cast<int>(n); };
     const NumberRange range{static_cast<double>(least), static_cast<double>(most)};
-    OptionRow row = option_row::whole(std::move(name), put, range, std::move(help));
+    OptionRow row = option_row::whole(name, put, range, help);
     row.standard = option_row::standardOf(value);
     return row;
 }
 
 /// A number within a range. T: float, double or std::optional<double>.
 template <class T>
-OptionRow numberRow(std::string name, T& value, const NumberRange& range, std::string help) {
+OptionRow numberRow(const std::string& name, T& value, const NumberRange& range,
+                    const std::string& help) {
     const auto put = [&value](double n) { value = static_cast<T>(n); };
-    OptionRow row = option_row::number(std::move(name), put, range, std::move(help));
+    OptionRow row = option_row::number(name, put, range, help);
     row.standard = option_row::standardOf(value);
     return row;
 }
 
 /// One of the names in `table`, which must live as long.
 template <class T, std::size_t n>
-OptionRow wordRow(std::string name, T& value, const Named<T> (&table)[n], std::string help) {
+OptionRow wordRow(const std::string& name, T& value, const Named<T> (&table)[n],
+                  const std::string& help) {
     const auto put = [&value, &table](std::size_t i) { value = table[i].value; };
-    OptionRow row = option_row::word(std::move(name), put, namesOf(table), std::move(help));
+    OptionRow row = option_row::word(name, put, namesOf(table), help);
     for (const Named<T>& entry : table)
         if (entry.value == value) row.standard = entry.name;
     return row;

@@ -29,7 +29,8 @@ enum class Alpha { opaque, mask, blend };
 constexpr Named<Alpha> kAlphaModes[] = {
     {"OPAQUE", Alpha::opaque}, {"MASK", Alpha::mask}, {"BLEND", Alpha::blend}};
 
-std::vector<double> numbersOr(std::vector<double> found, std::vector<double> fallback) {
+std::vector<double> numbersOr(const std::vector<double>& found,
+                              const std::vector<double>& fallback) {
     return found.empty() ? fallback : found;
 }
 

@@ -104,7 +104,8 @@ std::vector<std::uint32_t> visibility(const TriangleMesh& mesh) {
     std::vector<std::uint32_t> all;
     for (std::uint32_t t = 0; t < placedCount(mesh); ++t)
         for (int i = 0; i < 16; ++i) {
-            const double u = 0.02 + 0.9 * (i % 4) / 4, v = (0.98 - u) * (0.5 + i / 4) / 4;
+            const int row = i / 4, column = i % 4;
+            const double u = 0.02 + 0.9 * column / 4, v = (0.98 - u) * (0.5 + row) / 4;
             const auto [a, b, c] = placedCorners(mesh, t);
             const Vec3f p(a + (b - a) * u + (c - a) * v);
             RayPacket rays{};
