@@ -142,8 +142,8 @@ py::object occluded(const SceneObject& scene, const py::object& origins,
             const auto begin = [&](std::size_t first, std::size_t count) {
                 std::ranges::fill(stopped.subspan(first, count), false);
             };
-            const float most =
-                static_cast<float>(std::min<double>(reach, std::numeric_limits<float>::max()));
+            constexpr auto kMost = static_cast<double>(std::numeric_limits<float>::max());
+            const auto most = static_cast<float>(std::min(reach, kMost));
             forEachBundle<RayStream::kSize>(
                 all, begin,
                 [&](std::size_t first, const Places& rays, std::span<const std::size_t> numbers) {
