@@ -19,7 +19,7 @@ SHADOWCACHE_TUNED(double, kRaysOfPixel, 600);
 /// Rays of a bake of the finest level for each side of a voxel that lookups see.
 SHADOWCACHE_TUNED(double, kRaysOfSide, 20000);
 /// The same of the level below, which has a quarter of the regions.
-constexpr double kRaysOfCoarseSide = kRaysOfSide / 4;
+const double kRaysOfCoarseSide = kRaysOfSide / 4;
 /// From this factor on, finer voxels of the level below tell more than the finest level.
 SHADOWCACHE_TUNED(double, kCoarseFactor, 2);
 constexpr double kMostFactor = 16;

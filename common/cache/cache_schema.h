@@ -12,6 +12,7 @@
 namespace shadowcache {
 
 /// Names in the file (docs/format.md).
+/// Its value: kCacheFormat (cache_header.h).
 inline constexpr const char* kFormatKey = "shadowcache_format";
 inline constexpr const char* kItemGrid = "shadowcache_items";
 inline constexpr const char* kBlockGrid = "shadowcache_blocks";

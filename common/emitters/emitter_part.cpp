@@ -84,15 +84,31 @@ Unoccluded irradianceByCap(const EmitterPart& lamp, const Receiver& at) noexcept
                 static_cast<float>(integral * std::max(share.mean, kLeastConeShare * share.most))};
 }
 
+/// Irradiance by a triangle that is far, with a radiance of 1, by the middles of its sides: exact
+/// for what is quadratic over it. [Strang & Fix 1973]
+///
+/// @param front  distance of the place from the triangle's plane
+float irradianceByFar(const EmitterPart& t, const Receiver& at, float front) noexcept {
+    float sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3f way = (t.corner[i] + t.corner[(i + 1) % 3]) * 0.5f - at.position;
+        const float squared = way.length2();
+        sum += (at.normal.dot(way) / squared) * (front / squared);
+    }
+    return sum * t.area * (1.0f / 3);
+}
+
 Unoccluded irradianceByTriangle(const EmitterPart& t, const Receiver& at) noexcept {
     const Vec3f way = t.centre - at.position;
     const float front = -t.normal.dot(way);
     if (front == 0 || (front < 0 && !t.twoSided)) return {};
     const float height = at.normal.dot(way), squared = way.length2();
+    if (isBelow(height, t.radius)) return {};
     float integral = 0;
-    if (squared > kFarRadii * kFarRadii * t.radius * t.radius && std::abs(height) > t.radius) {
+    if (squared > kFarTriangleRadii * kFarTriangleRadii * t.radius * t.radius &&
+        std::abs(height) > t.radius) {
         if (height < 0) return {};
-        integral = t.area * (height / squared) * (std::abs(front) / squared);
+        integral = irradianceByFar(t, at, std::abs(front));
     } else {
         const Vec3d place(at.position), n(at.normal);
         const LitPolygon polygon = aboveHorizon(

@@ -59,6 +59,16 @@ struct Unoccluded {
 
 /// Distance in radii from which on some parts count as their centre: off by 2 per cent.
 inline constexpr float kFarRadii = 8;
+/// The same of a triangle that counts as the middles of its sides.
+inline constexpr float kFarTriangleRadii = 5;
+
+/// Whether a ball is all below a place's horizon, by more than rounding.
+///
+/// @param height  of its centre above the horizon
+inline bool isBelow(float height, float radius) noexcept {
+    constexpr float kRounding = 1.001f;
+    return height < -kRounding * radius;
+}
 
 /// Irradiance of a place by a part: within 2 per cent, or exact where it is near; where the edge of
 /// a soft spot's cone is, about.

@@ -298,7 +298,7 @@ float Emitters::Node::towards(const Vec3f& w) const noexcept {
 Unoccluded Emitters::irradianceOf(const Node& node, const Receiver& at) const noexcept {
     const Vec3f way = node.centre - at.position;
     const float squared = way.length2(), height = at.normal.dot(way);
-    if (!(node.weight > 0)) return {};
+    if (!(node.weight > 0) || isBelow(height, node.radius)) return {};
     if (node.end > node.begin + 1 && !node.hasCones &&
         squared > kFarRadii * kFarRadii * node.radius * node.radius &&
         std::abs(height) > node.radius) {

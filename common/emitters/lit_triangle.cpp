@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/angle.h"
+
 namespace shadowcache {
 
 LitPolygon aboveHorizon(const std::array<Vec3d, 3>& triangle, const Vec3d& n) noexcept {
@@ -26,7 +28,7 @@ double cosineIntegral(const LitPolygon& polygon, const Vec3d& n) noexcept {
         // From the difference, which does not cancel where corners are near each other.
         const Vec3d across = a.cross(b - a);
         const double sine = across.length();
-        if (sine > 0) sum += std::atan2(sine, a.dot(b)) * (n.dot(across) / sine);
+        if (sine > 0) sum += angleOf(sine, a.dot(b)) * (n.dot(across) / sine);
     }
     return std::clamp(0.5 * std::abs(sum), 0.0, kPi);
 }

@@ -9,7 +9,7 @@
 #include "common/import/gltf_draco.h"
 #include "common/import/gltf_extensions.h"
 #include "common/import/gltf_file.h"
-#include "common/import/gltf_light.h"
+#include "common/import/gltf_lamp.h"
 
 namespace shadowcache {
 

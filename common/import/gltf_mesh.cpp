@@ -10,7 +10,7 @@
 #include "common/base/error.h"
 #include "common/image/image.h"
 #include "common/import/gltf_budget.h"
-#include "common/import/gltf_lamps.h"
+#include "common/import/gltf_placed_lamps.h"
 #include "common/import/gltf_vertices.h"
 #include "common/import/local_space.h"
 #include "common/import/tangents.h"

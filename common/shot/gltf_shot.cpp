@@ -8,7 +8,7 @@
 #include <set>
 
 #include "common/base/error.h"
-#include "common/import/gltf_lamps.h"
+#include "common/import/gltf_placed_lamps.h"
 #include "common/import/mesh_options.h"
 #include "common/import/mesh_reader.h"
 #include "common/math/limits.h"

@@ -21,10 +21,7 @@ namespace {
 
 /// Camera points that share what their rays meet, each of another pixel: a pixel gains from as many
 /// groups as it has camera rays.
-SHADOWCACHE_TUNED(std::size_t, kPointGroup, 32);
-
-/// Rays of others that a pixel shares at least: groups are larger where it has few camera rays.
-SHADOWCACHE_TUNED(std::size_t, kPixelHits, 64);
+SHADOWCACHE_TUNED(std::size_t, kPointGroup, 64);
 
 /// Vertices of paths that do. They are farther from each other.
 SHADOWCACHE_TUNED(std::size_t, kVertexGroup, 8);
@@ -60,8 +57,7 @@ int BounceLight::bouncesLeft(int bounce) const {
 GroupSizes BounceLight::sizesAt(int bounce) const {
     if (!options_.shared) return {1, 1, false};
     if (bounce > 0) return {kVertexGroup, kGroupsOfCluster, false};
-    const auto rays = static_cast<std::size_t>(options_.raysOfPixel);
-    return {std::max(kPointGroup, kPixelHits / rays), rays, true};
+    return {kPointGroup, static_cast<std::size_t>(options_.raysOfPixel), true};
 }
 
 GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,

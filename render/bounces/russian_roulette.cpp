@@ -13,7 +13,7 @@ namespace shadowcache {
 namespace {
 
 /// Least chance that a vertex sends a diffuse ray where its irradiance is predicted.
-SHADOWCACHE_TUNED(float, kBounceChance, 0.6f);
+SHADOWCACHE_TUNED(float, kBounceChance, 0.85f);
 
 /// Least and, of paths without end, highest chance by Russian roulette.
 constexpr float kLeastChance = 0.05f, kMostChance = 0.99f;

@@ -30,6 +30,7 @@ public:
         BatchSlot slot{.seed = hashWords(v.seed, RenderSalt::bounceDirect),
                        .pixel = static_cast<std::uint32_t>(points_.size())};
         const float counts = context.environment.luminance(v.albedo) * v.weight;
+        slot.importance = counts;
         if (v.errorScale > 0)
             slot.errorScale =
                 std::min(static_cast<float>(kPi) * v.errorScale / std::max(counts, 1e-6f),

@@ -19,6 +19,9 @@ namespace {
 /// Share of an emitter that counts as visible where no ray of the items saw it.
 SHADOWCACHE_TUNED(float, kHiddenShare, 0.02f);
 
+/// Most samples of a point that counts for more than others.
+SHADOWCACHE_TUNED(double, kMostEmitterSamples, 16);
+
 /// Samples of a point: fewer of those that more camera rays of a pixel than asked for met.
 int samplesOf(const PointBatch& batch, const BatchSlot& slot) {
     const float wanted = static_cast<float>(batch.samples) * slot.sampleFraction;
@@ -93,17 +96,30 @@ void EmitterLight::lookUp(const SetPlace& place, Tools& tools) const {
                         tools.shares_);
 }
 
-/// Chances of the emitters at a place. @return whether there are any
-bool EmitterLight::weigh(const Receiver& at, Tools& tools) const {
+/// Chances of the emitters at a place. @return what they are predicted to light it with, as
+/// EmitterPart::weight counts; 0: there are none
+float EmitterLight::weigh(const Receiver& at, Tools& tools) const {
     float sum = 0;
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
         const float share = tools.shares_[e];
         const float visible = share < 0 ? 1 : share + kHiddenShare;
         sum += tools.chances_[e] = emitters_.irradiance(e, at).weight * visible;
     }
-    if (!(sum > 0)) return false;
+    if (!(sum > 0)) return 0;
     for (float& chance : tools.chances_) chance /= sum;
-    return true;
+    return sum;
+}
+
+/// The same of all points of a batch.
+void EmitterLight::weighAll(const PointBatch& batch, Tools& tools) const {
+    tools.chancesOfAll_.clear();
+    tools.predicted_.clear();
+    for (const ShadingPoint& point : batch.points) {
+        lookUp(point.place, tools);
+        tools.predicted_.push_back(weigh({point.place.rayOrigin, point.place.normal}, tools));
+        tools.chancesOfAll_.insert(tools.chancesOfAll_.end(), tools.chances_.begin(),
+                                   tools.chances_.end());
+    }
 }
 
 /// The direction that a place's words `k` decide.
@@ -240,12 +256,24 @@ void EmitterLight::addToGroups(const Tools& tools, const GroupSink& sink) {
 void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWeights, Tools& tools,
                                  std::span<Estimate> estimates, const GroupSink& sink) const {
     tools.samples_.clear();
+    weighAll(batch, tools);
+    // A few points are most of what all of a batch add to pictures.
+    const auto importance = [&](std::size_t i) {
+        return static_cast<double>(tools.predicted_[i] * batch.points[i].slot.importance);
+    };
+    double whole = 0;
+    for (std::size_t i = 0; i < batch.points.size(); ++i) whole += importance(i);
+    const double mean = whole / static_cast<double>(batch.points.size());
     for (std::size_t i = 0; i < batch.points.size(); ++i) {
+        if (!(tools.predicted_[i] > 0)) continue;
         const ShadingPoint& point = batch.points[i];
         const Receiver at{point.place.rayOrigin, point.place.normal};
-        lookUp(point.place, tools);
-        if (!weigh(at, tools)) continue;
-        const int samples = samplesOf(batch, point.slot);
+        const std::size_t count = tools.chances_.size();
+        std::ranges::copy(std::span(tools.chancesOfAll_).subspan(i * count, count),
+                          tools.chances_.begin());
+        const double more = mean > 0 ? importance(i) / mean : 1;
+        const int samples = samplesOf(batch, point.slot) *
+                            static_cast<int>(std::clamp(std::ceil(more), 1.0, kMostEmitterSamples));
         fillWords(point.slot, RenderSalt::emitterSamples, samples, tools.words_);
         for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k) {
             const Drawn drawn = draw(at, k, tools);
@@ -278,7 +306,7 @@ void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint
         const GlossyLobe& lobe = points[i].lobe;
         const Receiver at{point.place.rayOrigin, lobe.normal()};
         lookUp(point.place, tools);
-        const bool draws = weigh(at, tools);
+        const bool draws = weigh(at, tools) > 0;
         // As many rays of either kind.
         const int samples = (samplesOf(batch, point.slot) + 1) / 2;
         const float share = 1 / static_cast<float>(samples);
@@ -366,7 +394,7 @@ Rgb EmitterLight::predictGloss(const GlossyPoint& glossy, Tools& tools, const Gr
     constexpr int kDirections = 8;
     const Receiver at{glossy.point.place.rayOrigin, glossy.lobe.normal()};
     lookUp(glossy.point.place, tools);
-    if (!weigh(at, tools)) return {0, 0, 0};
+    if (!(weigh(at, tools) > 0)) return {0, 0, 0};
     fillWords(glossy.point.slot, RenderSalt::emitterGuess, kDirections, tools.words_);
     Rgb sum(0, 0, 0);
     for (std::size_t k = 0; k < kDirections; ++k) {

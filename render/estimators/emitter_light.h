@@ -50,6 +50,7 @@ public:
         std::optional<ShadowCache::Reader> reader_;
         std::vector<ItemView> items_;
         std::vector<float> shares_, chances_;
+        std::vector<float> chancesOfAll_, predicted_;  ///< by point of a batch
         std::vector<std::uint32_t> words_[3];
         std::vector<Sample> samples_;
         std::vector<LobeRay> lobeRays_;
@@ -94,7 +95,8 @@ private:
     struct Drawn;
 
     void lookUp(const SetPlace& place, Tools& tools) const;
-    bool weigh(const Receiver& at, Tools& tools) const;
+    float weigh(const Receiver& at, Tools& tools) const;
+    void weighAll(const PointBatch& batch, Tools& tools) const;
     Drawn draw(const Receiver& at, std::size_t k, const Tools& tools) const;
     float chanceOf(std::size_t part, const Receiver& at, const Tools& tools) const;
     std::size_t numberOf(const Drawn& drawn) const;

@@ -30,6 +30,9 @@ struct BatchSlot {
     float errorScale = 0;
     /// Of the samples wanted: below 1 where the pixel has more camera rays than were asked for.
     float sampleFraction = 1;
+    /// By which irradiance there counts in pictures, beside the batch's others: points to which
+    /// emitters are predicted to add more than the mean get more samples of them. 0: alike.
+    float importance = 0;
 };
 
 /// A place to light, and where its light goes.

@@ -8,8 +8,8 @@
 #include "common/shot/camera_source.h"
 #include "common/shot/gltf_shot.h"
 #include "common/shot/moving_set.h"
-#include "render/library/cache_of_set.h"
 #include "render/library/job.h"
+#include "render/library/stale_cache.h"
 
 namespace shadowcache {
 

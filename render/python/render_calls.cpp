@@ -9,10 +9,10 @@
 
 #include "common/image/exr.h"
 #include "render/frame/aov_channels.h"
-#include "render/library/cache_of_set.h"
 #include "render/library/lit_stage.h"
 #include "render/library/option_table.h"
 #include "render/library/picture_options.h"
+#include "render/library/stale_cache.h"
 #include "render/python/arrays.h"
 #include "render/python/classes.h"
 #include "render/python/long_call.h"

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/emitters/lit_triangle.h"
+#include "common/math/angle.h"
 #include "tests/support/statistics.h"
 
 namespace shadowcache {
@@ -61,6 +62,12 @@ double summed(const Corners& t, const Vec3d& n, int splits) {
 double overhead(double a, double b) {
     const double ra = std::sqrt(1 + a * a), rb = std::sqrt(1 + b * b);
     return 0.5 * (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb));
+}
+
+TEST(AngleOf, IsThatOfTheLibrary) {
+    for (double y : {0.0, 1e-300, 1e-12, 1e-3, 0.1, 0.4, 0.415, 1.0, 2.5, 1e8})
+        for (double x : {-1e8, -3.0, -1.0, -0.4, -1e-9, 0.0, 1e-9, 0.4, 1.0, 3.0, 1e8})
+            EXPECT_NEAR(angleOf(y, x), std::atan2(y, x), 2e-12 * std::atan2(y, x)) << y << ' ' << x;
 }
 
 TEST(CosineIntegral, HasClosedForms) {
@@ -188,6 +195,51 @@ TEST(EmitterPoint, ChoosesSolidAnglesThatAddUp) {
         }
         EXPECT_NEAR(sum / cosineIntegral(aboveHorizon(corners, kUp), kUp), 1, 0.02);
     }
+}
+
+/// How far `irradiance` of thin and other triangles is from its closed form, at most, where they
+/// are about as near as may be for the far one's.
+template <class Irradiance>
+double worstFar(const Irradiance& irradiance) {
+    std::mt19937_64 generator(3);
+    std::normal_distribution<double> normal;
+    const auto vector = [&] {
+        return Vec3d(normal(generator), normal(generator), normal(generator));
+    };
+    double worst = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double width = i % 2 == 0 ? 1 : 0.02;
+        Corners corners{vector(), vector(), vector()};
+        for (Vec3d& corner : corners) corner.x *= width;
+        const EmitterPart unplaced = lampAt(corners);
+        const Vec3d way = vector().normalized() * (5.01 * static_cast<double>(unplaced.radius));
+        const Vec3d up = vector().normalized();
+        if (way.dot(up) <= static_cast<double>(unplaced.radius)) continue;
+        for (Vec3d& corner : corners) corner += way - Vec3d(unplaced.centre);
+        EmitterPart t = lampAt(corners);
+        t.twoSided = true;
+        const double exact = cosineIntegral(aboveHorizon(corners, up), up);
+        worst = std::max(
+            worst, std::abs(static_cast<double>(irradiance(t, {Vec3f(0), Vec3f(up)})) / exact - 1));
+    }
+    return worst;
+}
+
+TEST(EmitterPart, LightsFromAfarWithinTwoPerCent) {
+    EXPECT_LT(worstFar([](const EmitterPart& t, const Receiver& at) {
+                  return irradianceBy(t, at).irradiance.y / t.radiance.y;
+              }),
+              0.02);
+}
+
+// Control: the test above must see that its centre alone is not enough.
+TEST(EmitterPart, OfItsCentreAloneDoesNot) {
+    EXPECT_GT(worstFar([](const EmitterPart& t, const Receiver& at) {
+                  const float squared = t.centre.length2();
+                  return t.area * at.normal.dot(t.centre) * std::abs(t.normal.dot(t.centre)) /
+                         (squared * squared);
+              }),
+              0.02);
 }
 
 /// Small triangles all over a sphere around (0, 3, 0), turned anyhow.

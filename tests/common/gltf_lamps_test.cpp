@@ -1,13 +1,12 @@
 // Lamps of KHR_lights_punctual: units, places, what makes them soft; what is refused, and what is
 // named.
 
-#include "common/import/gltf_lamps.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
+#include "common/import/gltf_placed_lamps.h"
 #include "common/import/load_mesh.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/temporary_folder.h"

@@ -1,7 +1,8 @@
 // What glossy surfaces reflect, without a cache: samples of the map and of the lobe.
 
-#include "common/base/stopwatch.h"
 #include "render/estimators/gloss_mis.h"
+
+#include "common/base/stopwatch.h"
 
 namespace shadowcache {
 

@@ -1,4 +1,4 @@
-#include "common/import/gltf_lamps.h"
+#include "common/import/gltf_placed_lamps.h"
 
 #include "common/import/lamp_place.h"
 

@@ -7,15 +7,15 @@
 namespace shadowcache {
 
 /// Adds the time of its life, however that ends.
-class RenderClock {
+class RenderSeconds {
 public:
-    explicit RenderClock(RenderStats& stats) : stats_(stats) {}
-    ~RenderClock() {
+    explicit RenderSeconds(RenderStats& stats) : stats_(stats) {}
+    ~RenderSeconds() {
         stats_.seconds +=
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     }
-    RenderClock(const RenderClock&) = delete;
-    RenderClock& operator=(const RenderClock&) = delete;
+    RenderSeconds(const RenderSeconds&) = delete;
+    RenderSeconds& operator=(const RenderSeconds&) = delete;
 
 private:
     RenderStats& stats_;

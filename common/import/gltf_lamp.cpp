@@ -1,4 +1,4 @@
-#include "common/import/gltf_light.h"
+#include "common/import/gltf_lamp.h"
 
 #include <fmt/core.h>
 

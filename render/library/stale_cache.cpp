@@ -1,4 +1,4 @@
-#include "render/library/cache_of_set.h"
+#include "render/library/stale_cache.h"
 
 #include "common/base/error.h"
 
