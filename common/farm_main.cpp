@@ -105,11 +105,11 @@ constexpr const char* kFooter =
 
 /// Options of the programs that the plan sets.
 constexpr const char* kOurs[] = {
-    "--camera",  "--shutter",      "--frames",         "--shot-frames",  "--fps",    "--size",
-    "--dynamic", "--cache",        "--allow-external", "--output",       "-o",       "--check",
-    "--threads", "--up",           "--scale",          "--set-frame",    "--resume", "--list",
-    "--explain", "--debug",        "--stats",          "--write-config", "--shard",  "--estimate",
-    "--lookups", "--lookups-only", "--bake",           "--bake-quality", "--wait"};
+    "--camera",   "--shutter", "--bake-spacing", "--frames",         "--shot-frames",  "--fps",
+    "--size",     "--dynamic", "--cache",        "--allow-external", "--output",       "-o",
+    "--check",    "--threads", "--up",           "--scale",          "--set-frame",    "--resume",
+    "--list",     "--explain", "--debug",        "--stats",          "--write-config", "--shard",
+    "--estimate", "--lookups", "--lookups-only", "--bake",           "--bake-quality", "--wait"};
 
 void refuseOurOptions(const std::vector<std::string>& words, const char* where) {
     for (const std::string& word : words)

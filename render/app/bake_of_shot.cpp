@@ -10,6 +10,7 @@
 
 #include "bake/app/command_line.h"
 #include "common/base/error.h"
+#include "common/base/number_text.h"
 #include "common/cache/cache_items.h"
 
 namespace shadowcache {
@@ -35,6 +36,7 @@ std::vector<std::string> wordsOf(const RenderJob& job) {
             words.push_back("--" + name + "=" + value);
     for (const DynamicFile& file : stage.set.dynamic) words.push_back("--dynamic=" + textOf(file));
     if (!job.run.bakeQuality.empty()) words.push_back("--quality=" + job.run.bakeQuality);
+    if (job.run.bakeSpacing > 0) words.push_back("--spacing=" + numberText(job.run.bakeSpacing));
     if (job.run.resume) words.emplace_back("--resume");
     words.emplace_back("--");
     for (const auto& file : stage.set.files) words.push_back(file.string());

@@ -154,8 +154,9 @@ private:
     /// Renders with the file of --bake that is there.
     void useBaked() const {
         requireOfShot(bakeOfShot(job_));
+        const bool isAsked = run_.bakeSpacing > 0 || !run_.bakeQuality.empty();
         std::printf("%s: baked before, used as it is%s\n", job_.stage.cache.c_str(),
-                    run_.bakeQuality.empty() ? "" : ", whatever its --bake-quality was");
+                    isAsked ? ", whatever its --bake-quality or --bake-spacing was" : "");
     }
 
     /// Prints what the bake takes and saves.

@@ -22,8 +22,10 @@ class Recipe:
         self.spacing = settings.bake_spacing
         self.whole = settings.bake_scope == "SET"
 
-    def options(self):
-        return ["--spacing", "%.9g" % self.spacing] if self.spacing else ["--quality", self.quality]
+    def options(self, prefix="--"):
+        """Of shadowcache-bake; with "--bake-": of shadowcache-render, for a bake of its own."""
+        name, value = ("spacing", "%.9g" % self.spacing) if self.spacing else ("quality", self.quality)
+        return [prefix + name, value]
 
 
 class Views:
@@ -92,11 +94,11 @@ def estimate(set_file, recipe, views, rate, folder, should_stop):
     return stats_of(command, set_file, should_stop)["estimate"]
 
 
-def worth(set_file, quality, views, rate, options, folder, should_stop):
+def worth(set_file, recipe, views, rate, options, folder, should_stop):
     """Seconds of a picture with a bake of these views and of one of the same noise without: "frame" and "frame_without".
     options: of light and picture, for shadowcache-render."""
     command = [programs.find("shadowcache-render", folder), set_file.path, "--bake", set_file.cache + ".none.vdb", "--explain",
-               "--bake-quality", quality, "-o", "none.####.exr", *shot_options(set_file, views, rate), *options]
+               *recipe.options("--bake-"), "-o", "none.####.exr", *shot_options(set_file, views, rate), *options]
     return stats_of(command, set_file, should_stop)["worth"]["seconds"]
 
 

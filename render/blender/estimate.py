@@ -14,6 +14,8 @@ from .programs import Missing
 from .set_file import fps
 
 INTERVAL = 0.1  # seconds between looks whether it is done
+ALL_MOVES = "There is no bake: all of the set moves"
+NO_VIEW = ". From which frame it pays is not told of frames before 1"
 # The last one of each set and its bake's options, as a text.
 FOUND = {}
 
@@ -43,20 +45,18 @@ class SHADOWCACHE_OT_estimate(bpy.types.Operator):
     def _export(self, context):
         scene, layer = context.scene, context.view_layer.name
         set_file, recipe = folders.set_file_of(scene, layer), bake.Recipe(scene.shadowcache)
+        is_hybrid = hybrid.is_on(scene)  # before the export's render, which goes without the compositor
 
         def export(depsgraph, set_frame):
-            is_hybrid = hybrid.is_on(scene)
             state = set_file.update(depsgraph, set_frame, scene.shadowcache.use_motion, panes=not is_hybrid)
             camera = view.view_of(scene.camera.evaluated_get(depsgraph), scene)
             views = bake.Views({scene.frame_current: camera}, view.size_of(scene))
-            # A hybrid's picture is half of it Cycles'.
-            light = None if is_hybrid or set_file.all_moves() or not views.serves() else light_of(
-                scene, depsgraph.view_layer, set_file.gains(state))
-            return views, light
+            # The lamps of a hybrid are lit by Cycles.
+            return views, light_of(scene, depsgraph.view_layer, [] if is_hybrid else set_file.gains(state))
 
         views, light = with_render_depsgraph(export)
         self.wish = Wish(set_file, recipe, views, fps(scene), preferences.program_folder(), light,
-                         picture_options(scene.shadowcache))
+                         picture_options(scene.shadowcache, is_hybrid), is_hybrid)
         self.stop, self.error, self.result = threading.Event(), "", ""
         self.key = key_of(set_file, recipe)
         self.thread = threading.Thread(target=self._run)
@@ -111,22 +111,25 @@ class Wish:
     views: object
     rate: float
     folder: str
-    light: object  # keys of the request environment or a world_map.Baking, and gains of lamps; None: worth is not asked
+    light: object  # keys of the request environment or a world_map.Baking, and gains of lamps
     picture: list  # options of shadowcache-render
+    is_hybrid: bool
 
     def text(self, should_stop):
+        if self.set_file.all_moves():
+            return ALL_MOVES
         views = None if self.recipe.whole else self.views
         found = bake.estimate(self.set_file, self.recipe, views, self.rate, self.folder, should_stop)
-        return text_of(found) + worth_text(found["seconds"], self._worth(should_stop))
+        if not self.views.serves():
+            return text_of(found) + NO_VIEW
+        return text_of(found) + worth_text(found["seconds"], self._worth(should_stop), self.is_hybrid)
 
     def _worth(self, should_stop):
-        """What bake.worth() says, of a bake of this view; None where its spacing is not chosen by it."""
-        if not self.light or self.recipe.spacing:
-            return None
+        """What bake.worth() says, of a bake of this view."""
         world, gains = self.light
         light = light_options(world_map.keys_of(world, should_stop, lambda text: None))
         lamps = [word for gain in gains for word in ("--lamp", gain)]
-        return bake.worth(self.set_file, self.recipe.quality, self.views, self.rate, [*light, *lamps, *self.picture],
+        return bake.worth(self.set_file, self.recipe, self.views, self.rate, [*light, *lamps, *self.picture],
                           self.folder, should_stop)
 
 
@@ -151,9 +154,12 @@ def numbers(value):
     return ",".join(repr(float(number)) for number in (value if hasattr(value, "__len__") else [value]))
 
 
-def picture_options(settings):
-    """Of a still picture; a noise target is no number of rays that a time could be told for."""
-    rays = ["--samples", settings.samples, "--bounces", settings.bounces]
+def picture_options(settings, is_hybrid):
+    """Of a still picture; a noise target is no number of rays that a time could be told for. Of a hybrid: of the light
+    that Cycles leaves to this engine."""
+    rays = ["--samples", settings.samples, "--bounces", 0 if is_hybrid else settings.bounces]
+    if is_hybrid:
+        rays += ["--lamps", "off"]
     if not settings.target_error:
         rays += ["--camera-rays", settings.camera_rays]
     return [str(word) for word in rays]
@@ -164,12 +170,11 @@ def text_of(found):
         bake.time_text(found["seconds"]), found["bytes"] / 1e6, found["memory_bytes"] / 1e9)
 
 
-def worth_text(seconds, frame):
+def worth_text(seconds, frame, is_hybrid):
     """From which frame on a bake of so many seconds pays."""
-    if not frame:
-        return ""
+    what = "The map's part of a frame" if is_hybrid else "A frame"
     saved = frame["frame_without"] - frame["frame"]
     if saved <= 0:
-        return ". It does not pay: a frame takes no less with it"
-    return ". A frame takes %s with it, %s without for the same noise: it pays from frame %d on" % (
-        bake.time_text(frame["frame"]), bake.time_text(frame["frame_without"]), max(1, math.ceil(seconds / saved)))
+        return ". It does not pay: %s takes no less with it" % (what[0].lower() + what[1:])
+    return ". %s takes %s with it, %s without for the same noise: it pays from frame %d on" % (
+        what, bake.time_text(frame["frame"]), bake.time_text(frame["frame_without"]), max(1, math.ceil(seconds / saved)))

@@ -30,6 +30,7 @@ struct RunOptions {
     bool framesGiven = false;     ///< by --frames
     bool bakes = false;           ///< the stage's cache is baked first, unless it is there
     std::string bakeQuality;      ///< as shadowcache-bake has it; empty: its own
+    double bakeSpacing = 0;       ///< of the bake; 0: chosen [m]
     bool wait = false;            ///< for the bake, without pictures meanwhile
     std::vector<int> shotFrames;  ///< that a plan of lights is spread over; empty: `frames`
 

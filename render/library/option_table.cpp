@@ -26,6 +26,7 @@ constexpr Named<bool> kSurfaces[] = {{"glossy", true}, {"diffuse", false}};
 constexpr Named<bool> kLamps[] = {{"on", true}, {"off", false}};
 constexpr Named<bool> kBudgets[] = {{"uniform", false}, {"adaptive", true}};
 
+constexpr double kMostBakeSpacing = 1e12;  // [m]
 constexpr const char* kBakeQualities[] = {"draft", "good", "fine"};
 
 constexpr const char* kSet = kShortHelp[0];
@@ -248,6 +249,10 @@ void addBake(Rows& rows, StageOptions& stage, RunOptions& run) {
             {std::begin(kBakeQualities), std::end(kBakeQualities)},
             "--quality of the bake, as shadowcache-bake has it [good]")
             .needing("bake"),
+        numberRow("bake-spacing", run.bakeSpacing, {0, kMostBakeSpacing},
+                  "--spacing of the bake in metres; 0: chosen, by --bake-quality")
+            .needing("bake")
+            .excluding("bake-quality"),
         flagRow("wait", run.wait, "Show no picture before the cache is baked").needing("bake")};
     for (OptionRow& row : own) add(rows, kRun, {row.onlyAt({commandLine}).notCompared()});
 }

@@ -45,13 +45,13 @@ TEST_F(BakeAndRender, HasTheBitsOfABakeThenARender) {
          {Case{"", "", ""}, Case{"", "--wait", ""}, Case{"", "--smooth 60 --aov items", ""},
           Case{"", "--lamps off --preview --spp 1", ""},
           Case{"--dynamic other.obj --shutter 0.5 --up z", "", ""},
-          Case{"--threads 1", "--bake-quality draft", "--quality draft"}}) {
+          Case{"--threads 1", "--bake-quality draft", "--quality draft"},
+          Case{"", "--bake-spacing 0.4", "--spacing 0.4"}}) {
         SCOPED_TRACE(each.shared + each.ofRender);
         const std::string shot = kShot + each.shared + " ";
         runWell("bake", shot + each.ofBake + " -o a.vdb");
         std::string ofRender = each.ofRender;
-        if (const auto at = ofRender.find("--bake-quality"); at != ofRender.npos)
-            ofRender.erase(at);
+        if (const auto at = ofRender.find("--bake-"); at != ofRender.npos) ofRender.erase(at);
         if (const auto at = ofRender.find("--wait"); at != ofRender.npos) ofRender.erase(at);
         runWell("render", shot + light + ofRender + " --cache a.vdb -o a.####.exr");
         const auto both =
@@ -194,6 +194,9 @@ TEST_F(BakeAndRender, RefusesOptionsByName) {
           Refusal{"--camera camera.json --wait", "--wait requires --bake"},
           Refusal{"--camera camera.json --bake-quality good", "--bake-quality requires --bake"},
           Refusal{"--camera camera.json --bake a.vdb --bake-quality best", "--bake-quality best"},
+          Refusal{"--camera camera.json --bake-spacing 1", "--bake-spacing requires --bake"},
+          Refusal{"--camera camera.json --bake a.vdb --bake-spacing 1 --bake-quality good",
+                  "--bake-quality"},
           Refusal{"--camera camera.json --preview", "--preview requires --cache or --bake"},
           Refusal{"--camera camera.json --memory 1G", "--memory requires --cache or --bake"}}) {
         const auto refused = run("render", still + each.arguments);

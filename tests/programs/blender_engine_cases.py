@@ -80,6 +80,18 @@ def expect_same(what, found, wanted, most_mean=0.01, most_tiles=MOST_TILES):
     assert means < most_mean and rms < most_tiles, "%s: means %.4f, tiles %.4f" % (what, means, rms)
 
 
+def tells_worth(text):
+    return "it pays from frame " in text or "It does not pay" in text
+
+
+def estimated():
+    """What the operator says."""
+    found = sys.modules["shadowcache.estimate"].FOUND
+    found.clear()
+    assert bpy.ops.shadowcache.estimate() == {"FINISHED"}
+    return found.popitem()[1]
+
+
 def estimates():
     """Before there is a cache: what is said is what the bake then makes, for a frame and for the set."""
     settings = bpy.context.scene.shadowcache
@@ -92,18 +104,20 @@ def estimates():
     texts = list(module.FOUND.values())
     print("case estimates: %s" % texts)
     assert len(texts) == 2 and all("about 0:0" in text for text in texts), texts
-    assert "pay" not in "".join(texts), "with a spacing of one's own"
+    assert all(tells_worth(text) for text in texts), "with a spacing of one's own: %s" % texts
     megabytes = [float(text.split(" MB")[0].split()[-1]) for text in texts]
     settings.bake_scope = "SHOT"
     render("SHADOWCACHE")
     baked = next(os.path.getsize(os.path.join(settings.cache_folder, n)) for n in stamps() if n.endswith(".vdb"))
     assert abs(baked / 1e6 / megabytes[0] - 1) < 0.2 and megabytes[1] > megabytes[0], (baked, texts)
     settings.bake_spacing, spacing = 0, settings.bake_spacing
-    assert bpy.ops.shadowcache.estimate() == {"FINISHED"}
-    said = list(module.FOUND.values())[-1]
+    said = estimated()
     print("case estimates: " + said)
-    assert "it pays from frame " in said or "It does not pay" in said, said
+    assert tells_worth(said), said
     settings.bake_spacing = spacing
+    bpy.context.scene.frame_set(0)
+    assert "not told of frames before 1" in estimated()
+    bpy.context.scene.frame_set(1)
     panels()
     preferences().folder = "/nowhere"
     assert "no program shadowcache-bake there" in error_of(bpy.ops.shadowcache.estimate)
@@ -342,6 +356,23 @@ def animation():
     thing.animation_data_clear()
 
 
+def all_moves():
+    """There is nothing to bake, and an estimate says so."""
+    things = [thing for thing in bpy.data.objects if thing.type == "MESH"]
+    places = [thing.location.copy() for thing in things]
+    for thing in things:
+        for frame in (1, 3):
+            thing.location.z += 0.1
+            thing.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(2)
+    bpy.context.scene.frame_set(1)
+    said = estimated()
+    assert said == "There is no bake: all of the set moves", said
+    for thing, place in zip(things, places):
+        thing.animation_data_clear()
+        thing.location = place
+
+
 def stale():
     """A set that has changed is baked again, or rendered with its stale cache: both are right."""
     thing = bpy.data.objects["Cube.002"]
@@ -500,7 +531,7 @@ def flat_memory():
 def main():
     install()
     make_scene()
-    for case in (panels, estimates, worlds, all_passes, light_groups, dimmed, noise_target, film, animation, stale, first_picture,
+    for case in (panels, estimates, worlds, all_passes, light_groups, dimmed, noise_target, film, animation, all_moves, stale, first_picture,
                  errors, killed, cancel, flat_memory):
         start = time.monotonic()
         case()

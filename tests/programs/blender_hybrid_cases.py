@@ -293,12 +293,21 @@ def undo():
     assert state() == removed
 
 
+def estimate():
+    """Worth is that of the map's direct light, which is this engine's part."""
+    found = sys.modules["shadowcache.estimate"].FOUND
+    assert bpy.ops.shadowcache.estimate() == {"FINISHED"}
+    said = next(iter(found.values()))
+    print("case estimate: " + said)
+    assert "The map's part of a frame takes " in said or "It does not pay: the map's part of a frame" in said, said
+
+
 def main():
     install()
     make_rich()
     bpy.context.scene.render.engine = "SHADOWCACHE"
     bpy.context.scene.render.filepath = os.path.join(WORK, "hybrid.exr")
-    for case in (light, film, animation, nodes, refusals, undo):
+    for case in (light, estimate, film, animation, nodes, refusals, undo):
         start = time.monotonic()
         case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))
