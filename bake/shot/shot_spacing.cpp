@@ -15,7 +15,7 @@ namespace shadowcache {
 namespace {
 
 /// Rays of a bake that a pixel is worth, at 64 samples and four bounces.
-SHADOWCACHE_TUNED(double, kRaysOfPixel, 600);
+SHADOWCACHE_TUNED(double, kRaysOfPixel, 250);
 /// Rays of a bake of the finest level for each side of a voxel that lookups see.
 SHADOWCACHE_TUNED(double, kRaysOfSide, 20000);
 /// The same of the level below, which has a quarter of the regions.

@@ -55,11 +55,11 @@ TEST_F(ShotSpacing, IsTheSetsOwnForManyPixels) {
 
 TEST_F(ShotSpacing, FollowsThePixelsByTheSquareRoot) {
     // A floor has items in inverse proportion to the square of the spacing.
-    const double few = factorFor(500), more = factorFor(4000);
+    const double few = factorFor(1200), more = factorFor(9600);
     EXPECT_GT(few, 4);
     EXPECT_LT(few, 16);
     EXPECT_NEAR(few / more, std::sqrt(8.0), 0.6);
-    EXPECT_EQ(resolutionOfShot(places_, frame_, 500).level, 4);
+    EXPECT_EQ(resolutionOfShot(places_, frame_, 1200).level, 4);
 }
 
 TEST_F(ShotSpacing, IsThatOfTheLevelGiven) {
