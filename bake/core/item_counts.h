@@ -20,6 +20,9 @@ using FineCounts = std::vector<Count>;
 /// Pairs of rays of the first refinement that share an origin, by base cell.
 using BlockPairs = std::vector<OriginPairs>;
 
+// What the steps of an item find; ItemBaker traces them and decides how many rays
+// (item_baker.h).
+
 /// Step 1 of an item: one probe ray into every cell of the first refinement, by base cell.
 struct Probe {
     Vec3f normal;

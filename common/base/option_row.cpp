@@ -34,7 +34,7 @@ T numberIn(const std::string& name, const std::string& text, const char* wanted)
         // Beyond the type's range, on one of its sides.
         const T huge = std::numeric_limits<T>::infinity();
         const bool isTiny = text.find_first_of("eE") != text.npos &&
-                            text.find("-", text.find_first_of("eE")) != text.npos;
+                            text.find('-', text.find_first_of("eE")) != text.npos;
         return isTiny ? 0 : text[0] == '-' ? -huge : huge;
     }
     refuseForm(name, text, wanted);
@@ -170,7 +170,7 @@ OptionRow ownTextsRow(std::string name, std::function<void(std::span<const std::
     return row;
 }
 
-OptionRow flagRow(std::string name, bool& value, std::string help) {
+OptionRow flagRow(const std::string& name, bool& value, std::string help) {
     const auto read = [name, &value](const std::string& text) {
         if (text != "true" && text != "false") refuseForm(name, text, "true or false");
         value = text == "true";
@@ -178,7 +178,7 @@ OptionRow flagRow(std::string name, bool& value, std::string help) {
     return ownRow(name, OptionForm::flag, read, std::move(help));
 }
 
-OptionRow seedRow(std::string name, std::uint64_t& value, std::string help) {
+OptionRow seedRow(const std::string& name, std::uint64_t& value, std::string help) {
     const auto read = [name, &value](const std::string& text) {
         value = numberIn<std::uint64_t>(name, text, "a whole number from 0 to below 2^64");
     };
@@ -202,7 +202,7 @@ OptionRow textRow(std::string name, std::filesystem::path& value, std::string he
         std::move(help));
 }
 
-OptionRow wordsRow(std::string name, std::vector<std::string>& value,
+OptionRow wordsRow(const std::string& name, std::vector<std::string>& value,
                    std::vector<std::string> choices, std::string help) {
     OptionRow row = rowOf(name, OptionForm::words, std::move(help));
     row.choices = std::move(choices);
@@ -213,7 +213,7 @@ OptionRow wordsRow(std::string name, std::vector<std::string>& value,
     return row;
 }
 
-OptionRow option_row::whole(std::string name, std::function<void(std::int64_t)> put,
+OptionRow option_row::whole(const std::string& name, std::function<void(std::int64_t)> put,
                             const NumberRange& range, std::string help) {
     const auto read = [name, put = std::move(put), range](const std::string& text) {
         const auto found = numberIn<std::int64_t>(name, text, "a whole number");
@@ -225,7 +225,7 @@ OptionRow option_row::whole(std::string name, std::function<void(std::int64_t)> 
     return row;
 }
 
-OptionRow option_row::number(std::string name, std::function<void(double)> put,
+OptionRow option_row::number(const std::string& name, std::function<void(double)> put,
                              const NumberRange& range, std::string help) {
     const auto read = [name, put = std::move(put), range](const std::string& text) {
         const auto found = numberIn<double>(name, text, "a number");
@@ -237,7 +237,7 @@ OptionRow option_row::number(std::string name, std::function<void(double)> put,
     return row;
 }
 
-OptionRow option_row::word(std::string name, std::function<void(std::size_t)> put,
+OptionRow option_row::word(const std::string& name, std::function<void(std::size_t)> put,
                            std::vector<std::string> choices, std::string help) {
     const auto read = [name, put = std::move(put), choices](const std::string& text) {
         put(placeOf(name, text, choices));

@@ -104,12 +104,12 @@ struct OptionRow {
 // The rows of the kinds of values. What they refer to has its standard value, and must live as long
 // as the row is read.
 
-OptionRow flagRow(std::string name, bool& value, std::string help);
-OptionRow seedRow(std::string name, std::uint64_t& value, std::string help);
+OptionRow flagRow(const std::string& name, bool& value, std::string help);
+OptionRow seedRow(const std::string& name, std::uint64_t& value, std::string help);
 OptionRow textRow(std::string name, std::string& value, std::string help);
 OptionRow textRow(std::string name, std::filesystem::path& value, std::string help);
 /// Any of the words in `choices`.
-OptionRow wordsRow(std::string name, std::vector<std::string>& value,
+OptionRow wordsRow(const std::string& name, std::vector<std::string>& value,
                    std::vector<std::string> choices, std::string help);
 /// An option whose text is read by `read`, which throws Error on what it refuses.
 OptionRow ownRow(std::string name, OptionForm form, std::function<void(const std::string&)> read,
@@ -119,11 +119,11 @@ OptionRow ownTextsRow(std::string name, std::function<void(std::span<const std::
                       std::string help);
 
 namespace option_row {
-OptionRow whole(std::string name, std::function<void(std::int64_t)> put, const NumberRange& range,
-                std::string help);
-OptionRow number(std::string name, std::function<void(double)> put, const NumberRange& range,
+OptionRow whole(const std::string& name, std::function<void(std::int64_t)> put,
+                const NumberRange& range, std::string help);
+OptionRow number(const std::string& name, std::function<void(double)> put, const NumberRange& range,
                  std::string help);
-OptionRow word(std::string name, std::function<void(std::size_t)> put,
+OptionRow word(const std::string& name, std::function<void(std::size_t)> put,
                std::vector<std::string> choices, std::string help);
 template <class T>
 std::string standardOf(const T& value) {

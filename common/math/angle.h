@@ -6,7 +6,7 @@
 namespace shadowcache {
 
 /// std::atan2(y, x) of a y that is not negative, within 1e-12 of itself, in a third of its time:
-/// without branches, so that loops over edges become vectors. 0 where both are 0.
+/// without branches. 0 where the sum of their squares is 0.
 inline double angleOf(double y, double x) noexcept {
     // Of half the angle of (|x|, y), 0 to pi / 4: the tangent, less that of pi / 8 where it is
     // above it.

@@ -94,7 +94,8 @@ public:
     /// Whether some pane is coloured.
     bool tints() const { return tints_ || (moving_ && moving_->tints()); }
 
-    /// Factor by which panes tint what a ray carries that nothing stops before its end.
+    /// Factor by which panes tint what a ray carries that nothing stops before its end: passageAt()
+    /// of all that it passes (looks.h, embree_scene.cpp).
     ///
     /// @param reach  in lengths of the direction
     Rgb tint(const Vec3f& origin, const Vec3f& direction,

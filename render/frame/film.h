@@ -56,6 +56,7 @@ struct Pixel : RayValues {
                               ///< predicts, if RenderOptions::insight
 };
 
+/// FilmRays sends its camera rays (film_rays.h), addToFilm() adds what they find (film_sum.h).
 struct Film {
     int width = 0;
     int height = 0;

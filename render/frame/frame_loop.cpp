@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/base/parallel.h"
-#include "render/frame/render_seconds.h"
+#include "render/frame/render_timer.h"
 
 namespace shadowcache {
 
@@ -50,7 +50,7 @@ FrameLoop::FrameLoop(const FrameRequest& frame, std::vector<TileBlock> blocks,
       pixels_(blocks_.size()) {}
 
 RayCounts FrameLoop::run(RayRange rays, RenderStats& stats, const LoopObserver& observer) {
-    const RenderSeconds time(stats);
+    const RenderTimer time(stats);
     const bool inTurn = frame_.options.bounces != 0;
     const bool isLast = rays.first + rays.count >= frame_.options.cameraRays;
     std::vector<RayCounts> counts(blocks_.size());

@@ -5,7 +5,7 @@
 
 #include "common/base/parallel.h"
 #include "render/frame/film_parts.h"
-#include "render/frame/render_seconds.h"
+#include "render/frame/render_timer.h"
 #include "render/frame/residual_filter.h"
 
 namespace shadowcache {
@@ -77,7 +77,7 @@ FrameRequest withPreviewMargin(const FrameRequest& frame) {
 
 Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats) {
     if (!frame.options.preview) return film;
-    const RenderSeconds time(stats);
+    const RenderTimer time(stats);
     const Environment& environment = frame.estimator.context().environment;
     ResidualImage residuals{film.width, film.height, {}};
     residuals.pixels.resize(film.pixels.size());

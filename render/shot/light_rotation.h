@@ -8,7 +8,8 @@
 
 namespace shadowcache {
 
-/// How a map is turned, as a user says it.
+/// How a map is turned, as a user says it; Environment::turn() does it
+/// (common/light/environment.h).
 struct LightRotation {
     /// One: degrees about +Y; three: degrees about +X, then +Y, then +Z (turnByAngles); nine: the
     /// rows of an orthogonal matrix that takes directions of the map to those of the world.

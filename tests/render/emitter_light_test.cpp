@@ -120,6 +120,40 @@ TEST(EmitterLight, IsPredictedByTheCache) {
                 1, 0.02);
 }
 
+/// Estimates of one point under a lamp and of nine far from it, all as important.
+std::vector<Estimate> litTogether(const test::World& world, float importance, std::uint64_t seed) {
+    const auto estimator = findEstimator("mis").make(world.context(), {});
+    std::vector<ShadingPoint> points;
+    for (int i = 0; i < 10; ++i) {
+        const float x = i == 0 ? 0.3f : 1.9f;
+        points.push_back(
+            test::pointAlong(world.scene, {x, 0.0005f, 0.1f * static_cast<float>(i)}, {0, -1, 0}));
+        points.back().slot.seed = hashWords(seed, static_cast<std::uint64_t>(i));
+        points.back().slot.pixel = static_cast<std::uint32_t>(i);
+        points.back().slot.importance = importance;
+    }
+    std::vector<Estimate> estimates(points.size());
+    estimator->estimate({.points = points, .pixels = 10}, *estimator->makeWorkspace(), estimates);
+    return estimates;
+}
+
+TEST(EmitterLight, HasMostRaysWhereItCountsMost) {
+    const test::World world(lampOver(0.5f, 0.05f), night());
+    const std::vector<Estimate> found = litTogether(world, 1, 1), alike = litTogether(world, 0, 1);
+    EXPECT_GE(found[0].rays, 8u);
+    EXPECT_EQ(alike[0].rays, 1u);
+    for (std::size_t i = 1; i < found.size(); ++i) EXPECT_EQ(found[i].rays, 1u);
+    // More rays, not more light.
+    const ShadingPoint point = test::pointAlong(world.scene, {0.3f, 0.0005f, 0}, {0, -1, 0});
+    double sum = 0;
+    constexpr int kSeeds = 200;
+    for (int i = 0; i < kSeeds; ++i)
+        sum += static_cast<double>(
+                   litTogether(world, 1, static_cast<std::uint64_t>(i))[0].irradiance.x) /
+               kSeeds;
+    EXPECT_NEAR(sum / unoccluded(world.mesh, 2, point), 1, 0.01);
+}
+
 TEST(EmitterLight, KnowsLampsThatStandWhereTheyStood) {
     const test::World world(lampOver(1, 0.3f), night(), {.spacing = 0.25});
     TriangleMesh other = lampOver(1, 0.3f);

@@ -7,15 +7,15 @@
 namespace shadowcache {
 
 /// Adds the time of its life, however that ends.
-class RenderSeconds {
+class RenderTimer {
 public:
-    explicit RenderSeconds(RenderStats& stats) : stats_(stats) {}
-    ~RenderSeconds() {
+    explicit RenderTimer(RenderStats& stats) : stats_(stats) {}
+    ~RenderTimer() {
         stats_.seconds +=
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     }
-    RenderSeconds(const RenderSeconds&) = delete;
-    RenderSeconds& operator=(const RenderSeconds&) = delete;
+    RenderTimer(const RenderTimer&) = delete;
+    RenderTimer& operator=(const RenderTimer&) = delete;
 
 private:
     RenderStats& stats_;
