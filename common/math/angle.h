@@ -5,7 +5,7 @@
 
 namespace shadowcache {
 
-/// std::atan2(y, x) of a y that is not negative, within 1e-12 of itself, in a third of its time:
+/// std::atan2(y, x) of a y that is not negative, within 1e-12 of itself, and faster:
 /// without branches. 0 where the sum of their squares is 0.
 inline double angleOf(double y, double x) noexcept {
     // Of half the angle of (|x|, y), 0 to pi / 4: the tangent, less that of pi / 8 where it is
