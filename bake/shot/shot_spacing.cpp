@@ -35,7 +35,8 @@ std::uint64_t sideOf(const Vec3f& normal) {
     int axis = 0;
     for (int k = 1; k < 3; ++k)
         if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
-    return static_cast<std::uint64_t>(2 * axis + (normal[axis] < 0 ? 1 : 0));
+    const int side = 2 * axis + (normal[axis] < 0 ? 1 : 0);
+    return static_cast<std::uint64_t>(side);
 }
 
 /// Number of the sides of voxels that lookups see if voxels are `factor` times as wide.

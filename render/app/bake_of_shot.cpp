@@ -48,6 +48,7 @@ std::vector<std::string> wordsOf(const RenderJob& job) {
 BakeJob bakeOfShot(const RenderJob& job) {
     std::vector<std::string> words = wordsOf(job);
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     BakeJob bake;

@@ -6,12 +6,42 @@
 
 #include "common/base/error.h"
 #include "common/base/parallel.h"
+#include "common/base/tuned.h"
 #include "common/cache/emitter_code.h"
 #include "common/cache/transport.h"
+#include "common/math/vec.h"
 
 namespace shadowcache {
 
 static_assert(kMostEmitters == kMostEmittersOfCache);
+
+namespace {
+
+/// Items that a thread takes at a time.
+constexpr std::size_t kItemsOfChunk = 1024;
+
+/// From so many times the mean item's light on, the middle of an item may be so near a lamp that
+/// its light is not that of the item.
+SHADOWCACHE_TUNED(double, kBright, 4);
+
+/// Places along a side of such an item, which count alike.
+constexpr int kPlacesOfSide = 4;
+
+/// Places all over a square around an item's middle.
+void spread(const Receiver& middle, float side, std::vector<Receiver>& places) {
+    Vec3f s, t;
+    tangentFrame(middle.normal, s, t);
+    const auto along = [side](int k) {
+        return side * ((static_cast<float>(k) + 0.5f) / kPlacesOfSide - 0.5f);
+    };
+    places.clear();
+    places.reserve(kPlacesOfSide * kPlacesOfSide);
+    for (int i = 0; i < kPlacesOfSide; ++i)
+        for (int k = 0; k < kPlacesOfSide; ++k)
+            places.push_back({middle.position + s * along(i) + t * along(k), middle.normal});
+}
+
+}  // namespace
 
 std::unique_ptr<SetLight> SetLight::of(const Scene& scene, const ShadowCache* cache) {
     const TriangleMesh* const meshes[] = {&scene.mesh()};
@@ -53,23 +83,51 @@ void SetLight::readCounts(const ShadowCache& cache) {
     visibility_.emplace(emitters_.size(), std::move(counts));
 }
 
-template <class Visit>
-void SetLight::forEachItem(const ItemTable& items, const Visit& visit) const {
-    parallelFor(items.size(), 1024, [&](const Chunk& chunk) {
+std::vector<bool> SetLight::brightItems(const ItemTable& items) const {
+    std::vector<float> light(items.size());
+    parallelFor(items.size(), kItemsOfChunk, [&](const Chunk& chunk) {
         EmitterLight::Tools tools(*light_);
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const auto item = static_cast<std::uint32_t>(i);
-            const Vec3d place = items.position(item) - scene_.mesh().origin;
-            visit(i, Receiver{Vec3f(place), items.normal(item)}, tools);
+            const Rgb found = light_->predictItem(i, placeOf(items, i), tools);
+            light[i] = found.x + found.y + found.z;
+        }
+    });
+    double mean = 0;
+    for (const float found : light) mean += static_cast<double>(found);
+    mean /= static_cast<double>(std::max<std::size_t>(1, light.size()));
+    std::vector<bool> bright(items.size());
+    for (std::size_t i = 0; i < light.size(); ++i)
+        bright[i] = static_cast<double>(light[i]) > kBright * mean;
+    return bright;
+}
+
+Receiver SetLight::placeOf(const ItemTable& items, std::size_t item) const {
+    const auto number = static_cast<std::uint32_t>(item);
+    return {Vec3f(items.position(number) - scene_.mesh().origin), items.normal(number)};
+}
+
+template <class Visit>
+void SetLight::forEachItem(const ItemTable& items, const Visit& visit) const {
+    const std::vector<bool> bright = brightItems(items);
+    const auto side = static_cast<float>(items.spacing());
+    parallelFor(items.size(), kItemsOfChunk, [&](const Chunk& chunk) {
+        EmitterLight::Tools tools(*light_);
+        std::vector<Receiver> places;
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            const Receiver middle = placeOf(items, i);
+            places.assign(1, middle);
+            if (bright[i]) spread(middle, side, places);
+            visit(i, std::span<const Receiver>(places), tools);
         }
     });
 }
 
 std::vector<Rgb> SetLight::predictItems(const ItemTable& items) const {
     if (!knowsAll_) return {};
-    std::vector<Rgb> irradiance(items.size());
-    forEachItem(items, [&](std::size_t i, const Receiver& place, EmitterLight::Tools& tools) {
-        irradiance[i] = light_->predictItem(i, place, tools);
+    std::vector<Rgb> irradiance(items.size(), Rgb(0, 0, 0));
+    forEachItem(items, [&](std::size_t i, std::span<const Receiver> places, auto& tools) {
+        for (const Receiver& place : places) irradiance[i] += light_->predictItem(i, place, tools);
+        irradiance[i] *= 1 / static_cast<float>(places.size());
     });
     return irradiance;
 }
@@ -77,8 +135,10 @@ std::vector<Rgb> SetLight::predictItems(const ItemTable& items) const {
 std::vector<std::vector<Rgb>> SetLight::predictItems(const ItemTable& items,
                                                      const LightGroups& groups) const {
     GroupedLight light(items.size(), groups.size());
-    forEachItem(items, [&](std::size_t i, const Receiver& place, EmitterLight::Tools& tools) {
-        light_->predictItem(i, place, tools, {&groups, &light});
+    forEachItem(items, [&](std::size_t i, std::span<const Receiver> places, auto& tools) {
+        for (const Receiver& place : places)
+            light_->predictItem(i, place, tools, {&groups, &light});
+        for (Rgb& ofGroup : light[i]) ofGroup *= 1 / static_cast<float>(places.size());
     });
     std::vector<std::vector<Rgb>> byGroup(groups.size());
     for (std::size_t g = LightGroups::kSky + 1; g < groups.size(); ++g)

@@ -31,7 +31,11 @@ public:
 private:
     explicit SetLight(const Scene& scene, Emitters emitters);
     void readCounts(const ShadowCache& cache);
-    /// Calls visit(item, its place, tools of the thread) for each item, in parallel.
+    Receiver placeOf(const ItemTable& items, std::size_t item) const;
+    /// Items to whose middle emitters send much more than to the mean one's.
+    std::vector<bool> brightItems(const ItemTable& items) const;
+    /// Calls visit(item, places that stand for it, tools of the thread) for each item, in parallel:
+    /// its middle, or places all over it where light is bright and so changes.
     template <class Visit>
     void forEachItem(const ItemTable& items, const Visit& visit) const;
 

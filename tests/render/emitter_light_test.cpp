@@ -154,6 +154,24 @@ TEST(EmitterLight, HasMostRaysWhereItCountsMost) {
     EXPECT_NEAR(sum / unoccluded(world.mesh, 2, point), 1, 0.01);
 }
 
+// A lamp that almost touches the middle of an item sends it no more than what all of it receives.
+TEST(EmitterLight, OfAnItemIsThatOfItsSurface) {
+    TriangleMesh mesh;
+    test::addFloor(mesh, 0, -2, 2, -2, 2);
+    const std::size_t first = mesh.triangles.size();
+    test::addSphere(mesh, {0.25f, 0.02f, 0.25f}, 0.01f, 3);
+    makeShine(mesh, first, Rgb(1000));
+    const test::World world(mesh, night(), {.spacing = 0.5});
+    const ItemTable items(world.cache.cache());
+    double most = 0;
+    for (const Rgb& light : world.light->predictItems(items))
+        most = std::max(most, static_cast<double>(light.x));
+    // Half of what the lamp sends, over the item's part of the floor.
+    const double sent = 1000 * kPi * 4 * kPi * 0.01 * 0.01 / 2;
+    EXPECT_GT(most, 0.1 * sent / (0.5 * 0.5));
+    EXPECT_LT(most, 3 * sent / (0.5 * 0.5));
+}
+
 TEST(EmitterLight, KnowsLampsThatStandWhereTheyStood) {
     const test::World world(lampOver(1, 0.3f), night(), {.spacing = 0.25});
     TriangleMesh other = lampOver(1, 0.3f);
