@@ -35,7 +35,7 @@ void spread(const Receiver& middle, float side, std::vector<Receiver>& places) {
         return side * ((static_cast<float>(k) + 0.5f) / kPlacesOfSide - 0.5f);
     };
     places.clear();
-    places.reserve(kPlacesOfSide * kPlacesOfSide);
+    places.reserve(std::size_t{kPlacesOfSide} * kPlacesOfSide);
     for (int i = 0; i < kPlacesOfSide; ++i)
         for (int k = 0; k < kPlacesOfSide; ++k)
             places.push_back({middle.position + s * along(i) + t * along(k), middle.normal});

@@ -260,8 +260,9 @@ TEST_F(ClosedBox, ShowsTheAlbedoOfALobe) {
         double truth = 0;
         constexpr int kSide = 300;
         for (int i = 0; i < kSide * kSide; ++i) {
-            const Vec3f w = lobe.sample((static_cast<float>(i % kSide) + 0.5f) / kSide,
-                                        (static_cast<float>(i / kSide) + 0.5f) / kSide);
+            const int column = i % kSide, row = i / kSide;
+            const Vec3f w = lobe.sample((static_cast<float>(column) + 0.5f) / kSide,
+                                        (static_cast<float>(row) + 0.5f) / kSide);
             if (w.dot(point.place.geometricNormal) > 0 && lobe.density(w) > 0)
                 truth += static_cast<double>(lobe.value(w).y / lobe.density(w)) / (kSide * kSide);
         }
