@@ -1,47 +1,17 @@
-"""Each option that the tables have for Python is taken by a call, and does what the programs' option does.
-
-Needs SHADOWCACHE_BUILD, the folder of a build, and SHADOWCACHE_SOURCE, that of the sources.
-"""
+"""Each option that the tables have for Python is taken by a call, and does what the programs' option does."""
 import ast
 import json
-import os
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import shadowcache
-
-BUILD = Path(os.environ["SHADOWCACHE_BUILD"])
-SOURCE = Path(os.environ["SHADOWCACHE_SOURCE"])
-MAP = SOURCE / "scenes/maps/sunrise.exr"
-PROGRAMS = {"make-set": "scenes", "bake": "bake", "render": "render"}
-
-
-def run(program, *arguments):
-    command = [BUILD / PROGRAMS[program] / f"shadowcache-{program}", *map(str, arguments)]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+from small_set import BUILD, MAP, run
 
 
 def rows_of(program):
     """Options of a program that Python has, by their names there."""
     return {row["python"]: row for row in json.loads(run(program, "--options")) if "python" in row}
-
-
-class Set:
-    """The bundled courtyard with a camera that moves."""
-
-    def __init__(self, folder):
-        self.folder, self.file, self.camera = folder, folder / "courtyard.glb", folder / "camera.json"
-        run("make-set", "courtyard", "-o", self.file, "--camera", self.camera)
-        self.scene = shadowcache.load_set(self.file)
-        self.cache = shadowcache.bake(self.scene, spacing=3, level=1, rays=2)
-
-
-@pytest.fixture(scope="module")
-def courtyard(tmp_path_factory):
-    return Set(tmp_path_factory.mktemp("courtyard"))
 
 
 # What takes an option that load_set(), render() and bake() do not. A tuple has no value to be refused.
@@ -67,14 +37,14 @@ def keywords_of_stub():
 
 
 @pytest.mark.parametrize("program", ["render", "bake"])
-def test_every_option_of_the_table_is_taken_by_a_call(courtyard, program):
+def test_every_option_of_the_table_is_taken_by_a_call(small, program):
     """A thing that is no value is refused by the option's name, and not as an argument that is not known."""
-    thing, camera = object(), shadowcache.Camera.load(courtyard.camera)
-    sky = shadowcache.Environment.constant(1)
+    thing, camera = object(), shadowcache.Camera.load(small.camera)
+    cache, sky = shadowcache.Cache.open(small.cache), shadowcache.Environment.constant(1)
     calls = {
-        "load_set": lambda **given: shadowcache.load_set(courtyard.file, **given),
-        "render": lambda **given: shadowcache.render(courtyard.scene, courtyard.cache, sky, camera, **given),
-        "bake": lambda **given: shadowcache.bake(courtyard.scene, cameras=[camera], **given),
+        "load_set": lambda **given: shadowcache.load_set(small.file, **given),
+        "render": lambda **given: shadowcache.render(small.scene, cache, sky, camera, **given),
+        "bake": lambda **given: shadowcache.bake(small.scene, cameras=[camera], **given),
     }
     stub, rows, walked = keywords_of_stub(), rows_of(program), 0
     assert len(rows) > (30 if program == "render" else 8)
@@ -91,7 +61,7 @@ def test_every_option_of_the_table_is_taken_by_a_call(courtyard, program):
                 taken += 1
         if ELSEWHERE.get(name):
             with pytest.raises((TypeError, ValueError, shadowcache.Error)):
-                ELSEWHERE[name](thing, courtyard)
+                ELSEWHERE[name](thing, small)
             assert any(name in arguments for arguments in stub.values()), f"{name} is not in the stub"
             taken += 1
         assert taken or name in ELSEWHERE, f"no call takes {name}"
@@ -107,17 +77,16 @@ AXES = (20.0, 100, -30)
 MIRROR = np.array([[0.0, 0, -1], [0, 1, 0], [1, 0, 0]]) * (1, 1, -1)
 
 
-@pytest.mark.parametrize("rotate, text", [(40, "40"), (AXES, "20,100,-30"), (MIRROR, ",".join(str(n) for n in MIRROR.ravel())),
-                                          (MIRROR.ravel().tolist(), ",".join(str(n) for n in MIRROR.ravel()))])
+@pytest.mark.parametrize("rotate", [40, AXES, MIRROR, MIRROR.ravel().tolist()], ids=["degrees", "angles", "matrix", "list"])
 @pytest.mark.parametrize("gain", [1, 0.5, (0.2, 1, 3)])
-def test_turn_and_gain_have_the_bits_of_the_program(courtyard, tmp_path, rotate, text, gain):
+def test_turn_and_gain_have_the_bits_of_the_program(small, tmp_path, rotate, gain):
     sky = shadowcache.Environment.load(MAP, rotate=rotate, gain=gain)
-    camera = shadowcache.Camera.load(courtyard.camera, frame=9)
-    mine = shadowcache.render(courtyard.scene, None, sky, camera, frame=9, size=(32, 18), spp=2, bounces=1)["color"]
-    run("render", courtyard.file, "--env", MAP, "--env-rotate", text, "--env-gain", ",".join(map(str, np.ravel(gain))),
-        "--camera", courtyard.camera, "--frames", 9, "--size", "32x18", "--spp", 2, "--bounces", 1, "-o", tmp_path / "a.exr")
+    camera = shadowcache.Camera.load(small.camera, frame=9)
+    mine = shadowcache.render(small.scene, None, sky, camera, frame=9, size=(32, 18), spp=2, bounces=1)["color"]
+    run("render", small.file, "--env", MAP, "--env-rotate", ",".join(map(str, np.ravel(rotate))), "--env-gain", ",".join(map(str, np.ravel(gain))),
+        "--camera", small.camera, "--frames", 9, "--size", "32x18", "--spp", 2, "--bounces", 1, "-o", tmp_path / "a.exr")
     assert np.array_equal(mine, shadowcache.read_exr(tmp_path / "a.exr")["color"])
-    other = shadowcache.render(courtyard.scene, None, shadowcache.Environment.load(MAP), camera, frame=9, size=(32, 18),
+    other = shadowcache.render(small.scene, None, shadowcache.Environment.load(MAP), camera, frame=9, size=(32, 18),
                                spp=2, bounces=1)["color"]
     assert not np.array_equal(mine, other)  # the control: as the file has it
 
@@ -160,18 +129,18 @@ def test_refused_light(call, kind, text):
 
 # The camera.
 
-def test_shutter_has_the_bits_of_the_program(courtyard, tmp_path):
+def test_shutter_has_the_bits_of_the_program(small, tmp_path):
     def render(camera):
-        return shadowcache.render(courtyard.scene, None, shadowcache.Environment.constant(1), camera, frame=9, size=(48, 27),
+        return shadowcache.render(small.scene, None, shadowcache.Environment.constant(1), camera, frame=9, size=(48, 27),
                                   camera_rays=8, samples=1, bounces=0)["color"]
 
-    mine = render(shadowcache.Camera.load(courtyard.camera, frame=9, shutter=0.8))
-    run("render", courtyard.file, "--env", "1,1,1", "--camera", courtyard.camera, "--frames", 9, "--size", "48x27", "--shutter", 0.8,
+    mine = render(shadowcache.Camera.load(small.camera, frame=9, shutter=0.8))
+    run("render", small.file, "--env", "1,1,1", "--camera", small.camera, "--frames", 9, "--size", "48x27", "--shutter", 0.8,
         "--camera-rays", 8, "--samples", 1, "--bounces", 0, "-o", tmp_path / "a.exr")
     assert np.array_equal(mine, shadowcache.read_exr(tmp_path / "a.exr")["color"])
-    assert not np.array_equal(mine, render(shadowcache.Camera.load(courtyard.camera, frame=9)))  # the control: it stands still
+    assert not np.array_equal(mine, render(shadowcache.Camera.load(small.camera, frame=9)))  # the control: it stands still
     with pytest.raises(shadowcache.Error, match="^shutter 2: expected 0 to 1"):
-        shadowcache.Camera.load(courtyard.camera, shutter=2)
+        shadowcache.Camera.load(small.camera, shutter=2)
 
 
 def test_a_camera_that_moves():
@@ -185,20 +154,20 @@ def test_a_camera_that_moves():
 # A bake for pictures.
 
 @pytest.mark.parametrize("options, arguments", [
-    ({}, []), ({"spacing": 1.5, "level": 2}, ["--spacing", 1.5, "--level", 2]), ({"quality": "draft"}, ["--quality", "draft"]),
+    ({}, []), ({"spacing": 0.25, "level": 2}, ["--spacing", 0.25, "--level", 2]), ({"quality": "draft"}, ["--quality", "draft"]),
     ({"level": 1, "margin": 2}, ["--level", 1, "--margin", 2])])
-def test_bake_for_pictures_has_the_items_of_the_program(courtyard, tmp_path, options, arguments):
-    cameras = [shadowcache.Camera.load(courtyard.camera, frame=frame) for frame in (2, 9)]
-    mine = shadowcache.bake(courtyard.scene, cameras=cameras, size=(24, 14), rays=1, **options)
-    run("bake", courtyard.file, "-o", tmp_path / "a.vdb", "--camera", courtyard.camera, "--frames", "2,9", "--size", "24x14",
+def test_bake_for_pictures_has_the_items_of_the_program(small, tmp_path, options, arguments):
+    cameras = [shadowcache.Camera.load(small.camera, frame=frame) for frame in (2, 9)]
+    mine = shadowcache.bake(small.scene, cameras=cameras, size=(24, 14), rays=1, **options)
+    run("bake", small.file, "-o", tmp_path / "a.vdb", "--camera", small.camera, "--frames", "2,9", "--size", "24x14",
         "--rays", 1, *arguments)
     theirs = shadowcache.Cache.open(tmp_path / "a.vdb")
     assert mine.spacing == theirs.spacing and np.array_equal(mine.items(), theirs.items())
-    whole = shadowcache.bake(courtyard.scene, spacing=mine.spacing, level=mine.header["level"], rays=1)
+    whole = shadowcache.bake(small.scene, spacing=mine.spacing, level=mine.header["level"], rays=1)
     assert 0 < len(mine) <= len(whole) and ("spacing" not in options or len(mine) < len(whole))  # the control: all
     # It has what the pictures that it is for look up, and not what others do.
     def misses(camera):
-        return np.nanmean(shadowcache.render(courtyard.scene, mine, shadowcache.Environment.constant(1), camera, size=(24, 14),
+        return np.nanmean(shadowcache.render(small.scene, mine, shadowcache.Environment.constant(1), camera, size=(24, 14),
                                              spp=1, aovs=["misses"])["misses"])
 
     back = shadowcache.Camera(cameras[0].origin, cameras[0].origin - cameras[0].forward)
@@ -207,8 +176,8 @@ def test_bake_for_pictures_has_the_items_of_the_program(courtyard, tmp_path, opt
     assert np.array_equal(shadowcache.Cache.open(tmp_path / "b.vdb").items(), mine.items())
 
 
-def test_refused_bakes_for_pictures(courtyard):
-    camera = shadowcache.Camera.load(courtyard.camera)
+def test_refused_bakes_for_pictures(small):
+    camera = shadowcache.Camera.load(small.camera)
     for kind, text, options in (
             (TypeError, "cameras: expected a list", {"cameras": camera}), (TypeError, "cameras: expected a list", {"cameras": [3]}),
             (ValueError, "cameras: expected one", {"cameras": []}), (TypeError, "size: expected with cameras", {"size": (3, 4)}),
@@ -216,7 +185,7 @@ def test_refused_bakes_for_pictures(courtyard):
             (shadowcache.Error, "^margin 65: expected 0 to 64", {"cameras": [camera], "margin": 65}),
             (shadowcache.Error, "^size", {"cameras": [camera], "size": (0, 4)})):
         with pytest.raises(kind, match=text):
-            shadowcache.bake(courtyard.scene, **options)
+            shadowcache.bake(small.scene, **options)
 
 
 def test_one_form_of_a_name_for_each_row():

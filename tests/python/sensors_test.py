@@ -109,23 +109,24 @@ def test_patches_are_the_light_of_a_sky(smooth, level):
     assert brightest @ texels > 0.5
 
 
-def even(sky, level):
-    """The light of the patches, spread over them: a map that has it by nearest patches."""
-    light = sky.patches(level) / shadowcache.Environment.constant(1).patches(level)
-    theta = (np.arange(256) + 0.5) * np.pi / 256
-    phi = np.pi - (np.arange(512) + 0.5) * 2 * np.pi / 512  # row 0 is +Y, the middle looks to +Z
+@pytest.fixture(scope="module")
+def even():
+    """The light of the patches of a sky, spread over them: a map that has it by nearest patches."""
+    light = shadowcache.Environment.load(MAP).patches() / shadowcache.Environment.constant(1).patches()
+    theta = (np.arange(128) + 0.5) * np.pi / 128
+    phi = np.pi - (np.arange(256) + 0.5) * 2 * np.pi / 256  # row 0 is +Y, the middle looks to +Z
     ways = np.stack(np.broadcast_arrays(np.sin(theta)[:, None] * np.sin(phi), np.cos(theta)[:, None],
                                         np.sin(theta)[:, None] * np.cos(phi)), axis=-1)
-    nearest = np.argmax(ways.reshape(-1, 3) @ shadowcache.patch_directions(level).T, axis=1)
-    return shadowcache.Environment.from_array(light[nearest].reshape(256, 512, 3))
+    nearest = np.argmax(ways.reshape(-1, 3) @ shadowcache.patch_directions().T, axis=1)
+    return shadowcache.Environment.from_array(light[nearest].reshape(128, 256, 3))
 
 
 @pytest.mark.parametrize("bounces", [0, 1, 4, "unlimited"])
-def test_operator_is_the_irradiance(scene, cache, smooth, bounces):
+def test_operator_is_the_irradiance(scene, cache, smooth, even, bounces):
     places = np.concatenate([SENSORS, scene.intersect(SENSORS, -UP)["position"]])
     operator = cache.operator(places, UP, scene=scene, bounces=bounces)
     assert operator.shape == (8, 1280, 3) and operator.dtype == np.float32 and operator.min() >= 0
-    for sky in (smooth, even(shadowcache.Environment.load(MAP), 3)):
+    for sky in (smooth, even):
         product = (operator * sky.patches()).sum(axis=-2)
         wanted = cache.irradiance(places, UP, sky, scene=scene, bounces=bounces)
         assert np.allclose(product, wanted, rtol=0.03, atol=0.01 * wanted.max())

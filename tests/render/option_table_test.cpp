@@ -1,5 +1,5 @@
 // Each option at each door: the ends of its range are accepted, what is beyond is refused under the
-// name that the door has for it. (Python's door: tests/python/module_test.py.)
+// name that the door has for it. (Python's door: tests/python/help_test.py.)
 
 #include "render/library/option_table.h"
 
