@@ -28,12 +28,13 @@ TriangleMesh floorAndBlock() {
     return mesh;
 }
 
-BakeResult baked(const TriangleMesh& mesh, int level = 5, bool adaptive = true) {
+BakeResult baked(const TriangleMesh& mesh, int level = 5, bool adaptive = true, int rays = 16) {
     const Scene scene(mesh);
     BakeOptions options;
     options.spacing = kSpacing;
     options.level = level;
     options.adaptive = adaptive;
+    options.rays = rays;
     return bake(scene, options);
 }
 
@@ -50,7 +51,7 @@ TEST(ItemRegions, TileWhatWasCounted) {
     for (const int level : {0, 1, 2, 5})
         for (const bool adaptive : {true, false}) {
             SCOPED_TRACE(level);
-            const BakeResult result = baked(floorAndBlock(), level, adaptive);
+            const BakeResult result = baked(floorAndBlock(), level, adaptive, 2);
             ItemRegions regions(result.header.tiers());
             regions.use(result.items, itemAt(result.items, {0, 0, 0}, kUp));
             std::vector<int> covered(cellCount(kMaxCacheLevel));

@@ -59,7 +59,7 @@ void expectRefused(const Read& read, std::size_t byte) {
     expectError(read, "cache.vdb: ", "");
 }
 
-constexpr std::size_t kPlaces = 3000;
+constexpr std::size_t kPlaces = 1000;
 
 /// Every part of the file is met: its head, each grid, the checksums themselves.
 TEST_F(FlippedBit, IsRefusedWhereverItIs) {

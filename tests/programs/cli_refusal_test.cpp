@@ -82,9 +82,7 @@ TEST_F(CliRefusal, BadInputOfEveryKind) {
         };
         refuses(input.program, arguments, input.name + ": no such file");
         refusesBytes("");
-        for (const double share : {0.05, 0.5, 0.95})
-            refusesBytes(input.good.substr(
-                0, static_cast<std::size_t>(share * static_cast<double>(input.good.size()))));
+        refusesBytes(input.good.substr(0, input.good.size() / 2));
         refusesBytes("\x89PNG\r\n\x1a\n" + std::string(500, '\0'));
         if (!input.newer.empty()) refusesBytes(input.newer);
         std::filesystem::remove(path(input.name));

@@ -275,7 +275,7 @@ TEST_F(Cli, ThreadsChangeNoBit) {
         const auto picture = [&](const std::string& options) {
             return still("--aov variance rays --cache one.vdb --camera-rays 2 --estimator " +
                              estimator + options,
-                         "64x48");
+                         "48x32");
         };
         runWell("render", picture(" -o one.exr --threads 1"));
         runWell("render", picture(" -o two.exr --threads 2"));

@@ -93,22 +93,45 @@ struct Wanted {
     std::vector<LightGroupRule> groups{{"", "*"}};
 };
 
+/// Films of what is asked for, which is lit and planned once.
+class Films {
+public:
+    Films(const Scene& scene, const ShadowCache* cache, const Environment& environment,
+          const Wanted& wanted)
+        : lit_(scene, findEstimator(wanted.estimator).needsCache ? cache : nullptr,
+               findEstimator(wanted.estimator), lightingOf(wanted)) {
+        lit_.setEnvironment(environment);
+        RenderOptions options;
+        options.width = options.height = 14;
+        options.cameraRays = options.samples = 4;
+        options.bounces = wanted.bounces;
+        wanted.change(options);
+        RenderStats stats;
+        picture_.emplace(lit_.plan(camera(), 1, options, stats));
+    }
+
+    Film film(std::uint64_t seed) const {
+        FrameRequest request = picture_->request();
+        request.options.seed = seed;
+        RenderStats stats;
+        return render(request, stats);
+    }
+
+private:
+    static LightingOptions lightingOf(const Wanted& wanted) {
+        LightingOptions lighting;
+        lighting.bounces = wanted.bounces;
+        lighting.groups = wanted.groups;
+        return lighting;
+    }
+
+    LitStage lit_;
+    std::optional<Picture> picture_;
+};
+
 Film filmOf(const Scene& scene, const ShadowCache* cache, const Environment& environment,
-            const Wanted& wanted, std::uint64_t seed = 1) {
-    const EstimatorEntry& entry = findEstimator(wanted.estimator);
-    LightingOptions lighting;
-    lighting.bounces = wanted.bounces;
-    lighting.groups = wanted.groups;
-    LitStage lit(scene, entry.needsCache ? cache : nullptr, entry, lighting);
-    lit.setEnvironment(environment);
-    RenderOptions options;
-    options.width = options.height = 14;
-    options.cameraRays = options.samples = 4;
-    options.bounces = wanted.bounces;
-    options.seed = seed;
-    wanted.change(options);
-    RenderStats stats;
-    return lit.plan(camera(), 1, options, stats).film(stats);
+            const Wanted& wanted) {
+    return Films(scene, cache, environment, wanted).film(1);
 }
 
 std::size_t numberOf(const Film& film, const std::string& group) {
@@ -219,30 +242,31 @@ struct Alone {
 };
 
 TEST(LightGroups, AreThePicturesOfTheirLightAlone) {
-    constexpr std::uint64_t kSeeds = 40;
+    constexpr std::uint64_t kSeeds = 24;
     const test::World world(litRoom(), sky(), {.spacing = 0.25});
     const Environment night = test::environmentOf(test::constantMap(Rgb(0, 0, 0)));
     const std::vector<std::string> names{"sky", "bulb", "spot", "panel", "screen"};
     std::vector<std::vector<double>> ofGroups(names.size()), direct(names.size());
-    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed)
-        for (const int bounces : {3, 0}) {
-            Wanted wanted{"all"};
-            wanted.bounces = bounces;
-            const Film film =
-                filmOf(world.scene, &world.cache.cache(), world.environment, wanted, seed);
+    for (const int bounces : {3, 0}) {
+        Wanted wanted{"all"};
+        wanted.bounces = bounces;
+        const Films films(world.scene, &world.cache.cache(), world.environment, wanted);
+        for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+            const Film film = films.film(seed);
             for (std::size_t g = 0; g < names.size(); ++g)
                 (bounces == 0 ? direct : ofGroups)[g].push_back(
                     meanOf(film, numberOf(film, names[g])));
         }
+    }
     double least = 1, most = 0;
     for (std::size_t g = 0; g < names.size(); ++g) {
         const Alone alone(names[g]);
         const Scene scene(alone.mesh);
+        const Films films(scene, nullptr, alone.sky ? world.environment : night,
+                          {"alone", "mis", 3, [](RenderOptions&) {}, {}});
         std::vector<double> truth;
         for (std::uint64_t seed = 1; seed <= kSeeds; ++seed)
-            truth.push_back(
-                meanOf(filmOf(scene, nullptr, alone.sky ? world.environment : night,
-                              {"alone", "mis", 3, [](RenderOptions&) {}, {}}, seed + 1000)));
+            truth.push_back(meanOf(films.film(seed + 1000)));
         least = std::min(least, test::sameMeanPValue(ofGroups[g], truth));
         // Control: without the light that bounces.
         most = std::max(most, test::sameMeanPValue(direct[g], truth));
@@ -252,16 +276,18 @@ TEST(LightGroups, AreThePicturesOfTheirLightAlone) {
 }
 
 TEST(LightGroups, AreMixedToThePictureOfOtherGains) {
-    constexpr std::uint64_t kSeeds = 40;
+    constexpr std::uint64_t kSeeds = 24;
     const test::World world(litRoom(), sky(), {.spacing = 0.25});
     TriangleMesh other = litRoom();
     other.lamps[0].gain = Rgb(3, 1, 0.5f);
     other.materials[2].finish.gain = Rgb(0.2f, 0.2f, 0.2f);
     const Scene scene(other);
+    const Films films(world.scene, &world.cache.cache(), world.environment, {"mixed"});
+    const Films others(scene, &world.cache.cache(), world.environment,
+                       {"other", "cache", 3, [](RenderOptions&) {}, {}});
     std::vector<double> mixed, wrong, truth;
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-        const Film film =
-            filmOf(world.scene, &world.cache.cache(), world.environment, {"mixed"}, seed);
+        const Film film = films.film(seed);
         const auto mean = [&](const Rgb& bulb, float panel) {
             Rgb sum(0, 0, 0);
             for (std::size_t i = 0; i < film.pixels.size(); ++i)
@@ -276,9 +302,7 @@ TEST(LightGroups, AreMixedToThePictureOfOtherGains) {
         };
         mixed.push_back(mean(Rgb(3, 1, 0.5f), 0.2f));
         wrong.push_back(mean(Rgb(3, 1, 0.5f), 0.6f));
-        truth.push_back(
-            meanOf(filmOf(scene, &world.cache.cache(), world.environment,
-                          {"other", "cache", 3, [](RenderOptions&) {}, {}}, seed + 1000)));
+        truth.push_back(meanOf(others.film(seed + 1000)));
     }
     EXPECT_GT(test::sameMeanPValue(mixed, truth), test::significance(1));
     EXPECT_LT(test::sameMeanPValue(wrong, truth), test::significance(1));

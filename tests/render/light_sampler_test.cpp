@@ -89,7 +89,7 @@ double sumOf(const std::vector<double>& values) {
 
 // With its control: a density that is tilted by four per cent is rejected.
 TEST_F(LightAtAPlace, DirectionsFollowTheDensity) {
-    constexpr std::uint64_t kDraws = 1000000;
+    constexpr std::uint64_t kDraws = 500000;
     for (const SampleAim of : kAims) {
         aim(of);
         std::vector<double> counts(cellCount(kBinLevel));
@@ -116,7 +116,7 @@ TEST_F(LightAtAPlace, EstimatesHaveTheMeanOfTheIrradiance) {
         EXPECT_LT(test::meanPValue(estimates, (1 + wrong) * mean), level);
     };
     const auto truth =
-        static_cast<double>(test::tracedIrradiance(world_.scene, point_, map_, 160).y);
+        static_cast<double>(test::tracedIrradiance(world_.scene, point_, map_, 40).y);
     for (const SampleAim of : kAims) {
         aim(of);
         const auto integral = static_cast<double>(reader_.integral().y);
