@@ -51,7 +51,7 @@ TEST(ItemRegions, TileWhatWasCounted) {
     for (const int level : {0, 1, 2, 5})
         for (const bool adaptive : {true, false}) {
             SCOPED_TRACE(level);
-            const BakeResult result = baked(floorAndBlock(), level, adaptive, 2);
+            const BakeResult result = baked(floorAndBlock(), level, adaptive, 8);
             ItemRegions regions(result.header.tiers());
             regions.use(result.items, itemAt(result.items, {0, 0, 0}, kUp));
             std::vector<int> covered(cellCount(kMaxCacheLevel));

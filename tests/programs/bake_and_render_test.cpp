@@ -70,21 +70,18 @@ TEST_F(BakeAndRender, HasTheBitsOfABakeThenARender) {
     }
 }
 
-/// A set whose bake takes some seconds of a core.
+/// A bake that takes a second or two of a core.
 class SlowBake : public BakeAndRender {
 protected:
-    SlowBake() {
-        runWell("make-set", "courtyard -o court.glb --camera view.json");
-        shot_ = "court.glb --camera view.json --frames 1 --size 96x54 --threads 1 ";
-        render_ = shot_ + "--env map.exr --spp 2 --bounces 4 ";
-    }
-
-    std::string shot_, render_;
+    const std::string kOne = "set.obj --camera camera.json --frames 1 --size 96x54 --threads 1 ";
+    const std::string kBake = kOne + "--spacing 0.03 ";
+    const std::string kRender = kOne + "--env map.exr --spp 2 --bounces 4 ";
+    const std::string kBoth = kRender + "--bake-spacing 0.03 --bake a.vdb -o a.exr ";
 };
 
 TEST_F(SlowBake, ShowsAPictureBeforeTheCacheIsThere) {
     auto whole = std::async(std::launch::async,
-                            [&] { return run("render", render_ + "--bake a.vdb -o a.exr"); });
+                            [&] { return run("render", kBoth); });
     const auto isOver = [&] {
         return whole.wait_for(std::chrono::milliseconds(5)) == std::future_status::ready;
     };
@@ -103,27 +100,26 @@ TEST_F(SlowBake, ShowsAPictureBeforeTheCacheIsThere) {
         << run.out;
     // The control: who waits sees none.
     fs::remove(path("a.vdb"));
-    const auto waited = runWell("render", render_ + "--bake a.vdb -o a.exr --wait");
+    const auto waited = runWell("render", kBoth + "--wait");
     EXPECT_EQ(waited.out.find("baked so far"), std::string::npos) << waited.out;
 }
 
 TEST_F(SlowBake, ThatIsStoppedIsContinuedByEitherProgram) {
     const double begin = secondsNow();
-    runWell("bake", shot_ + "-o whole.vdb");
+    runWell("bake", kBake + "-o whole.vdb");
     const double ofBake = secondsNow() - begin;
-    runWell("render", shot_ + "--env map.exr --spp 1 --bounces 4 -o whole.exr");
+    runWell("render", kOne + "--env map.exr --spp 1 --bounces 4 -o whole.exr");
     const double ofFirst = secondsNow() - begin - ofBake;
-    runWell("render", render_ + "--cache whole.vdb -o whole.exr");
-    const std::string both = render_ + "--bake a.vdb -o a.exr ";
+    runWell("render", kRender + "--cache whole.vdb -o whole.exr");
     for (const std::string& next :
-         {"bake " + shot_ + "-o a.vdb --resume", "render " + both + "--resume"}) {
+         {"bake " + kBake + "-o a.vdb --resume", "render " + kBoth + "--resume"}) {
         SCOPED_TRACE(next);
         ProgramRun ended;
         for (std::uint64_t turn = 0; turn < 20 && !exists("a.vdb.checkpoint"); ++turn) {
             fs::remove(path("a.vdb"));
             // Others may use the machine: no moment is sure to be in the midst of the bake.
             const double share = turn == 0 ? 0.5 : toUnit(hashWords(5, turn));
-            ended = run("render", both,
+            ended = run("render", kBoth,
                         {.interruptSeconds = ofFirst + share * ofBake, .signal = SIGTERM});
         }
         ASSERT_TRUE(exists("a.vdb.checkpoint"));
@@ -139,7 +135,7 @@ TEST_F(SlowBake, ThatIsStoppedIsContinuedByEitherProgram) {
         EXPECT_FALSE(exists("a.vdb.checkpoint"));
         if (next.starts_with("bake")) {
             // What is there is used.
-            const auto rendered = runWell("render", both);
+            const auto rendered = runWell("render", kBoth);
             EXPECT_NE(rendered.out.find("a.vdb: baked before"), std::string::npos) << rendered.out;
         }
         expectSamePixels("a.exr", "whole.exr");

@@ -149,10 +149,10 @@ TEST_F(CliRefusal, FullDisk) {
 TEST_F(CliRefusal, InterruptedWorkLeavesNothing) {
     const auto before = files();
     for (const int signal : {SIGINT, SIGTERM}) {
-        const RunLimits interrupted{{}, 0.3, signal};
+        const RunLimits interrupted{{}, 0.2, signal};
         expectRefusal(run("bake", "set.obj --spacing 0.001 -o new.vdb", interrupted), "bake",
                       "interrupted", "", kTryAgain);
-        expectRefusal(run("render", still("-o new.exr --samples 65536", "4096x4096"), interrupted),
+        expectRefusal(run("render", still("-o new.exr --samples 65536", "1024x1024"), interrupted),
                       "render", "interrupted", "", kTryAgain);
         EXPECT_EQ(files(), before);
     }
