@@ -80,8 +80,7 @@ protected:
 };
 
 TEST_F(SlowBake, ShowsAPictureBeforeTheCacheIsThere) {
-    auto whole = std::async(std::launch::async,
-                            [&] { return run("render", kBoth); });
+    auto whole = std::async(std::launch::async, [&] { return run("render", kBoth); });
     const auto isOver = [&] {
         return whole.wait_for(std::chrono::milliseconds(5)) == std::future_status::ready;
     };

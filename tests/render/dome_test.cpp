@@ -218,8 +218,8 @@ TEST_F(DomeLight, IsUnbiasedWhateverItHasLearned) {
     const double level = test::significance(2 * std::size(lies) * std::size(places));
     std::vector<Rgb> truths;
     for (const Vec3f& place : places)
-        truths.push_back(test::tracedIrradiance(
-            scene_, test::pointAlong(scene_, place, {0, -1, 0}), map_, 160));
+        truths.push_back(
+            test::tracedIrradiance(scene_, test::pointAlong(scene_, place, {0, -1, 0}), map_, 160));
     for (const Lie& lie : lies) {
         const auto dome = findEstimator("dome").make(context_);
         std::vector<ShadingPoint> told = placesBelowRoof();
