@@ -76,6 +76,9 @@ TriangleMesh litRoom() {
     return mesh;
 }
 
+/// Coarse: what groups add up to does not depend on the cache.
+constexpr BakeOptions kBake{.spacing = 0.5, .level = 3, .rays = 8};
+
 Image sky() {
     return test::gradientMap(32, 16, {0.3, 0.6, 0.4});
 }
@@ -177,7 +180,7 @@ constexpr double kRoundings = 200;
 class GroupsOf : public testing::TestWithParam<Wanted> {};
 
 TEST_P(GroupsOf, AddUpToThePictureWhichStaysAsItIs) {
-    const test::World world(litRoom(), sky(), {.spacing = 0.25});
+    const test::World world(litRoom(), sky(), kBake);
     const ShadowCache* cache = &world.cache.cache();
     const Film film = filmOf(world.scene, cache, world.environment, GetParam());
     EXPECT_EQ(film.groups,
@@ -219,8 +222,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Where a cache counts no lamps, what its rays met of them is predicted, by group as well.
 TEST(LightGroups, AddUpWhereTheCacheCountsNoLamps) {
     TriangleMesh dark = litRoom();
-    BakeOptions options;
-    options.spacing = 0.25;
+    BakeOptions options = kBake;
     options.lamps = false;
     const test::World world(dark, sky(), options);
     const Film film = filmOf(world.scene, &world.cache.cache(), world.environment, {"uncounted"});
@@ -243,7 +245,7 @@ struct Alone {
 
 TEST(LightGroups, AreThePicturesOfTheirLightAlone) {
     constexpr std::uint64_t kSeeds = 24;
-    const test::World world(litRoom(), sky(), {.spacing = 0.25});
+    const test::World world(litRoom(), sky(), kBake);
     const Environment night = test::environmentOf(test::constantMap(Rgb(0, 0, 0)));
     const std::vector<std::string> names{"sky", "bulb", "spot", "panel", "screen"};
     std::vector<std::vector<double>> ofGroups(names.size()), direct(names.size());
@@ -277,7 +279,7 @@ TEST(LightGroups, AreThePicturesOfTheirLightAlone) {
 
 TEST(LightGroups, AreMixedToThePictureOfOtherGains) {
     constexpr std::uint64_t kSeeds = 24;
-    const test::World world(litRoom(), sky(), {.spacing = 0.25});
+    const test::World world(litRoom(), sky(), kBake);
     TriangleMesh other = litRoom();
     other.lamps[0].gain = Rgb(3, 1, 0.5f);
     other.materials[2].finish.gain = Rgb(0.2f, 0.2f, 0.2f);
@@ -320,7 +322,7 @@ TEST(LightGroups, AddUpWhereLampsShareAnEmitter) {
         lamp.position = {-1.5 + 0.06 * i, 1.5, 0.3 * std::sin(i)};
         mesh.lamps.push_back(lamp);
     }
-    const test::World world(mesh, test::constantMap(Rgb(0, 0, 0)), {.spacing = 0.25});
+    const test::World world(mesh, test::constantMap(Rgb(0, 0, 0)), kBake);
     const Film film = filmOf(world.scene, &world.cache.cache(), world.environment, {"many"});
     EXPECT_LT(misfitOf(film), kRoundings);
     EXPECT_EQ(meanOf(film, numberOf(film, "sky")), 0);
@@ -335,7 +337,7 @@ TEST(LightGroups, AddUpWhereLampsShareAnEmitter) {
 
 // Rays of paths meet what moves and shines.
 TEST(LightGroups, HaveTheLightOfWhatMoves) {
-    const test::World world(litRoom(), sky(), {.spacing = 0.25});
+    const test::World world(litRoom(), sky(), kBake);
     TriangleMesh moving;
     moving.origin = world.mesh.origin;
     test::addBox(moving, {-0.5f, 1.2f, -0.4f}, {-0.1f, 1.6f, 0});
