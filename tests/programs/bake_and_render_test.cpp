@@ -41,12 +41,11 @@ TEST_F(BakeAndRender, HasTheBitsOfABakeThenARender) {
     struct Case {
         std::string shared, ofRender, ofBake;
     };
-    for (const Case& each :
-         {Case{"", "", ""}, Case{"", "--wait", ""}, Case{"", "--smooth 60 --aov items", ""},
-          Case{"", "--lamps off --preview --spp 1", ""},
-          Case{"--dynamic other.obj --shutter 0.5 --up z", "", ""},
-          Case{"--threads 1", "--bake-quality draft", "--quality draft"},
-          Case{"", "--bake-spacing 0.4", "--spacing 0.4"}}) {
+    for (const Case& each : {Case{"", "", ""}, Case{"", "--smooth 60 --aov items --wait", ""},
+                             Case{"", "--lamps off --preview --spp 1", ""},
+                             Case{"--dynamic other.obj --shutter 0.5 --up z", "", ""},
+                             Case{"--threads 1", "--bake-quality draft", "--quality draft"},
+                             Case{"", "--bake-spacing 0.4", "--spacing 0.4"}}) {
         SCOPED_TRACE(each.shared + each.ofRender);
         const std::string shot = kShot + each.shared + " ";
         runWell("bake", shot + each.ofBake + " -o a.vdb");

@@ -45,7 +45,7 @@ def smooth():
     return shadowcache.Environment.from_array(bright[..., None] * (0.6, 0.8, 1.2))
 
 
-def paths(scene, points, sky, bounces, rays=40000):
+def paths(scene, points, sky, bounces, rays=20000):
     """Irradiance by paths of cosine rays, without a cache."""
     rng = np.random.default_rng(5)
     start, normal = np.repeat(points, rays, axis=0), np.broadcast_to(UP, (len(points) * rays, 3))
@@ -113,15 +113,15 @@ def test_patches_are_the_light_of_a_sky(smooth, level):
 def even():
     """The light of the patches of a sky, spread over them: a map that has it by nearest patches."""
     light = shadowcache.Environment.load(MAP).patches() / shadowcache.Environment.constant(1).patches()
-    theta = (np.arange(128) + 0.5) * np.pi / 128
-    phi = np.pi - (np.arange(256) + 0.5) * 2 * np.pi / 256  # row 0 is +Y, the middle looks to +Z
+    theta = (np.arange(64) + 0.5) * np.pi / 64
+    phi = np.pi - (np.arange(128) + 0.5) * 2 * np.pi / 128  # row 0 is +Y, the middle looks to +Z
     ways = np.stack(np.broadcast_arrays(np.sin(theta)[:, None] * np.sin(phi), np.cos(theta)[:, None],
                                         np.sin(theta)[:, None] * np.cos(phi)), axis=-1)
     nearest = np.argmax(ways.reshape(-1, 3) @ shadowcache.patch_directions().T, axis=1)
-    return shadowcache.Environment.from_array(light[nearest].reshape(128, 256, 3))
+    return shadowcache.Environment.from_array(light[nearest].reshape(64, 128, 3))
 
 
-@pytest.mark.parametrize("bounces", [0, 1, 4, "unlimited"])
+@pytest.mark.parametrize("bounces", [0, 4, "unlimited"])
 def test_operator_is_the_irradiance(scene, cache, smooth, even, bounces):
     places = np.concatenate([SENSORS, scene.intersect(SENSORS, -UP)["position"]])
     operator = cache.operator(places, UP, scene=scene, bounces=bounces)

@@ -113,7 +113,7 @@ TEST_P(DefaultPath, MeetsTheClosedForm) {
     const double level = test::significance(kStrips * std::size(kEfforts));
     for (const auto& [cameraRays, samples] : kEfforts) {
         SCOPED_TRACE(fmt::format("{} x {}", cameraRays, samples));
-        const int count = std::max(36, path.films / (cameraRays * samples));
+        const int count = std::max(24, path.films / (cameraRays * samples));
         const std::vector<Film> all = films(*estimator, effort(cameraRays, samples), count);
         for (int strip = 0; strip < kStrips; ++strip) {
             const test::Estimates means = stripMeans(all, strip);
@@ -166,7 +166,7 @@ TEST_P(DefaultPathNoise, FallsWithCameraRaysAndWithSamples) {
     for (int k = 0; k < kSteps; ++k)
         for (int n = 0; n < kSteps; ++n)
             variance[k][n] = pixelVariance(films(*estimator, effort(1 << 2 * k, 1 << 2 * n),
-                                                 path.films / (path.estimator == "mis" ? 16 : 10)));
+                                                 path.films / (path.estimator == "mis" ? 32 : 20)));
     for (int k = 0; k < kSteps; ++k) {
         SCOPED_TRACE(fmt::format("{} camera rays", 1 << 2 * k));
         EXPECT_LT(variance[k][kSteps - 1], most.withSamples * variance[k][0]);

@@ -69,7 +69,7 @@ TEST(GlossyLight, OfAWhiteFurnaceIsTheAlbedo) {
         for (const double cosine : cosines) {
             const Rgb truth(test::referenceAlbedo(look, cosine));
             const test::Estimates found =
-                reflect(*estimator, point, look, viewerAt(point, cosine), 64, 4000).whole;
+                reflect(*estimator, point, look, viewerAt(point, cosine), 64, 2000).whole;
             EXPECT_GT(test::agreementPValue(found, truth), level)
                 << look.gloss.roughness << " at " << cosine << ": mean " << found.mean(1)
                 << ", wanted " << truth.y;
