@@ -138,7 +138,7 @@ def flat_memory(server):
     for i in range(30):
         if i == 10:
             before = memory_of(server.process)
-        server.ask("environment", map=MAP, rotate=i)
+        server.ask("environment", map=str(SOURCE / "scenes/maps/sunrise.exr"), rotate=i)
         server.ask("render", pixels="pixels")
     grown = memory_of(server.process) - before
     assert grown < 30000, "20 pictures take %d kB more" % grown

@@ -61,7 +61,7 @@ Case overFloor(const std::string& name, const std::function<void(TriangleMesh&)>
             0.5,  skyBehindConvex};
 }
 
-std::vector<Case> cases() {
+std::vector<Case> makeCases() {
     const Vec3d tilted = Vec3d(0.3, 0.8, 0.5).normalized();
     const Vec3d slope(0.3, -0.5, 0.6);
     std::vector<Case> all;
@@ -101,6 +101,12 @@ std::vector<Case> cases() {
     all.push_back(overFloor("Sphere", [](TriangleMesh& mesh) {
         test::addSphere(mesh, {0, 1, 0}, 0.6f, 24);
     }));
+    return all;
+}
+
+/// Made once: each start of the program asks for the names of all.
+const std::vector<Case>& cases() {
+    static const std::vector<Case> all = makeCases();
     return all;
 }
 
