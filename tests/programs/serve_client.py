@@ -1,8 +1,9 @@
-"""Talks to shadowcache-render --serve as it works: serve_client.py SOURCE BUILD WORK
+"""Talks to shadowcache-render --serve as it works: serve_client.py SOURCE BUILD WORK small|big
 
-The example of docs/serve.md runs and writes its picture. Requests stop wherever they are, loading and a map of 4096 x
-2048 texels within 0.3 s, and report their progress; Ctrl-C of the command line does as much. An input that ends, and a
+small: the example of docs/serve.md runs and writes its picture. A render stops within a tile. An input that ends, and a
 client that is killed, end the process and leave no file of pixels. Memory stays flat over 30 pictures.
+big: requests stop wherever they are, loading and a map of 4096 x 2048 texels within 0.3 s, and report their progress;
+Ctrl-C of the command line does as much.
 """
 import json
 import os
@@ -17,6 +18,8 @@ import zlib
 from pathlib import Path
 
 SOURCE, BUILD, WORK = (Path(word) for word in sys.argv[1:4])
+PART = sys.argv[4]
+SET = "set.glb" if PART == "big" else "set.obj"
 RENDER = str(BUILD / "render/shadowcache-render")
 MOST_SECONDS = 1.0  # of a stop, with room for a machine that does other things
 MOST_OF_LOADING = 0.3  # of a set or a map
@@ -61,7 +64,7 @@ def run(*command):
 
 
 def example():
-    run(sys.executable, SOURCE / "docs/examples/serve_client.py", "set.glb", "set.vdb", SOURCE / "scenes/maps/courtyard.exr",
+    run(sys.executable, SOURCE / "docs/examples/serve_client.py", SET, "set.vdb", SOURCE / "scenes/maps/courtyard.exr",
         "picture.ppm", "--size", "48x27", "--program", RENDER)
     picture = (WORK / "picture.ppm").read_bytes()
     assert picture.startswith(b"P6 48 27 255\n") and len(set(picture[13:])) > 50, "the example's picture is empty"
@@ -69,7 +72,7 @@ def example():
 
 def stops(server):
     """Asks for the end at moments all over a request."""
-    requests = [("load", {"set": ["set.glb"], "cache": "set.vdb"}, MOST_OF_LOADING),
+    requests = [("load", {"set": [SET], "cache": "set.vdb"}, MOST_OF_LOADING),
                 ("environment", {"map": MAP}, MOST_OF_LOADING), ("render", {"pixels": "pixels"}, MOST_SECONDS)]
     for request, fields, most in requests:
         worst, stopped = 0, 0
@@ -97,7 +100,7 @@ def stops(server):
 
 def ctrl_c():
     """Ends the command line while a map that was read is turned into tables."""
-    command = [RENDER, "set.glb", "--env", MAP, "--camera", "camera.json", "--size", "16x9", "--bounces", "0",
+    command = [RENDER, SET, "--env", MAP, "--camera", "camera.json", "--size", "16x9", "--bounces", "0",
                "--spp", "65536", "--progress", "json", "-o", "never.exr"]
     for delay in (0, 0.05, 0.1):
         process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
@@ -202,7 +205,7 @@ def ends_with_its_input(server):
 
 def small_server():
     server = Server()
-    server.ask("load", set=["set.glb"], cache="set.vdb")
+    server.ask("load", set=[SET], cache="set.vdb")
     server.ask("environment", radiance=1)
     server.ask("camera", name="camera.json")
     server.ask("size", width=96, height=54)
@@ -210,15 +213,19 @@ def small_server():
     return server
 
 
+def wait_for(file):
+    deadline = time.monotonic() + 10
+    while not file.exists():
+        assert time.monotonic() < deadline, "%s is not there" % file
+        time.sleep(0.01)
+
+
 def pixels_that_are_removed():
     """A picture that nobody can find is none; a server removes what it has made, and nothing of another one."""
     first, second = small_server(), small_server()
     first.ask("options", spp=256, bounces=0)
     number = first.send("render", pixels="shared")
-    deadline = time.monotonic() + 10
-    while not (WORK / "shared").exists():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_for(WORK / "shared")
     (WORK / "shared").unlink()
     reply = first.wait(number)
     assert reply["reply"] == "error" and "shared: was removed or replaced" in reply["error"], reply
@@ -239,13 +246,13 @@ def begins_with_a_byte_order_mark():
 
 
 def ends_with_its_client():
-    lines = [{"request": "load", "set": ["set.glb"]}, {"request": "environment", "radiance": 1},
+    lines = [{"request": "load", "set": [SET]}, {"request": "environment", "radiance": 1},
              {"request": "camera", "name": "camera.json"}, {"request": "options", "spp": 65536},
              {"request": "render", "pixels": "orphan"}]
     (WORK / "endless.jsonl").write_text("".join(json.dumps({"id": i, **line}) + "\n" for i, line in enumerate(lines)))
     client = subprocess.Popen([sys.executable, "-c", CLIENT, RENDER], stdout=subprocess.PIPE, cwd=WORK, text=True)
     server = int(client.stdout.readline())
-    time.sleep(2)
+    wait_for(WORK / "orphan")
     assert Path("/proc/%d" % server).exists(), "the process has ended before its client"
     client.kill()
     client.wait()
@@ -289,23 +296,42 @@ def write_big_map():
             out.write(struct.pack("<2i", y, len(packed)) + packed)
 
 
-def main():
+def prepare(big):
+    """The bundled set and a big map, which take a while; else a small set, and no map."""
     shutil.rmtree(WORK, ignore_errors=True)
     WORK.mkdir(parents=True)
     os.chdir(WORK)
-    run(BUILD / "scenes/shadowcache-make-set", "courtyard", "-o", "set.glb", "--camera", "camera.json")
-    run(BUILD / "bake/shadowcache-bake", "set.glb", "-o", "set.vdb", "--spacing", "3", "--level", "2", "--rays", "4",
+    if big:
+        run(BUILD / "scenes/shadowcache-make-set", "courtyard", "-o", SET, "--camera", "camera.json")
+        write_big_map()
+    else:
+        Path(SET).write_text("v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 1 -2\nv 0 1 -2\nv 0 1 2\nf 1 4 3 2\nf 5 7 6\n")
+        Path("camera.json").write_text(json.dumps({"cam": {"yfov": 0.8, "fps": 24, "frames": [
+            {"origin": [3, 2.5, 4], "forward": [-3, -2.2, -4], "up": [0, 1, 0]}]}}))
+    run(BUILD / "bake/shadowcache-bake", SET, "-o", "set.vdb", "--spacing", "3" if big else "0.5", "--level", "2", "--rays", "4",
         "--progress", "none")
-    write_big_map()
-    example()
-    ctrl_c()
+
+
+def main():
+    big = PART == "big"
+    prepare(big)
+    if big:
+        ctrl_c()
+    else:
+        example()
     server = Server()
     server.ask("size", width=192, height=108)
     server.ask("camera", name="camera.json")
-    stops(server)
+    if big:
+        stops(server)
+        progress(server)
+        server.ask("quit")
+        assert server.process.wait(10) == 0
+        return
+    server.ask("load", set=[SET], cache="set.vdb")
+    server.ask("environment", radiance=1)
     stops_within_a_tile(server)
     flat_memory(server)
-    progress(server)
     passes(server)
     ends_with_its_input(server)
     pixels_that_are_removed()

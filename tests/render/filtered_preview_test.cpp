@@ -95,7 +95,7 @@ TEST_F(FilteredPreview, IsConsistent) {
     std::array<double, 4> errors{};  // over seeds: with one, a few pixels decide
     double predicted = 0;
     for (options_.seed = 1; options_.seed <= 4; ++options_.seed) {
-        const Film reference = withoutFilter(1024);
+        const Film reference = withoutFilter(512);
         predicted += error(withoutFilter(0), reference);
         for (std::size_t i = 0; i < numbers.size(); ++i) {
             options_.samples = numbers[i];
