@@ -130,7 +130,7 @@ TEST_F(Sphere, HasTheLightOfTheSeries) {
     const double level = test::significance(std::size(cases));
     for (const Bounces& c : cases) {
         SCOPED_TRACE(fmt::format("{:f}, {}", c.albedo, c.most));
-        const std::vector<double> found = estimates(c.albedo, c.most, 80, 1000);
+        const std::vector<double> found = estimates(c.albedo, c.most, 100, 1000);
         const double truth = Sphere::truth(static_cast<double>(c.albedo), c.most);
         EXPECT_GT(test::meanPValue(found, truth), level);
         EXPECT_LT(test::meanPValue(found, 1.02 * truth), level) << "2 % more is accepted";
