@@ -10,7 +10,7 @@ namespace shadowcache {
 /// @throws Error if one cannot be read
 BakeIdentity identityOf(const BakeJob& job);
 
-/// What the shot's lookups depend on, of all that its items do: not its shard, rays or level.
+/// The part of the items' identity that lookups depend on: not the shard, the rays or the level.
 BakeIdentity identityOfLookups(const BakeJob& job, const BakeIdentity& ofItems);
 
 }  // namespace shadowcache

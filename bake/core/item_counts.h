@@ -20,8 +20,8 @@ using FineCounts = std::vector<Count>;
 /// Pairs of rays of the first refinement that share an origin, by base cell.
 using BlockPairs = std::vector<OriginPairs>;
 
-// What the steps of an item find; ItemBaker traces them and decides how many rays
-// (item_baker.h).
+// What the steps of an item find. ItemBaker decides how many rays (item_baker.h), VisibilityCounter
+// traces and counts them (visibility_counter.h), and they are stored as n and d.
 
 /// Step 1 of an item: one probe ray into every cell of the first refinement, by base cell.
 struct Probe {

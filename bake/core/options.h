@@ -7,11 +7,11 @@ namespace shadowcache {
 /// Largest spacing that is accepted.
 inline constexpr double kMostSpacing = 1e12;
 
-/// How fine a cache is for what it is used for: each is about eight times the rays of the one
-/// before.
+/// How fine a cache is: each takes about eight times the rays of the one before.
 enum class BakeQuality { draft, good, fine };
 
-/// Options of a bake.
+/// Options of a bake. Their names, ranges and help are rows of bake/library/bake_rows.cpp; for a
+/// shot bake/shot/shot_spacing.cpp chooses spacing and level where they are not given.
 struct BakeOptions {
     double spacing = 0;  ///< side of a voxel, world units; 0: chosen by the set and the quality
     BakeQuality quality = BakeQuality::good;  ///< where no spacing is given

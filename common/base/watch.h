@@ -42,7 +42,7 @@ private:
 /// Who watches this thread, or null.
 Watch* currentWatch() noexcept;
 
-/// @throws Interrupted once who watches this thread has asked for the end
+/// @throws Interrupted if the caller of this thread has asked to stop
 void throwIfStopped();
 
 }  // namespace shadowcache

@@ -12,9 +12,9 @@ namespace shadowcache {
 
 /// Version of the file format; raised on any change of its bytes or of the direction mesh.
 inline constexpr int kCacheFormat = 5;
-/// Version of files without emitters, which have no more than it.
+/// Version that is written where a cache has no emitters: a reader needs nothing newer.
 inline constexpr int kCacheFormatWithoutEmitters = 4;
-/// Oldest version that is still read: the same without hits.
+/// Oldest version that is still read (cache_header_file.cpp): it has no hits either.
 inline constexpr int kOldestCacheFormat = 3;
 
 /// Most rays of an item whose hits a cache may keep.

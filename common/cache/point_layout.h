@@ -1,6 +1,7 @@
 #pragma once
 
-// Private to the cache's .cpp files: names types of OpenVDB.
+// Private to the cache's .cpp files: names types of OpenVDB. This is where values lie in a file;
+// what they are and of which types stands in cache_schema.h, and cache_writer.cpp writes them.
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>

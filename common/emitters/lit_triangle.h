@@ -7,8 +7,8 @@
 
 namespace shadowcache {
 
-// A triangle as a place sees it that it lights: in closed form, and for samples. Corners are
-// relative to the place; n is the unit normal there.
+// Light of an emitting triangle at a place: its irradiance in closed form, and directions to
+// sample. Corners are relative to the place; n is the unit normal there.
 
 /// The part of a triangle above the horizon of a place.
 struct LitPolygon {

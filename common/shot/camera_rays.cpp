@@ -75,6 +75,16 @@ CameraRay CameraRays::Still::through(const FilmPosition& at) const noexcept {
                        .normalized());
 }
 
+std::optional<FilmPosition> CameraRays::Still::project(const Vec3d& point) const noexcept {
+    const Vec3d to = point - camera_.origin;
+    const double depth = to.dot(camera_.forward);
+    if (!(depth > camera_.near)) return {};
+    // Half the film's height, in the plane through the point.
+    const double half = camera_.height > 0 ? camera_.height / 2 : depth * tangent_;
+    return FilmPosition{0.5 + to.dot(right_) / (2 * half * aspect_) - camera_.shiftX,
+                        0.5 - to.dot(camera_.up) / (2 * half) + camera_.shiftY};
+}
+
 CameraRay CameraRays::Still::through(const FilmPosition& at,
                                      const LensSample& sample) const noexcept {
     const CameraRay pinhole = through(at);

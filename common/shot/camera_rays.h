@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "common/shot/camera.h"
 
 namespace shadowcache {
@@ -39,6 +41,12 @@ public:
     /// exposure.
     CameraRay through(const FilmPosition& at) const noexcept { return middle_.through(at); }
 
+    /// The place of the film whose ray through() meets a point; nothing if that is not in front of
+    /// the near plane. Places outside the film are below 0 or above 1.
+    std::optional<FilmPosition> project(const Vec3d& point) const noexcept {
+        return middle_.project(point);
+    }
+
     /// One of the rays that meet there: over uniform samples they make the picture of a thin lens
     /// [Cook et al. 1984].
     CameraRay through(const FilmPosition& at, const LensSample& sample) const noexcept;
@@ -50,6 +58,7 @@ private:
         Still(const Camera& camera, double aspect) noexcept;
         CameraRay through(const FilmPosition& at) const noexcept;
         CameraRay through(const FilmPosition& at, const LensSample& sample) const noexcept;
+        std::optional<FilmPosition> project(const Vec3d& point) const noexcept;
 
     private:
         CameraRay clipped(const Vec3d& start, const Vec3d& direction) const noexcept;

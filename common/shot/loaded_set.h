@@ -25,7 +25,7 @@ struct LoadedSet {
     const std::uint64_t fingerprint;  ///< of the mesh, as caches have it
 };
 
-/// Loads the files as one set, what no animation moves.
+/// Loads the files as one set, without what an animation moves.
 ///
 /// @throws Error as loadMesh()
 std::unique_ptr<const LoadedSet> loadSet(std::span<const std::filesystem::path> files,

@@ -24,7 +24,7 @@ struct QueryContext {
 /// Only geometries whose material needs them have filters, so others lose nothing.
 class EmbreeScene {
 public:
-    /// @throws Error when memory runs out, Interrupted once who watches has asked for the end
+    /// @throws Error when memory runs out, Interrupted if the caller has asked to stop
     explicit EmbreeScene(const TriangleMesh& mesh);
     ~EmbreeScene();
     EmbreeScene(const EmbreeScene&) = delete;

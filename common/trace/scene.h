@@ -12,6 +12,9 @@ namespace shadowcache {
 class EmbreeScene;
 class Scene;
 
+// Whether a ray passes a hole or a pane is decided by passes() of embree_scene.cpp, with
+// passageAt() of common/mesh/looks.h.
+
 /// Where a ray meets the set, relative to the mesh's origin.
 struct Hit {
     bool found = false;
@@ -21,7 +24,7 @@ struct Hit {
     float distance = 0;            ///< along the ray
     std::uint32_t triangle = 0;    ///< its number in the world (placed_mesh.h)
     float u = 0, v = 0;            ///< barycentric coordinates of the second and third corner
-    float weight = 1;              ///< factor of what a pane sends to rays that it stops
+    float weight = 1;              ///< of light from a pane: makes up for rays that pass it
     Rgb tint{1.0f, 1.0f, 1.0f};    ///< by panes on the way; where nothing is found, to the sky
 };
 

@@ -16,9 +16,8 @@ struct LobeRay {
 };
 LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe);
 
-/// Decides which of a frame's camera points, the vertices of the first level, send rays. All do,
-/// but of those that extra camera rays of a pixel met, in each run of as many rays as there are for
-/// one that was asked for, one.
+/// Decides which of a frame's camera points, the vertices of the first level, send rays. All do in
+/// a pixel that has the camera rays asked for; where it has k times as many, one of every k does.
 std::vector<VertexChoice> chooseFirst(std::span<const BounceReceiver> receivers);
 
 /// Decides which vertices send rays and which are lit, from their seeds, albedos and lobes alone.

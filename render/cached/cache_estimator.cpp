@@ -28,6 +28,7 @@ public:
         : Estimator(context), options_(options) {}
 
     const FramePilot* pilot() const override { return this; }
+    bool isAdaptive() const override { return options_.adaptive; }
     const LightPrediction* prediction() const override { return this; }
     const InsightSource* insights() const override { return this; }
 

@@ -28,6 +28,9 @@ public:
     /// Places on the film that it wants of a frame of `samples` samples in all.
     virtual std::size_t places(std::uint64_t samples) const;
 
+    /// Whether pixels may get other numbers of samples and camera rays than are asked for.
+    virtual bool isAdaptive() const { return true; }
+
     /// @param samples  what each pixel will be given, or their mean where the estimator shares out
     /// @param cameraRayError  relMSE that the camera rays leave, of a pixel with 64 shadow rays
     virtual std::unique_ptr<const EstimatorPlan> plan(std::span<const ShadingPoint> points,

@@ -5,7 +5,8 @@
 namespace shadowcache {
 
 /// Queues the samples of a glossy point: those of the light and those of its lobe take turns, as
-/// the strategies of `mis` do, weighted by the balance heuristic.
+/// the strategies of `mis` do, weighted by the balance heuristic. With a cache:
+/// render/cached/lobe_light.h; of emitters: emitter_light.h.
 ///
 /// @param light  sample(u, jitterX, jitterY) draws a direction to the light, and density(s) tells
 ///               with which density it would have drawn a direction that

@@ -10,6 +10,9 @@ namespace shadowcache {
 
 namespace {
 
+/// Square of the share of the mean brightness below which errors are absolute, as relMSE has it.
+constexpr double kFloor = 0.01;
+
 struct LitWorkspace final : Workspace {
     LitWorkspace(std::unique_ptr<Workspace> ofSky, const EmitterLight& emitters)
         : sky(std::move(ofSky)), tools(emitters) {}
@@ -47,7 +50,10 @@ EstimatorContext litContext(EstimatorContext context, const EmitterLight& emitte
     return context;
 }
 
-class LitEstimator final : public Estimator, private LightPrediction, private InsightSource {
+class LitEstimator final : public Estimator,
+                           private FramePilot,
+                           private LightPrediction,
+                           private InsightSource {
 public:
     LitEstimator(std::unique_ptr<Estimator> sky, const EmitterLight& emitters)
         : Estimator(litContext(sky->context(), emitters)),
@@ -98,8 +104,12 @@ public:
         w.traceNanoseconds += time.sinceLast();
     }
 
-    /// The sky's knows what noise its light has: none, if there is none.
-    const FramePilot* pilot() const override { return dark_ ? nullptr : sky_->pilot(); }
+    /// The sky's, which knows what noise its light has; under a dark sky by that of emitters.
+    const FramePilot* pilot() const override {
+        const FramePilot* ofSky = sky_->pilot();
+        if (!dark_ || !ofSky) return ofSky;
+        return prediction() && ofSky->isAdaptive() ? this : nullptr;
+    }
     const LightPrediction* prediction() const override {
         return sky_->prediction() ? this : nullptr;
     }
@@ -120,10 +130,35 @@ private:
                w.lend([&](Workspace& sky) { return sky_->prediction()->predict(place, sky); });
     }
 
+    /// Of emitters alone: by what some samples of each place tell of their own noise.
+    std::unique_ptr<const EstimatorPlan> plan(std::span<const ShadingPoint> points, int samples,
+                                              double) const override {
+        auto plan = std::make_unique<EstimatorPlan>();
+        const std::unique_ptr<Workspace> workspace = makeWorkspace();
+        // One sample tells nothing of its noise.
+        const int each = std::max(samples, 2);
+        std::vector<Estimate> estimates(points.size());
+        estimate(points, each, *workspace, estimates);
+        double brightness = 0, error = 0;
+        const auto count = static_cast<double>(std::max<std::size_t>(points.size(), 1));
+        const auto luminance = [&](const Estimate& e) {
+            return static_cast<double>(context_.environment.luminance(e.irradiance));
+        };
+        for (const Estimate& e : estimates) brightness += luminance(e) / count;
+        for (const Estimate& e : estimates) {
+            plan->rays += e.rays;
+            const double scale = luminance(e) * luminance(e) + kFloor * brightness * brightness;
+            if (scale > 0) error += static_cast<double>(e.variance) / scale / count;
+        }
+        plan->predictedError = error * each / samples;
+        return plan;
+    }
+
     CacheInsight insight(const ShadingPoint& point, int samples, const EstimatorPlan* plan,
                          Workspace& workspace) const override {
-        return own(workspace).lend(
-            [&](Workspace& sky) { return sky_->insights()->insight(point, samples, plan, sky); });
+        return own(workspace).lend([&](Workspace& sky) {
+            return sky_->insights()->insight(point, samples, dark_ ? nullptr : plan, sky);
+        });
     }
 
     const std::unique_ptr<Estimator> sky_;

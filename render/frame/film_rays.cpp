@@ -19,6 +19,10 @@ View FilmRays::look(const FilmPosition& at) const {
     return lookAlong(camera_.through(at), scene_);
 }
 
+std::optional<FilmPosition> FilmRays::project(const Vec3f& point) const {
+    return camera_.project(scene_.mesh().origin + Vec3d(point));
+}
+
 std::vector<FilmRay> FilmRays::cast(const BatchPixels& batch) const {
     std::vector<FilmRay> rays;
     for (std::uint32_t i = 0; i < batch.places.size(); ++i) {

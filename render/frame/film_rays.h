@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,10 @@ public:
 
     /// What the middle of the lens sees through a place of the film.
     View look(const FilmPosition& at) const;
+
+    /// The place of the film through which the middle of the lens sees a point, relative to the
+    /// set's origin; nothing if that is not in front of it.
+    std::optional<FilmPosition> project(const Vec3f& point) const;
 
     /// Sends the camera rays of a batch, in the order of pixels and of rays in a pixel.
     std::vector<FilmRay> cast(const BatchPixels& batch) const;

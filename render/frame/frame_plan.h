@@ -8,11 +8,15 @@
 
 namespace shadowcache {
 
+class VisibleEmitters;
+
 /// All that is decided of a frame before any of its pixels. As it is made: what holds without a
 /// pilot.
 struct FramePlan {
     /// By the estimator's pilot; null: none looked at the frame. Copies of a request share it.
     std::shared_ptr<const EstimatorPlan> estimator = {};
+    /// What spreads of pixels contain beside what a few rays meet; null: nothing.
+    std::shared_ptr<const VisibleEmitters> visibleEmitters = {};
     /// None: each pixel has just the camera rays that are asked for.
     std::optional<AntialiasingRule> antialiasing = {};
 };

@@ -25,6 +25,8 @@ struct FilmRectangle {
     int x = 0, y = 0, width = 0, height = 0;
 };
 
+/// Options of a picture: values alone. Their names, ranges and help are rows of
+/// render/library/option_table.cpp.
 struct RenderOptions {
     int width = 960;
     int height = 540;

@@ -16,6 +16,7 @@
 #include "render/estimators/set_place.h"
 #include "render/frame/predicted_rates.h"
 #include "render/frame/shading.h"
+#include "render/frame/visible_emitters.h"
 
 namespace shadowcache {
 
@@ -96,12 +97,19 @@ std::optional<ShadingPoint> pilotPoint(const FrameRequest& frame, const FilmRays
 
 }  // namespace
 
-FramePlan planFrame(const FrameRequest& frame, RenderStats& stats) {
-    const RenderOptions& options = frame.options;
-    FramePlan plan;
-    const FramePilot* pilot = frame.estimator.pilot();
-    if (options.samples == 0 || !pilot) return plan;
+FramePlan planFrame(const FrameRequest& request, RenderStats& stats) {
+    const RenderOptions& options = request.options;
+    const FramePilot* pilot = request.estimator.pilot();
+    if (options.samples == 0 || !pilot) return {};
     const auto start = std::chrono::steady_clock::now();
+    FrameRequest frame = request;
+    frame.plan = {};
+    FramePlan& plan = frame.plan;
+    if (request.estimator.prediction() && pilot->isAdaptive()) {
+        const auto visible = std::make_shared<const VisibleEmitters>(request);
+        stats.spreadRays += visible->rays();
+        plan.visibleEmitters = visible;
+    }
     const FilmRays film(frame);
     const std::size_t places = pilot->places(static_cast<std::uint64_t>(options.width) *
                                              static_cast<std::uint64_t>(options.height) *

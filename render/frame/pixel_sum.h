@@ -39,7 +39,8 @@ struct SpreadRule {
     double luminance(const Rgb& c) const { return static_cast<double>(luminanceWeights.dot(c)); }
 };
 
-/// What a pixel's camera rays add up to so far.
+/// What a pixel's camera rays add up to so far. All weigh the same: the filter chooses where they
+/// go (pixel_filter.h).
 struct PixelSum {
     RayValues values;
     RunSpread color, irradiance;  ///< of the luminance

@@ -5,6 +5,7 @@
 #include "common/base/tuned.h"
 #include "render/estimators/set_place.h"
 #include "render/frame/shading.h"
+#include "render/frame/visible_emitters.h"
 
 namespace shadowcache {
 
@@ -44,6 +45,9 @@ std::vector<PredictedSpread> predictSpreads(const FrameRequest& frame, const Fil
     for (const FilmRay& ray : rays)
         spreads[ray.pixel].add(static_cast<double>(
             environment.luminance(predictRadiance(frame, ray.view, *tools.workspace))));
+    if (frame.plan.visibleEmitters)
+        for (std::size_t i = 0; i < places.size(); ++i)
+            frame.plan.visibleEmitters->addTo(places[i], spreads[i]);
     return spreads;
 }
 

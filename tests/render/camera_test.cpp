@@ -77,6 +77,28 @@ TEST(Camera, IsWhatThePictureSaysOfIt) {
     EXPECT_EQ(straight.screenCenter[0], 0);
 }
 
+// What a ray of the film meets is projected to where the ray went through; what is behind the near
+// plane is not.
+TEST(Camera, ProjectsPlacesToTheirRays) {
+    for (const double height : {0.0, 3.0}) {
+        Camera camera = lookAt({1, 2, 3}, {2, 2.5, -5}, {0.1, 1, 0}, 0.7);
+        camera.height = height;
+        camera.near = 0.25;
+        camera.pixelAspect = 2;
+        camera.shiftX = 0.25;
+        camera.shiftY = -0.125;
+        const CameraRays rays(camera, 1.5);
+        for (const FilmPosition at : {FilmPosition{0.1, 0.9}, FilmPosition{1.5, -0.25}}) {
+            const CameraRay ray = rays.through(at);
+            const auto found = rays.project(ray.start + ray.direction * 7);
+            ASSERT_TRUE(found);
+            EXPECT_NEAR(found->x, at.x, 1e-12);
+            EXPECT_NEAR(found->y, at.y, 1e-12);
+            EXPECT_FALSE(rays.project(ray.start - ray.direction * 0.01));
+        }
+    }
+}
+
 TEST(Camera, ShiftMovesTheFilmByItsWidthsAndHeights) {
     Camera camera = lookAt({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, kPi / 2);
     const CameraRays straight(camera, 2.0);
