@@ -12,7 +12,7 @@ enum class FrameEnd { complete, stopped, interrupted };
 /// Watches a frame come about.
 struct ProgressiveObserver {
     /// Asked often, from several threads; true ends the frame with the last pass that is complete.
-    /// A time limit is one (`filmOf`, run_job.cpp).
+    /// A time limit is one (`filmOf`, render/app/run_job.cpp).
     std::function<bool()> stop = [] { return false; };
     /// Has the picture after each pass but the last.
     std::function<void(const Film&, int cameraRays)> onPass = [](const Film&, int) {};

@@ -10,7 +10,7 @@
 namespace shadowcache {
 
 // Every option of the renderer, for every way in. One more is one more row here, its effect, and a
-// line of docs/options.md.
+// line of the docs page on its subject.
 
 /// What an option is of.
 enum class Part {
