@@ -9,6 +9,7 @@ namespace shadowcache {
 
 // Light of an emitting triangle at a place: its irradiance in closed form, and directions to
 // sample. Corners are relative to the place; n is the unit normal there.
+// Lamps: lit_cap.h; of any part: irradianceBy() of emitter_part.h.
 
 /// The part of a triangle above the horizon of a place.
 struct LitPolygon {

@@ -6,7 +6,8 @@
 
 namespace shadowcache {
 
-/// Adds the time of its life, however that ends.
+/// Adds the time of its life, however that ends. It only measures: time limits are kept by filmOf()
+/// of render/app/run_job.cpp.
 class RenderTimer {
 public:
     explicit RenderTimer(RenderStats& stats) : stats_(stats) {}

@@ -9,6 +9,9 @@
 
 namespace shadowcache {
 
+// How fine regions may be is the cache's: BakeOptions::level (bake/core/options.h), for shots
+// chosen by bake/shot/shot_spacing.cpp.
+
 /// What an integrand and the counts say of sixteen consecutive cells of one level, before a pilot
 /// calibrates it. Cells that are no regions (below the horizon of every point, dark, or split
 /// further) have no light.
