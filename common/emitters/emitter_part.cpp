@@ -20,6 +20,10 @@ constexpr double kLeastFalloff = 0.001;
 /// Weight of what a spot sends at most to a place that its cone grazes: no direction is missed.
 constexpr double kLeastConeShare = 0.05;
 
+/// So much beyond its edges a triangle of a lamp is met, so that rounding leaves no gap between
+/// two.
+constexpr double kOverlap = 1e-9;
+
 /// A lamp as a place sees it.
 struct Cap {
     Vec3d axis{0, 0, 0};     ///< unit; 0: there is none
@@ -206,7 +210,8 @@ std::optional<LampHit> meetTriangle(const EmitterPart& t, const Receiver& at,
     if (!isLit(t, at)) return {};
     const OnPlane on = onPlane(seenFrom(t, Vec3d(at.position)), Vec3d(direction));
     const double distance = on.way.dot(Vec3d(direction));
-    if (!(distance > 0) || !(on.u >= 0) || !(on.v >= 0) || !(on.u + on.v <= 1)) return {};
+    const double third = 1 - on.u - on.v;
+    if (!(distance > 0) || !(std::min({on.u, on.v, third}) >= -kOverlap)) return {};
     return LampHit{static_cast<float>(distance), t.radiance,
                    densityAt(t, at, at.position + Vec3f(on.way))};
 }

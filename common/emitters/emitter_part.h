@@ -38,11 +38,14 @@ struct EmitterPart {
     std::uint32_t mesh = 0;          ///< which of the meshes it is of
     std::uint32_t placed = kNoSurface;  ///< its number in the world (placed_mesh.h)
     std::uint32_t lamp = 0;             ///< of what is no surface: of TriangleMesh::lamps
+    bool seenByCamera = false;          ///< of lamps: Lamp::seenByCamera, with an extent
     bool twoSided = false;              ///< emits on both sides
     bool varies = false;                ///< its radiance is not the same everywhere
 
     /// Whether it is a surface, which stops rays and is seen.
     bool isSurface() const { return placed != kNoSurface; }
+    /// Whether it has an extent: a ray may meet it.
+    bool hasExtent() const { return form == Form::triangle || radius > 0 || sineSquared > 0; }
 };
 
 /// What a place needs to be lit: relative to the mesh's origin.

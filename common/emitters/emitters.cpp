@@ -41,8 +41,14 @@ void extend(Box3d& box, const EmitterPart& part) {
 
 /// Whether a ray can meet a part that is no surface.
 bool isLampToMeet(const EmitterPart& part) {
-    return !part.isSurface() &&
-           (part.form == Form::triangle || part.radius > 0 || part.sineSquared > 0);
+    return !part.isSurface() && part.hasExtent();
+}
+
+/// Whether parts are of one area, of which a ray meets one place: that on the edge of two triangles
+/// counts once.
+bool areOneArea(const EmitterPart& a, const EmitterPart& b) {
+    return a.form == Form::triangle && b.form == Form::triangle && a.mesh == b.mesh &&
+           a.lamp == b.lamp;
 }
 
 /// Whether a ray comes near a ball, by more than rounding could hide.
@@ -180,6 +186,7 @@ Emitters::Emitters(std::span<const TriangleMesh* const> meshes, EmitterWeight we
     cut(builder.groupsOfNode);
     findShapes();
     indexPlaces();
+    hasSeenLamps_ = std::ranges::any_of(parts_, &EmitterPart::seenByCamera);
 }
 
 Emitters::Node Emitters::summed(std::uint32_t begin, std::uint32_t end) const {
@@ -411,7 +418,12 @@ void Emitters::meetLampsOf(const Node& node, const Receiver& at, const Vec3f& di
     }
     for (std::uint32_t i = node.begin; i < node.end; ++i) {
         if (!isLampToMeet(parts_[i])) continue;
-        if (const auto hit = meetLamp(parts_[i], at, direction)) met.push_back({i, *hit});
+        const auto isKnown = [&](const Met& other) {
+            return areOneArea(parts_[other.part], parts_[i]);
+        };
+        if (const auto hit = meetLamp(parts_[i], at, direction);
+            hit && std::ranges::none_of(met, isKnown))
+            met.push_back({i, *hit});
     }
 }
 

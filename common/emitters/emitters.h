@@ -56,10 +56,13 @@ public:
         std::uint32_t part = 0;
         LampHit hit;
     };
-    /// Finds the lamps with an extent that a ray meets, whatever is in the way. Appends.
+    /// Finds the lamps with an extent that a ray meets, whatever is in the way, each once. Appends.
     ///
     /// @param direction  unit
     void meetLamps(const Receiver& at, const Vec3f& direction, std::vector<Met>& met) const;
+
+    /// Whether cameras see some lamp.
+    bool hasSeenLamps() const { return hasSeenLamps_; }
 
     /// Radiance of a part at a point of it; of a single direction times its solid angle.
     Rgb radianceAt(const EmitterPart& t, const EmitterPoint& point) const noexcept;
@@ -107,6 +110,7 @@ private:
     std::vector<std::uint32_t> roots_;  ///< by emitter: its node
     std::vector<std::uint64_t> shapes_;
     std::vector<std::pair<std::uint64_t, std::uint32_t>> byPlace_;  ///< sorted: mesh and number
+    bool hasSeenLamps_ = false;
 };
 
 }  // namespace shadowcache

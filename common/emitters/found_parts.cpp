@@ -173,6 +173,7 @@ std::vector<FoundPart> findParts(std::span<const TriangleMesh* const> meshes,
             for (EmitterPart& part : partsOf(lamp)) {
                 part.mesh = m;
                 part.lamp = static_cast<std::uint32_t>(i);
+                part.seenByCamera = lamp.seenByCamera && part.hasExtent();
                 part.radiance = part.radiance * lamp.gain;
                 part.weight =
                     weight == EmitterWeight::shape ? 1 / part.area : brightness(part.radiance);

@@ -68,6 +68,7 @@ Lamp gltfLamp(const GltfObject& light, LeftOutOf& leftOut) {
     Lamp lamp;
     lamp.name = light.name();
     lamp.strength = strengthOf(light);
+    lamp.seenByCamera = extras.flag("camera", false);
     if (light.has("range")) ++leftOut[{"light", "range, a hint, is left out"}];
     if (!light.has("type")) light.fail("no type, expected point, spot or directional");
     const Type type = light.choice("type", kTypes, Type::point);

@@ -17,7 +17,7 @@ struct LampCone {
     bool isFlat = false;  ///< times the cosine, as in Blender up to 3.6
 };
 
-/// Light without a surface: it stops no ray, and no camera sees it.
+/// Light without a surface: it stops no ray.
 struct Lamp {
     enum class Form {
         point,      ///< a disc that faces whatever it lights; without a radius a point
@@ -37,6 +37,8 @@ struct Lamp {
     double radius = 0;                              ///< of points
     double angle = 0;                ///< of suns: diameter of the disc, 0 to pi [rad]
     std::optional<LampCone> cone{};  ///< of points: makes a spot
+    /// Cameras see it where it has an extent: it adds its radiance to that of what is behind it.
+    bool seenByCamera = false;
 };
 
 }  // namespace shadowcache

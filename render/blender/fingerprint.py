@@ -119,7 +119,7 @@ def lamp_digest(thing):
     """Of all but the strength."""
     lamp = thing.data
     settings = [value for value in values_of(lamp) if value[0] not in OF_STRENGTH]
-    return digest_of(thing.name, settings, values_of(lamp.cycles), nodes_of(lamp.node_tree) if lamp.use_nodes else "")
+    return digest_of(thing.name, thing.visible_camera, settings, values_of(lamp.cycles), nodes_of(lamp.node_tree) if lamp.use_nodes else "")
 
 
 def strength_of(lamp):

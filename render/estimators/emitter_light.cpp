@@ -169,20 +169,47 @@ Rgb EmitterLight::weighed(const Hit& hit, const Receiver& at, bool draws, float 
     return surfaceSeen(hit, {}).emission * (1 / density);
 }
 
+/// Visits lamps that a ray meets up to a distance, with the tint of panes before them.
+///
+/// @param met  scratch memory
+template <class Visit>
+void EmitterLight::forLampsOf(const Receiver& at, const Vec3f& direction, float distance,
+                              std::vector<Emitters::Met>& met, const Visit& visit) const {
+    met.clear();
+    emitters_.meetLamps(at, direction, met);
+    for (const auto& [part, hit] : met) {
+        if (hit.distance > distance) continue;
+        visit(part, hit,
+              scene_.tints() ? scene_.tint(at.position, direction, hit.distance) : Rgb(1, 1, 1));
+    }
+}
+
 /// The same of the lamps that it met on its way, which do not stop it.
 Rgb EmitterLight::lampsMet(const Tools::LobeRay& ray, float distance, const Receiver& at,
                            Tools& tools, const GroupSink& sink) const {
     Rgb sum(0, 0, 0);
-    tools.met_.clear();
-    emitters_.meetLamps(at, ray.direction, tools.met_);
-    for (const auto& [part, hit] : tools.met_) {
-        if (hit.distance > distance) continue;
-        Rgb met = hit.radiance * (1 / (ray.density + chanceOf(part, at, tools) * hit.density));
-        if (scene_.tints()) met *= scene_.tint(at.position, ray.direction, hit.distance);
+    const auto add = [&](std::uint32_t part, const LampHit& hit, const Rgb& tint) {
+        const float density = ray.density + chanceOf(part, at, tools) * hit.density;
+        const Rgb met = hit.radiance * (1 / density) * tint;
         sum += met;
         if (sink) sink.at(ray.point)[sink.groups->ofPart(part)] += ray.value * met;
-    }
+    };
+    forLampsOf(at, ray.direction, distance, tools.met_, add);
     return sum;
+}
+
+std::vector<EmitterLight::SeenLamp> EmitterLight::lampsSeen(const Vec3f& origin,
+                                                            const Vec3f& direction,
+                                                            float distance) const {
+    std::vector<SeenLamp> seen;
+    if (!emitters_.hasSeenLamps()) return seen;
+    std::vector<Emitters::Met> met;
+    forLampsOf({origin, direction}, direction, distance, met,
+               [&](std::uint32_t part, const LampHit& hit, const Rgb& tint) {
+                   if (emitters_.parts()[part].seenByCamera)
+                       seen.push_back({part, hit.distance, hit.radiance * tint});
+               });
+    return seen;
 }
 
 void EmitterLight::enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value,

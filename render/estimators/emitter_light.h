@@ -88,6 +88,19 @@ public:
     Rgb predictGloss(const GlossyPoint& glossy, Tools& tools, const GroupSink& sink = {},
                      std::size_t number = 0) const;
 
+    /// A lamp that cameras see, where a camera's ray meets it.
+    struct SeenLamp {
+        std::size_t part = 0;
+        float distance = 0;     ///< along the ray; infinite of suns
+        Rgb radiance{0, 0, 0};  ///< tinted by the panes on the way
+    };
+    /// Those in front of what a camera's ray meets.
+    ///
+    /// @param direction  unit
+    /// @param distance   of what the ray meets; infinite: the sky
+    std::vector<SeenLamp> lampsSeen(const Vec3f& origin, const Vec3f& direction,
+                                    float distance) const;
+
     const Emitters& emitters() const { return emitters_; }
     bool knowsVisibility() const { return visibility_ != nullptr; }
 
@@ -102,6 +115,9 @@ private:
     std::size_t numberOf(const Drawn& drawn) const;
     Rgb weighed(const Hit& hit, const Receiver& at, bool draws, float density,
                 const Tools& tools) const;
+    template <class Visit>
+    void forLampsOf(const Receiver& at, const Vec3f& direction, float distance,
+                    std::vector<Emitters::Met>& met, const Visit& visit) const;
     Rgb lampsMet(const Tools::LobeRay& ray, float distance, const Receiver& at, Tools& tools,
                  const GroupSink& sink) const;
     void enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value, std::uint32_t number,

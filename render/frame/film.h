@@ -16,7 +16,7 @@ struct RayValues {
     Rgb glossy{0, 0, 0};           ///< reflected besides: GlossyLobe
     Rgb diffuseIndirect{0, 0, 0};  ///< part of `diffuse` that comes from other surfaces
     Rgb glossyIndirect{0, 0, 0};   ///< part of `glossy` that does
-    Rgb emission{0, 0, 0};         ///< of surfaces, and the sky
+    Rgb emission{0, 0, 0};         ///< of surfaces, of lamps that cameras see, and the sky
     Rgb environment{0, 0, 0};      ///< part of `emission` that is the sky
     Rgb predicted{0, 0, 0};        ///< the colour with its diffuse part predicted without rays, if
                                    ///< RenderOptions::preview

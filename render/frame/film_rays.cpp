@@ -15,8 +15,9 @@ FilmRays::FilmRays(const FrameRequest& frame)
       options_(frame.options),
       filter_(options_.filter, options_.filterWidth) {}
 
-View FilmRays::look(const FilmPosition& at) const {
-    return lookAlong(camera_.through(at), scene_);
+FilmRay FilmRays::look(const FilmPosition& at) const {
+    const CameraRay ray = camera_.through(at);
+    return {.ray = ray, .view = lookAlong(ray, scene_)};
 }
 
 std::optional<FilmPosition> FilmRays::project(const Vec3f& point) const {

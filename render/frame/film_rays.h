@@ -16,7 +16,7 @@ public:
     explicit FilmRays(const FrameRequest& frame);
 
     /// What the middle of the lens sees through a place of the film.
-    View look(const FilmPosition& at) const;
+    FilmRay look(const FilmPosition& at) const;
 
     /// The place of the film through which the middle of the lens sees a point, relative to the
     /// set's origin; nothing if that is not in front of it.

@@ -34,20 +34,24 @@ PlaceLight lightOf(const FrameRequest& frame, const RayBatch& batch, std::size_t
 }
 
 /// What a camera ray shows of a place.
-RayValues valuesOf(const FilmRay& ray, const MetPlace& place, const PlaceLight& light) {
+///
+/// @param lamps  that it met before
+RayValues valuesOf(const FilmRay& ray, const MetPlace& place, const PlaceLight& light,
+                   const Rgb& lamps) {
     const Surface& surface = place.surface;
+    const Rgb emission = surface.emission + lamps;
     const auto reflected = [&](const Rgb& irradiance) {
         return place.diffuseAlbedo * irradiance * static_cast<float>(1 / kPi);
     };
     const Rgb diffuse = reflected(light.irradiance.irradiance), glossy = light.gloss.radiance;
     const double depth = static_cast<double>(ray.view.hit.distance) + ray.ray.skipped;
-    return {.color = diffuse + glossy + surface.emission,
+    return {.color = diffuse + glossy + emission,
             .diffuse = diffuse,
             .glossy = glossy,
             .diffuseIndirect = reflected(light.bounced.irradiance),
             .glossyIndirect = light.bounced.glossy,
-            .emission = surface.emission,
-            .predicted = reflected(light.irradiance.predicted) + (glossy + surface.emission),
+            .emission = emission,
+            .predicted = reflected(light.irradiance.predicted) + (glossy + emission),
             .irradiance = light.irradiance.irradiance,
             .albedo = surface.baseColor,
             .diffuseAlbedo = place.diffuseAlbedo,
@@ -101,12 +105,13 @@ void addToFilm(const FrameRequest& frame, const SpreadRule& rule, const RayBatch
     std::size_t met = 0;
     for (const FilmRay& ray : batch.rays) {
         PixelSum& pixel = tile[batch.firstPixel + ray.pixel];
+        const Rgb lamps = lampsSeen(frame, ray);
         if (!ray.view.hit.found) {
-            pixel.addSky(skySeen(frame, ray.view), rule);
+            pixel.addSky(skySeen(frame, ray.view), lamps, rule);
             continue;
         }
         const PlaceLight light = lightOf(frame, batch, met);
-        RayValues values = valuesOf(ray, batch.met.places[met], light);
+        RayValues values = valuesOf(ray, batch.met.places[met], light, lamps);
         if (!batch.direct.insights.empty()) addInsight(batch.direct.insights[met], pixel, values);
         pixel.addHit(values, light.irradiance, light.gloss, rule);
         ++met;
@@ -117,6 +122,7 @@ void addToGroups(const FrameRequest& frame, const RayBatch& batch, GroupedLight&
     std::size_t met = 0;
     for (const FilmRay& ray : batch.rays) {
         const std::span<Rgb> sum = tile[batch.firstPixel + ray.pixel];
+        lampsSeen(frame, ray, sum);
         if (ray.view.hit.found)
             addValues(frame, batch, met++, ray, sum);
         else

@@ -75,7 +75,7 @@ std::vector<FilmPosition> pilotPlaces(const FrameRequest& frame, std::size_t cou
 std::optional<ShadingPoint> pilotPoint(const FrameRequest& frame, const FilmRays& film,
                                        const FilmPosition& at, std::uint64_t seed,
                                        std::optional<double> floor, TileTools& tools) {
-    const View view = film.look(at);
+    const View view = film.look(at).view;
     if (!view.hit.found) return {};
     const RenderOptions& options = frame.options;
     const EstimatorContext& context = frame.estimator.context();

@@ -19,9 +19,9 @@ int spreadRunLength(int passRays) {
     return length;
 }
 
-void PixelSum::addSky(const Rgb& radiance, const SpreadRule& rule) {
-    values +=
-        {.color = radiance, .emission = radiance, .environment = radiance, .predicted = radiance};
+void PixelSum::addSky(const Rgb& sky, const Rgb& lamps, const SpreadRule& rule) {
+    const Rgb radiance = sky + lamps;
+    values += {.color = radiance, .emission = radiance, .environment = sky, .predicted = radiance};
     color.add(rule.luminance(radiance), rule.runLength);
     irradiance.add(0, rule.runLength);
     ++cameraRays;

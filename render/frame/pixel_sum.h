@@ -54,7 +54,9 @@ struct PixelSum {
     float reusedRays = 0;
 
     /// Adds a camera ray that sees the sky.
-    void addSky(const Rgb& radiance, const SpreadRule& rule);
+    ///
+    /// @param lamps  radiance of lamps before it
+    void addSky(const Rgb& sky, const Rgb& lamps, const SpreadRule& rule);
     /// Adds a camera ray that meets the set.
     void addHit(const RayValues& ray, const Estimate& estimate, const GlossEstimate& gloss,
                 const SpreadRule& rule);

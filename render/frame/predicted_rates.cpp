@@ -14,7 +14,7 @@ namespace {
 /// A pixel has one camera ray that decides how many it gets for so many that are asked for.
 SHADOWCACHE_TUNED(int, kRaysOfSpreadRay, 8);
 
-/// Radiance that a camera ray is predicted to see.
+/// Radiance that a camera ray is predicted to see, but for lamps.
 Rgb predictRadiance(const FrameRequest& frame, const View& view, Workspace& workspace) {
     if (!view.hit.found) return skySeen(frame, view);
     const RenderOptions& options = frame.options;
@@ -43,8 +43,8 @@ std::vector<PredictedSpread> predictSpreads(const FrameRequest& frame, const Fil
     const std::vector<FilmRay> rays = film.castExtra(places, count);
     tools.spreadRays += rays.size();
     for (const FilmRay& ray : rays)
-        spreads[ray.pixel].add(static_cast<double>(
-            environment.luminance(predictRadiance(frame, ray.view, *tools.workspace))));
+        spreads[ray.pixel].add(static_cast<double>(environment.luminance(
+            predictRadiance(frame, ray.view, *tools.workspace) + lampsSeen(frame, ray))));
     if (frame.plan.visibleEmitters)
         for (std::size_t i = 0; i < places.size(); ++i)
             frame.plan.visibleEmitters->addTo(places[i], spreads[i]);

@@ -1,8 +1,10 @@
 #include "render/frame/shading.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "render/estimators/emitter_light.h"
 #include "render/estimators/group_split.h"
 #include "render/estimators/set_place.h"
 
@@ -16,6 +18,24 @@ SetPlace placeOf(const Scene& scene, const View& view) {
 Rgb skySeen(const FrameRequest& frame, const View& view) {
     if (frame.options.transparent) return {0, 0, 0};
     return frame.estimator.context().environment.radiance(view.direction) * view.hit.tint;
+}
+
+Rgb lampsSeen(const FrameRequest& frame, const FilmRay& ray, std::span<Rgb> byGroup) {
+    const EstimatorContext& context = frame.estimator.context();
+    Rgb sum(0, 0, 0);
+    if (!context.emitters) return sum;
+    const View& view = ray.view;
+    const float distance =
+        view.hit.found ? view.hit.distance : std::numeric_limits<float>::infinity();
+    for (const EmitterLight::SeenLamp& lamp :
+         context.emitters->lampsSeen(startIn(context.scene, ray.ray), view.direction, distance)) {
+        // Beyond the far plane suns alone are seen, as the sky is.
+        if (std::isfinite(lamp.distance) && static_cast<double>(lamp.distance) > ray.ray.reach)
+            continue;
+        sum += lamp.radiance;
+        if (!byGroup.empty()) byGroup[context.groups->ofPart(lamp.part)] += lamp.radiance;
+    }
+    return sum;
 }
 
 float irradianceScale(const Environment& environment, double radiance, const Rgb& albedo) {

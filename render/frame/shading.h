@@ -11,6 +11,11 @@ SetPlace placeOf(const Scene& scene, const View& view);
 /// What a pixel shows of the sky where a camera ray met nothing.
 Rgb skySeen(const FrameRequest& frame, const View& view);
 
+/// What it shows of lamps that cameras see, in front of what it met.
+///
+/// @param byGroup  receives the same by light group; empty: it is not asked for
+Rgb lampsSeen(const FrameRequest& frame, const FilmRay& ray, std::span<Rgb> byGroup = {});
+
 /// Irradiance by which a surface of such an albedo has a radiance.
 float irradianceScale(const Environment& environment, double radiance, const Rgb& albedo);
 

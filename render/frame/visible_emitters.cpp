@@ -10,6 +10,7 @@
 #include "common/random/sequence.h"
 #include "render/estimators/emitter_light.h"
 #include "render/estimators/set_place.h"
+#include "render/frame/shading.h"
 
 namespace shadowcache {
 
@@ -18,7 +19,7 @@ namespace {
 /// Points of a triangle for each pixel of its length, and of its area.
 constexpr double kPointsOfPixel = 2;
 
-/// A triangle that emits, on the film.
+/// A triangle that emits and is seen, on the film.
 struct FilmTriangle {
     const EmitterPart& part;
     double area;    ///< [pixels]
@@ -46,6 +47,18 @@ std::optional<FilmTriangle> onFilm(const EmitterPart& part, const FilmRays& film
     return FilmTriangle{part, area, length};
 }
 
+/// Whether a part is a triangle of a lamp that cameras see.
+bool isArea(const EmitterPart& part) {
+    return part.seenByCamera && part.form == EmitterPart::Form::triangle;
+}
+
+/// Radiance that a ray shows of what emits: of surfaces, or of lamps.
+Rgb emissionSeen(const FrameRequest& frame, const FilmRay& ray, const EmitterPart& part) {
+    if (!part.isSurface()) return lampsSeen(frame, ray);
+    if (!ray.view.hit.found) return {0, 0, 0};
+    return surfaceSeen(ray.view.hit, frame.options.plain).emission;
+}
+
 /// A point of a triangle, uniform in area.
 Vec3f pointOf(const EmitterPart& part, double u, double v) {
     const auto root = static_cast<float>(std::sqrt(u)), side = static_cast<float>(v);
@@ -63,7 +76,7 @@ VisibleEmitters::VisibleEmitters(const FrameRequest& frame) {
     std::vector<FilmTriangle> triangles;
     double thin = 0, wide = 0;  // points that they want
     for (const EmitterPart& part : context.emitters->emitters().parts()) {
-        if (!part.isSurface()) continue;
+        if (!part.isSurface() && !isArea(part)) continue;
         const auto triangle = onFilm(part, film, options);
         if (!triangle) continue;
         triangles.push_back(*triangle);
@@ -90,11 +103,9 @@ VisibleEmitters::VisibleEmitters(const FrameRequest& frame) {
                                         static_cast<double>(toUnitFloat(v[k])));
             const std::optional<FilmPosition> at = film.project(point);
             if (!at || at->x < 0 || at->x >= 1 || at->y < 0 || at->y >= 1) continue;
-            const View view = film.look(*at);
             ++rays_;
-            if (!view.hit.found) continue;
             const auto luminance = static_cast<double>(
-                context.environment.luminance(surfaceSeen(view.hit, options.plain).emission));
+                context.environment.luminance(emissionSeen(frame, film.look(*at), triangle.part)));
             Seen& seen = seen_[{static_cast<int>(at->x * options.width),
                                 static_cast<int>(at->y * options.height)}];
             seen.luminance += covered * luminance;

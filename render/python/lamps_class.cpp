@@ -34,15 +34,20 @@ py::object colors(const py::object& value, const char* name) {
 }
 
 /// One lamp for each vector of the arguments: `make(i, vectors)`.
+///
+/// @param camera  sees them
 template <class Make>
-LampsObject lampsOf(const Broadcast& all, const Make& make) {
+LampsObject lampsOf(const Broadcast& all, bool camera, const Make& make) {
     LampsObject made;
     std::vector<std::vector<Vec3d>> vectors(all.arguments());
     for (std::size_t k = 0; k < vectors.size(); ++k) {
         vectors[k].resize(all.size());
         all.read(k, 0, vectors[k]);
     }
-    for (std::size_t i = 0; i < all.size(); ++i) made.lamps.push_back(make(i, vectors));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        made.lamps.push_back(make(i, vectors));
+        made.lamps.back().seenByCamera = camera;
+    }
     return made;
 }
 
@@ -75,10 +80,10 @@ double within(double value, double most, const char* name, std::size_t i, const 
 constexpr const char* kRadii = "metres, 0 to 1e9";
 
 LampsObject points(const py::object& positions, const py::object& intensity,
-                   const py::object& radius) {
+                   const py::object& radius, bool camera) {
     const py::object strengths = colors(intensity, "intensity"), radii = tripled(radius, "radius");
     const Broadcast all({{"positions", positions}, {"intensity", strengths}, {"radius", radii}});
-    return lampsOf(all, [](std::size_t i, const auto& v) {
+    return lampsOf(all, camera, [](std::size_t i, const auto& v) {
         Lamp lamp;
         lamp.position = placeOf(v[0][i], "positions", i);
         lamp.strength = strengthOf(v[1][i], "intensity", i);
@@ -89,7 +94,7 @@ LampsObject points(const py::object& positions, const py::object& intensity,
 
 LampsObject spots(const py::object& positions, const py::object& directions,
                   const py::object& intensity, const py::object& inner, const py::object& outer,
-                  const py::object& radius) {
+                  const py::object& radius, bool camera) {
     const py::object strengths = colors(intensity, "intensity"), radii = tripled(radius, "radius"),
                      from = tripled(inner, "inner"), to = tripled(outer, "outer");
     const Broadcast all({{"positions", positions},
@@ -98,7 +103,7 @@ LampsObject spots(const py::object& positions, const py::object& directions,
                          {"inner", from},
                          {"outer", to},
                          {"radius", radii}});
-    return lampsOf(all, [](std::size_t i, const auto& v) {
+    return lampsOf(all, camera, [](std::size_t i, const auto& v) {
         Lamp lamp;
         lamp.position = placeOf(v[0][i], "positions", i);
         lamp.direction = directionOf(v[1][i], "directions", i);
@@ -113,10 +118,10 @@ LampsObject spots(const py::object& positions, const py::object& directions,
 }
 
 LampsObject suns(const py::object& directions, const py::object& irradiance,
-                 const py::object& angle) {
+                 const py::object& angle, bool camera) {
     const py::object strengths = colors(irradiance, "irradiance"), angles = tripled(angle, "angle");
     const Broadcast all({{"directions", directions}, {"irradiance", strengths}, {"angle", angles}});
-    return lampsOf(all, [](std::size_t i, const auto& v) {
+    return lampsOf(all, camera, [](std::size_t i, const auto& v) {
         Lamp lamp;
         lamp.form = Lamp::Form::sun;
         lamp.direction = directionOf(v[0][i], "directions", i);
@@ -127,7 +132,7 @@ LampsObject suns(const py::object& directions, const py::object& irradiance,
 }
 
 LampsObject areas(const py::object& positions, const py::object& widths, const py::object& heights,
-                  const py::object& radiance, const std::string& shape) {
+                  const py::object& radiance, const std::string& shape, bool camera) {
     if (shape != "rectangle" && shape != "ellipse")
         throw py::value_error("shape: '" + shape + "', expected 'rectangle' or 'ellipse'");
     const bool isRound = shape == "ellipse";
@@ -136,7 +141,7 @@ LampsObject areas(const py::object& positions, const py::object& widths, const p
                          {"widths", widths},
                          {"heights", heights},
                          {"radiance", strengths}});
-    return lampsOf(all, [isRound](std::size_t i, const auto& v) {
+    return lampsOf(all, camera, [isRound](std::size_t i, const auto& v) {
         Lamp lamp;
         lamp.form = isRound ? Lamp::Form::ellipse : Lamp::Form::rectangle;
         lamp.position = placeOf(v[0][i], "positions", i);
@@ -183,35 +188,39 @@ SceneObject withLamps(const SceneObject& scene, const LampsObject& lamps,
 void defineLamps(py::module_& module) {
     py::class_<LampsObject>(
         module, "Lamps",
-        "Lamps of arrays, for Scene.with_lamps(). They have no surface: they stop no ray, and\n"
-        "cameras do not see them. One lamp for each row of the arguments, which are broadcast:\n"
-        "places and vectors are (..., 3) in world space, light is linear RGB (..., 3) or one\n"
-        "number, other numbers are (...). `a + b` has the lamps of both.")
+        "Lamps of arrays, for Scene.with_lamps(). They have no surface: they stop no ray. One\n"
+        "lamp for each row of the arguments, which are broadcast: places and vectors are (..., 3)\n"
+        "in world space, light is linear RGB (..., 3) or one number, other numbers are (...).\n"
+        "`a + b` has the lamps of both.\n\n"
+        "camera: whether cameras see them, where they have a radius, an angle or an area: they\n"
+        "    add their radiance to what is behind them. All do not, unless it is True.")
         .def_static("points", points, py::arg("positions"), py::arg("intensity"), py::kw_only(),
-                    py::arg("radius") = 0.0,
+                    py::arg("radius") = 0.0, py::arg("camera") = false,
                     "Lamps that shine to all sides.\n\n"
                     "intensity: [radiance m^2]; 1 makes an irradiance of 1 at a distance of 1 m.\n"
-                    "radius: of a disc that faces what it lights [m]; 0: a point.")
+                    "radius: of a disc that faces what it lights [m]; 0: a point.\n"
+                    "camera: as of Lamps.")
         .def_static("spots", spots, py::arg("positions"), py::arg("directions"),
                     py::arg("intensity"), py::kw_only(), py::arg("inner") = 0.0,
-                    py::arg("outer") = 45.0, py::arg("radius") = 0.0,
+                    py::arg("outer") = 45.0, py::arg("radius") = 0.0, py::arg("camera") = false,
                     "Points that shine into a cone about a direction, of any length.\n\n"
                     "inner, outer: angles to the direction up to which nothing is lost, and from\n"
                     "    which on there is no light [degrees], as KHR_lights_punctual has them.\n"
-                    "intensity, radius: as of points().")
+                    "intensity, radius: as of points(). camera: as of Lamps.")
         .def_static("suns", suns, py::arg("directions"), py::arg("irradiance"), py::kw_only(),
-                    py::arg("angle") = 0.0,
+                    py::arg("angle") = 0.0, py::arg("camera") = false,
                     "Lamps infinitely far away.\n\n"
                     "directions: to which they shine, of any length.\n"
                     "irradiance: of what they shine on at right angles [radiance sr].\n"
-                    "angle: diameter of the disc [degrees]; 0: one direction.")
+                    "angle: diameter of the disc [degrees]; 0: one direction. camera: as of Lamps.")
         .def_static(
             "areas", areas, py::arg("positions"), py::arg("widths"), py::arg("heights"),
             py::arg("radiance"), py::kw_only(), py::arg("shape") = "rectangle",
+            py::arg("camera") = false,
             "Areas that shine on one side, that of the cross product of width and height.\n\n"
             "positions: of their middles. widths, heights: vectors along two sides, as long\n"
             "    as these [m]; of an ellipse its diameters.\n"
-            "radiance: of the area. shape: 'rectangle' or 'ellipse'.")
+            "radiance: of the area. shape: 'rectangle' or 'ellipse'. camera: as of Lamps.")
         .def("__add__", together, py::arg("other"))
         .def("__len__", [](const LampsObject& l) { return l.lamps.size(); })
         .def("__repr__", [](const LampsObject& l) {

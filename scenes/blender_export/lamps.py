@@ -28,18 +28,26 @@ def entry(thing, report):
         light = [max(c, 0) for c in light]
     most = max(light)
     made = {"name": thing.name, "color": [c / most for c in light] if most else [0, 0, 0]}
-    return {**made, **OF_TYPE[lamp.type](thing, most)}
+    made.update(OF_TYPE[lamp.type](thing, most))
+    if is_seen(thing):
+        made["extras"]["camera"] = True
+    return made
 
 
 def name_differences(thing, report):
     """Adds what of a lamp is not rendered. Lamps that no camera sees are the usual ones."""
     found = [text for text in differences(thing) if text != OF_CAMERA] + list(differences(thing.data))
-    if thing.visible_camera:
-        found.append("seen by the camera")
+    if is_seen(thing) and not thing.data.cycles.use_multiple_importance_sampling:
+        found.append("seen by the camera, as in Cycles where a lamp has Multiple Importance")
     if thing.data.type == "AREA" and has_shear(thing):
         found.append("sheared")
     for text in found:
         report.add("light %s: %s" % (thing.name, text))
+
+
+def is_seen(thing):
+    """Whether the camera sees a lamp: Cycles shows those that have an extent."""
+    return thing.visible_camera and getattr(thing.data, EXTENT[thing.data.type]) > 0
 
 
 def has_shear(thing):
@@ -102,4 +110,5 @@ def of_area(thing, power):
             "extras": {"shape": SHAPES[lamp.shape], "size": [max(s, 1e-9) for s in size]}}
 
 
+EXTENT = {"POINT": "shadow_soft_size", "SUN": "angle", "SPOT": "shadow_soft_size", "AREA": "size"}
 OF_TYPE = {"POINT": of_point, "SUN": of_sun, "SPOT": of_spot, "AREA": of_area}

@@ -49,6 +49,8 @@ TEST(GltfLamps, AreReadWithTheirDefaults) {
     EXPECT_EQ(point.strength, Rgb(1, 1, 1));
     EXPECT_EQ(point.radius, 0);
     EXPECT_FALSE(point.cone);
+    EXPECT_FALSE(point.seenByCamera);
+    EXPECT_TRUE(lampOf({{"type", "point"}, {"extras", {{"camera", true}}}}).seenByCamera);
     const Lamp spot = lampOf({{"type", "spot"}});
     ASSERT_TRUE(spot.cone);
     EXPECT_DOUBLE_EQ(spot.cone->cosInner, 1);
@@ -114,6 +116,7 @@ TEST(GltfLamps, OfBadNumbersAreRefused) {
          "innerConeAngle"},
         {{{"type", "spot"}, {"spot", {{"outerConeAngle", 2}}}}, "outerConeAngle"},
         {{{"type", "point"}, {"extras", {{"radius", -1}}}}, "radius"},
+        {{{"type", "point"}, {"extras", {{"camera", 1}}}}, "camera"},
         {{{"type", "spot"}, {"extras", {{"shape", "rectangle"}, {"size", {0, 1}}}}}, "size"},
         {{{"type", "spot"}, {"extras", {{"shape", "star"}}}}, "shape"}};
     for (const auto& badLight : cases)

@@ -90,15 +90,34 @@ def nodes():
 
 
 @shows
+def seen():
+    """Some before the floor and the box, one half hidden, one from behind, one through another."""
+    lamp("POINT", place=(-1.8, 0.3, 1), energy=20, shadow_soft_size=0.35, color=(1, 0.4, 0.2)).visible_camera = True
+    lamp("AREA", place=(1.3, -0.5, 1), turn=(1.1, 0, 0), energy=6, shape="RECTANGLE", size=1, size_y=0.5).visible_camera = True
+    lamp("AREA", place=(0, -1.5, 0.3), turn=(-2, 0, 0), energy=5, shape="DISK", size=0.8).visible_camera = True
+    lamp("SPOT", place=(1.5, -0.8, 0.8), turn=(0.9, 0.2, 0), energy=15, shadow_soft_size=0.3, spot_size=1.4, spot_blend=0.5,
+         color=(0.2, 0.4, 1)).visible_camera = True
+    lamp("POINT", place=(-0.3, 0.8, 0.7), energy=10, shadow_soft_size=0.3).visible_camera = True
+    lamp("POINT", place=(0.3, -2, 1), energy=2, shadow_soft_size=0.2)
+
+
+@shows
+def seen_sun():
+    lamp("SUN", turn=(-1.25, 0.05, 0), energy=1, angle=0.2).visible_camera = True
+    bpy.context.scene.camera.rotation_euler.x = math.radians(100)
+
+
+@shows
 def several():
     lamp("POINT", place=(-1.5, 0.5, 1), energy=30, shadow_soft_size=0.1, color=(1, 0.2, 0.2))
     lamp("SUN", turn=(0.7, 0, 0), energy=0.5, angle=0.05)
     lamp("AREA", place=(1.5, 0.5, 1), turn=(0, 1.2, 0), energy=20, shape="DISK", size=0.5, color=(0.2, 0.2, 1))
 
 
-@names("light lamp: seen by the camera")
-def seen():
-    lamp("POINT").visible_camera = True
+@names("light lamp: seen by the camera, as in Cycles where a lamp has Multiple Importance")
+def seen_by_chance():
+    thing = lamp("AREA")
+    thing.visible_camera, thing.data.cycles.use_multiple_importance_sampling = True, False
 
 
 @names("light lamp: Spread is 1")

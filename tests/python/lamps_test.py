@@ -161,6 +161,22 @@ def test_lamps_light_pictures(floor):
     assert not shadowcache.render(floor, None, BLACK, camera, size=(8, 8), spp=16, bounces=0)["color"].any()
 
 
+def test_cameras_see_lamps_that_say_so(floor):
+    up = shadowcache.Camera((0.3, 1.5, 2), (0.3, 3, 2.001), fov=2)
+
+    def seen(lamps):
+        return shadowcache.render(floor.with_lamps(lamps), None, BLACK, up, size=(4, 4), spp=1, bounces=0)["color"]
+
+    for camera in (True, False):
+        for lamps, radiance in (
+                (Lamps.areas((0.3, 3, 2), (1, 0, 0), (0, 0, 1), COLOR, camera=camera), COLOR),
+                (Lamps.areas((0.3, 3, 2), (0, 0, 1), (1, 0, 0), COLOR, camera=camera), 0 * COLOR),  # it shines up
+                (Lamps.points((0.3, 3, 2), COLOR, radius=0.5, camera=camera), COLOR / (np.pi * 0.25)),
+                (Lamps.spots((0.3, 3, 2), (0, -1, 0), COLOR, inner=20, radius=0.5, camera=camera), COLOR / (np.pi * 0.25)),
+                (Lamps.suns((0, -1, 0), COLOR, angle=20, camera=camera), COLOR / (np.pi * np.sin(np.radians(10)) ** 2))):
+            assert np.allclose(seen(lamps), radiance if camera else 0, rtol=1e-4), (camera, radiance)
+
+
 def test_lamps_are_broadcast(floor):
     lamps = Lamps.points(np.zeros((2, 3, 3)) + (0, 2, 0), 1, radius=[0.1, 0.2, 0.3])
     assert len(lamps) == 6 and repr(lamps) == "<shadowcache.Lamps: 6>"

@@ -19,12 +19,30 @@ namespace {
 constexpr float kTubeRadiance = 50;
 constexpr double kTubeWidth = 0.002, kTubeHeight = 1.2;  // of the tube
 
+/// A lamp that cameras see in place of the tube's two triangles.
+void makeLamp(TriangleMesh& mesh) {
+    mesh.triangles.resize(mesh.triangles.size() - 2);
+    mesh.parts.pop_back();
+    Lamp lamp;
+    lamp.form = Lamp::Form::rectangle;
+    lamp.strength = Rgb(static_cast<float>(kTubeWidth * kTubeHeight) * kTubeRadiance);
+    lamp.position = Vec3d(0, 0.3 + kTubeHeight / 2, -1);
+    lamp.direction = Vec3d(0, 0, 1);
+    lamp.halfWidth = Vec3d(kTubeWidth / 2, 0, 0);
+    lamp.halfHeight = Vec3d(0, kTubeHeight / 2, 0);
+    lamp.seenByCamera = true;
+    mesh.lamps = {lamp};
+}
+
+/// What the tube is.
+enum class Tube { surface, hidden, lamp };
+
 /// A tube before a wall, by which it lights the floor; a panel may hide it.
-TriangleMesh tubeMesh(bool hidden) {
+TriangleMesh tubeMesh(Tube tube) {
     TriangleMesh mesh;
     test::addFloor(mesh, 0, -2, 2, -2, 2);
     test::addQuad(mesh, {-2, 0, -2}, {2, 0, -2}, {2, 2, -2}, {-2, 2, -2});
-    if (hidden) test::addBox(mesh, {-0.1f, 0.1f, -0.8f}, {0.1f, 1.9f, -0.75f});
+    if (tube == Tube::hidden) test::addBox(mesh, {-0.1f, 0.1f, -0.8f}, {0.1f, 1.9f, -0.75f});
     const auto first = static_cast<std::uint32_t>(mesh.triangles.size());
     const auto half = static_cast<float>(kTubeWidth / 2),
                high = static_cast<float>(0.3 + kTubeHeight);
@@ -35,14 +53,15 @@ TriangleMesh tubeMesh(bool hidden) {
     lamp.finish.emission = Rgb(kTubeRadiance);
     mesh.materials = {plain, lamp};
     mesh.parts = {{0, first, 0}, {first, 2, 1}};
+    if (tube == Tube::lamp) makeLamp(mesh);
     return mesh;
 }
 
 /// A frame of the tube under a dark sky.
 class TubeFrame {
 public:
-    explicit TubeFrame(bool hidden)
-        : world_(tubeMesh(hidden), test::constantMap(Rgb(0.0f)), {.spacing = 0.25}),
+    explicit TubeFrame(Tube tube)
+        : world_(tubeMesh(tube), test::constantMap(Rgb(0.0f)), {.spacing = 0.25}),
           estimator_(findEstimator("cache").make(world_.context(), {})),
           request_{*estimator_, lookAt({0, 1, 2}, {0, 0.9, -1}, {0, 1, 0}, 0.9), 1, {}} {
         request_.options.width = 33;  // the tube is within the middle column
@@ -85,21 +104,24 @@ Sums sumsOf(const TubeFrame& frame) {
 }
 
 TEST(VisibleEmitters, AreFoundWhereTheyAreThinnerThanAPixel) {
-    const Sums seen = sumsOf(TubeFrame(false));
     // Three from the camera, but for the tilt of the view, which foreshortens all by less than .1
     // %.
     const double pixel = 2 * 3 * std::tan(0.45) / 24;
     const double area = kTubeWidth / pixel * kTubeHeight / pixel;
-    EXPECT_NEAR(seen.luminance, area * static_cast<double>(kTubeRadiance), 0.03 * seen.luminance);
-    EXPECT_NEAR(seen.square, seen.luminance * static_cast<double>(kTubeRadiance),
-                1e-3 * seen.square);
-    EXPECT_NEAR(seen.pixels, kTubeHeight / pixel, 2);
+    for (const Tube tube : {Tube::surface, Tube::lamp}) {
+        const Sums seen = sumsOf(TubeFrame(tube));
+        EXPECT_NEAR(seen.luminance, area * static_cast<double>(kTubeRadiance),
+                    0.03 * seen.luminance);
+        EXPECT_NEAR(seen.square, seen.luminance * static_cast<double>(kTubeRadiance),
+                    1e-3 * seen.square);
+        EXPECT_NEAR(seen.pixels, kTubeHeight / pixel, 2);
+    }
     // Control: behind a panel there is nothing to see.
-    EXPECT_EQ(sumsOf(TubeFrame(true)).pixels, 0);
+    EXPECT_EQ(sumsOf(TubeFrame(Tube::hidden)).pixels, 0);
 }
 
 TEST(VisibleEmitters, GetCameraRaysThatLowerTheirNoise) {
-    TubeFrame frame(false);
+    TubeFrame frame(Tube::surface);
     FrameRequest& request = frame.request();
     ASSERT_TRUE(request.plan.antialiasing);
     const auto sums = [&] {
