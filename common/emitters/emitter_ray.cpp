@@ -9,9 +9,8 @@ EmitterRay rayTo(const Scene& scene, const EmitterPart& part, const EmitterPoint
     if (part.form == EmitterPart::Form::sun)
         return {point.direction, std::numeric_limits<float>::infinity()};
     if (!part.isSurface()) return {point.position - from, 1};
-    const bool front = part.normal.dot(point.direction) < 0;
-    return {scene.rayOrigin(point.position, part.placed, front ? part.normal : -part.normal) - from,
-            1};
+    const Vec3f side = part.normal.dot(point.direction) < 0 ? part.normal : -part.normal;
+    return {wayBetween(from, scene.rayOrigin(point.position, part.placed, side), side), 1};
 }
 
 }  // namespace shadowcache

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -44,6 +46,20 @@ struct alignas(32) RayPacket {
         directionZ[i] = direction.z;
     }
 };
+
+/// The way from one place off a surface to another, as Scene::rayOrigin() finds both, for a ray
+/// that ends there: it ends farther off, by what is rounded off of the way. rayOrigin() alone knows
+/// what is rounded off where a ray begins, which is next to nothing on a floor at a height of 0.
+///
+/// @param side  unit, off the surface at `to`
+inline Vec3f wayBetween(const Vec3f& from, const Vec3f& to, const Vec3f& side) {
+    const auto extent = [](const Vec3f& v) {
+        return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    };
+    // Sixteen unit roundoffs, as of the origin of a ray.
+    constexpr float kRounded = 0x1p-20f;
+    return to - from + side * (kRounded * std::max(extent(from), extent(to)));
+}
 
 /// Shadow rays toward the sky in bulk, as arrays; origins relative to the mesh's origin, directions
 /// of any length.

@@ -122,7 +122,8 @@ private:
                 if (k == j)
                     meeting = ownMeeting(meeting, guide, level_.children[members[j]]);
                 else if (meeting.density > 0)
-                    enqueue(from.origin, met.target - from.origin, meeting);
+                    enqueue(from.origin, wayBetween(from.origin, met.target, met.geometricNormal),
+                            meeting);
             }
         }
         flush();

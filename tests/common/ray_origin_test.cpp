@@ -103,5 +103,39 @@ TEST(RayOrigin, FollowsTheRoundingOfThePlace) {
     EXPECT_LT(offset({4e3f, 1, -4.5e3f}), 1e-5f);
 }
 
+/// A wall along an axis at `height`, before one ray from each of many places to points of it.
+///
+/// @param bare  by the difference of the two places alone
+/// @return share of the rays that are stopped
+double stoppedAtTheirEnd(float height, bool bare) {
+    TriangleMesh mesh;
+    mesh.positions = {{height, -2, -2}, {height, 2, -2}, {height, 2, 2}, {height, -2, 2}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    const Scene scene(mesh);
+    Random random(1);
+    int stopped = 0;
+    constexpr int kRays = 20000;
+    const Vec3f side(-1, 0, 0);
+    for (int i = 0; i < kRays; ++i) {
+        const double y = uniform(random, -2, 2), z = uniform(random, -2, 2);
+        const auto number = static_cast<std::uint32_t>(z > y ? 1 : 0);
+        const Vec3f to = scene.rayOrigin(Vec3f(Vec3d(height, y, z)), number, side);
+        const Vec3f from(Vec3d(static_cast<double>(height) - std::exp(uniform(random, -4, 3)),
+                               uniform(random, -9, 9), uniform(random, -9, 9)));
+        if (!scene.isFree(from, bare ? to - from : wayBetween(from, to, side))) ++stopped;
+    }
+    return stopped / static_cast<double>(kRays);
+}
+
+// A ray to a place is not stopped by the surface of that place, whatever its coordinates: they may
+// be next to nothing, while those of the ray's origin are not.
+TEST(WayBetween, IsNotStoppedByTheSurfaceAtItsEnd) {
+    for (const float height : {0.0f, -0.0139231682f, 1e-4f, 0.3f, 7.0f, -113.7f, 4e3f})
+        EXPECT_EQ(stoppedAtTheirEnd(height, false), 0) << height;
+    // Control: the difference of the places alone ends in the surface.
+    EXPECT_GT(stoppedAtTheirEnd(0, true), 0.1);
+    EXPECT_GT(stoppedAtTheirEnd(-0.0139231682f, true), 0.1);
+}
+
 }  // namespace
 }  // namespace shadowcache
