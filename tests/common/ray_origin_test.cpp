@@ -110,7 +110,8 @@ TEST(RayOrigin, FollowsTheRoundingOfThePlace) {
 double stoppedAtTheirEnd(float height, bool bare) {
     TriangleMesh mesh;
     mesh.positions = {{height, -2, -2}, {height, 2, -2}, {height, 2, 2}, {height, -2, 2}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.triangles.emplace_back(0, 1, 2);
+    mesh.triangles.emplace_back(0, 2, 3);
     const Scene scene(mesh);
     Random random(1);
     int stopped = 0;
