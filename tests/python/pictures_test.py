@@ -103,26 +103,6 @@ def test_a_baked_cache_renders_as_its_file(small):
     assert np.array_equal(*pictures)
 
 
-def test_the_next_camera_finds_the_light_predicted(small):
-    """The light of a scene and sky is predicted once; the pictures are those of a cache that knows nothing."""
-    skies = [shadowcache.Environment.constant((1, 2, 3)), shadowcache.Environment.constant((3, 2, 1))]
-    kept = shadowcache.Cache.open(small.cache)
-
-    def render(cache, frame, sky=skies[0], **options):
-        tasks = []
-        camera = shadowcache.Camera.load(small.camera, frame=frame)
-        color = shadowcache.render(small.scene, cache, sky, camera, size=(16, 9), spp=2, **options,
-                                   progress=lambda task, *_: tasks.append(task))["color"]
-        return color, "predict light" in tasks
-
-    for predicts, frame, options in (
-            (True, 2, {}), (False, 9, {}), (False, 2, {"seed": 3}), (True, 9, {"sky": skies[1]}), (False, 2, {"sky": skies[1]}),
-            (True, 2, {"bounces": 2}), (True, 2, {"albedo": 0.2}), (True, 2, {})):
-        color, predicted = render(kept, frame, **options)
-        alone, always = render(shadowcache.Cache.open(small.cache), frame, **options)
-        assert np.array_equal(color, alone) and always and predicted == predicts, (frame, options)
-
-
 def test_options_that_the_command_line_has(scene, cache, white, camera):
     """Filter, crop and target error do to the picture what they do there."""
     def render(**options):
