@@ -26,11 +26,11 @@ enum class BakeSalt : std::uint64_t {
 
 /// Seeds of frames and of their pilots' places.
 enum class FrameSalt : std::uint64_t {
-    pilotPlaces = 1,       ///< places on the film that a pilot looks at
-    rulePixel = 4,         ///< a pixel that a frame's rule is made of; third word: column or row
-    visibleEmitter = 5,       ///< points of a triangle that a frame looks for; third word: its number
+    pilotPlaces = 1,     ///< places on the film that a pilot looks at
+    rulePixel = 4,       ///< a pixel that a frame's rule is made of; third word: column or row
+    visibleEmitter = 5,  ///< points of a triangle that a frame looks for; third word: its number
     visibleEmitterCount = 6,  ///< rounds their number
-    someTiles = 82,        ///< which tiles are rendered for an estimate of the whole frame
+    someTiles = 82,           ///< which tiles are rendered for an estimate of the whole frame
     tileBorder =
         84,  ///< offsets the borders of tiles pixel by pixel; the first word, without a seed
 };
