@@ -117,12 +117,13 @@ double stoppedAtTheirEnd(float height, bool bare) {
     int stopped = 0;
     constexpr int kRays = 20000;
     const Vec3f side(-1, 0, 0);
+    const auto x = static_cast<double>(height);
     for (int i = 0; i < kRays; ++i) {
         const double y = uniform(random, -2, 2), z = uniform(random, -2, 2);
         const auto number = static_cast<std::uint32_t>(z > y ? 1 : 0);
-        const Vec3f to = scene.rayOrigin(Vec3f(Vec3d(height, y, z)), number, side);
-        const Vec3f from(Vec3d(static_cast<double>(height) - std::exp(uniform(random, -4, 3)),
-                               uniform(random, -9, 9), uniform(random, -9, 9)));
+        const Vec3f to = scene.rayOrigin(Vec3f(Vec3d(x, y, z)), number, side);
+        const Vec3f from(Vec3d(x - std::exp(uniform(random, -4, 3)), uniform(random, -9, 9),
+                               uniform(random, -9, 9)));
         if (!scene.isFree(from, bare ? to - from : wayBetween(from, to, side))) ++stopped;
     }
     return stopped / static_cast<double>(kRays);
