@@ -117,8 +117,12 @@ VisibleEmitters::VisibleEmitters(const FrameRequest& frame) {
 void VisibleEmitters::addTo(const FilmPlace& pixel, PredictedSpread& spread) const {
     const auto found = seen_.find({pixel.x, pixel.y});
     if (found == seen_.end()) return;
-    spread.sum += spread.count * found->second.luminance;
-    spread.squares += spread.count * found->second.square;
+    PredictedSpread with = spread;
+    with.sum += spread.count * found->second.luminance;
+    with.squares += spread.count * found->second.square;
+    // What the pixel's own rays met as well would count twice, and make an emitter that fills the
+    // pixel look even.
+    if (with.relativeVariance(0) > spread.relativeVariance(0)) spread = with;
 }
 
 }  // namespace shadowcache

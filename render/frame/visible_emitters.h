@@ -17,7 +17,8 @@ public:
     /// their length and area, and about one for each pixel of the frame at most.
     explicit VisibleEmitters(const FrameRequest& frame);
 
-    /// Adds their luminance to a pixel's, as if its camera rays had seen their share of them.
+    /// Adds their luminance to a pixel's, as if its camera rays had seen their share of them, where
+    /// that makes what they see differ more.
     void addTo(const FilmPlace& pixel, PredictedSpread& spread) const;
 
     /// Rays that were sent.
