@@ -102,7 +102,7 @@ private:
         if (itself) return met.tint;
         if (!scene_.tints()) return {1, 1, 1};
         const Vec3f& origin = level_.at.vertices[member].origin;
-        return scene_.tint(origin, met.target - origin, 1);
+        return scene_.tint(origin, wayBetween(origin, met.target, met.geometricNormal), 1);
     }
 
     /// meetings_[j n + k]: that of member k's rays with what j's ray met.

@@ -105,7 +105,7 @@ FramePlan planFrame(const FrameRequest& request, RenderStats& stats) {
     FrameRequest frame = request;
     frame.plan = {};
     FramePlan& plan = frame.plan;
-    if (request.estimator.prediction() && pilot->isAdaptive()) {
+    if (options.cameraRays > 1 && request.estimator.prediction() && pilot->isAdaptive()) {
         const auto visible = std::make_shared<const VisibleEmitters>(request);
         stats.spreadRays += visible->rays();
         plan.visibleEmitters = visible;

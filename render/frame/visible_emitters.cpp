@@ -44,6 +44,8 @@ std::optional<FilmTriangle> onFilm(const EmitterPart& part, const FilmRays& film
         length = std::max(length, std::hypot(x[next] - x[i], y[next] - y[i]));
     }
     const double area = std::abs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 2;
+    // One that all but touches the lens is met by most rays.
+    if (!std::isfinite(length + area)) return {};
     return FilmTriangle{part, area, length};
 }
 
