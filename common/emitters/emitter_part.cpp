@@ -223,6 +223,20 @@ Unoccluded irradianceBy(const EmitterPart& part, const Receiver& at) noexcept {
                                                     : irradianceByCap(part, at);
 }
 
+float roughWeightBy(const EmitterPart& part, const Receiver& at) noexcept {
+    if (part.form == EmitterPart::Form::triangle) {
+        const Vec3f way = part.centre - at.position;
+        const float squared = way.length2();
+        if (squared > kRoughRadii * kRoughRadii * part.radius * part.radius) {
+            const float front = -part.normal.dot(way);
+            if (front == 0 || (front < 0 && !part.twoSided)) return 0;
+            const float height = meanHeight(at.normal.dot(way), part.radius);
+            return part.weight * part.area * (std::abs(front) / squared) * (height / squared);
+        }
+    }
+    return irradianceBy(part, at).weight;
+}
+
 EmitterPoint samplePoint(const EmitterPart& part, const Receiver& at, double u, double v) noexcept {
     return part.form == EmitterPart::Form::triangle ? sampleTriangle(part, at, u, v)
                                                     : sampleCapOf(part, at, u, v);

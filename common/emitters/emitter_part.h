@@ -46,6 +46,8 @@ struct EmitterPart {
     bool isSurface() const { return placed != kNoSurface; }
     /// Whether it has an extent: a ray may meet it.
     bool hasExtent() const { return form == Form::triangle || radius > 0 || sineSquared > 0; }
+    /// Whether it is a lamp with an extent.
+    bool isLampToMeet() const { return !isSurface() && hasExtent(); }
 };
 
 /// What a place needs to be lit: relative to the mesh's origin.
@@ -65,17 +67,35 @@ inline constexpr float kFarRadii = 8;
 /// The same of a triangle that counts as the middles of its sides.
 inline constexpr float kFarTriangleRadii = 5;
 
-/// Whether a ball is all below a place's horizon, by more than rounding.
+/// Radius that counts for a ball at the horizon: more than its own by what rounding could hide.
+inline float horizonRadius(float radius) noexcept {
+    return 1.001f * radius;
+}
+
+/// Whether a ball is all below a place's horizon.
 ///
 /// @param height  of its centre above the horizon
 inline bool isBelow(float height, float radius) noexcept {
-    constexpr float kRounding = 1.001f;
-    return height < -kRounding * radius;
+    return height < -horizonRadius(radius);
 }
 
 /// Irradiance of a place by a part: within 2 per cent, or exact where it is near; where the edge of
 /// a soft spot's cone is, about.
 Unoccluded irradianceBy(const EmitterPart& part, const Receiver& at) noexcept;
+
+/// Distance in radii from which on some parts count as their centre where only a chance is wanted.
+inline constexpr float kRoughRadii = 2;
+
+/// Mean height above a place's horizon of what a ball has there, about: above 0 unless isBelow().
+inline float meanHeight(float height, float radius) noexcept {
+    if (height >= radius) return height;
+    const float above = height + horizonRadius(radius);
+    return above > 0 ? above * above / (4 * radius) : 0.0f;
+}
+
+/// irradianceBy() by EmitterPart::weight, roughly where the part is not near: above 0 wherever
+/// there is any. For chances.
+float roughWeightBy(const EmitterPart& part, const Receiver& at) noexcept;
 
 /// A point of a part that a place is lit from.
 struct EmitterPoint {

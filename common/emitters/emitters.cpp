@@ -1,21 +1,14 @@
 #include "common/emitters/emitters.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
-#include <limits>
-#include <numeric>
-#include <utility>
 
-#include "common/base/hash.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// Parts of a leaf of the tree, at most.
-constexpr std::uint32_t kLeaf = 8;
 
 /// Least that neighbours may emit towards a place, as a share: what is between their normals.
 constexpr float kLeastTowards = 0.05f;
@@ -26,23 +19,6 @@ constexpr float kLeastRadius = 1e-9f;
 constexpr double kBelowOne = 1 - 0x1p-53;
 
 using Form = EmitterPart::Form;
-
-std::uint64_t hashOf(const Vec3f& p) {
-    const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value + 0.0f); };
-    return hashWords(bits(p.x), bits(p.y), bits(p.z));
-}
-
-void extend(Box3d& box, const EmitterPart& part) {
-    if (part.form == Form::triangle)
-        for (const Vec3f& corner : part.corner) box.extendBy(Vec3d(corner));
-    else
-        box.extendBy(Vec3d(part.centre));
-}
-
-/// Whether a ray can meet a part that is no surface.
-bool isLampToMeet(const EmitterPart& part) {
-    return !part.isSurface() && part.hasExtent();
-}
 
 /// Whether parts are of one area, of which a ray meets one place: that on the edge of two triangles
 /// counts once.
@@ -60,216 +36,7 @@ bool isNearBall(const Vec3f& origin, const Vec3f& direction, const Vec3f& centre
     return (way - direction * along).length2() <= reach * reach;
 }
 
-/// Distance of a part's farthest place from a place.
-float farthest(const EmitterPart& part, const Vec3f& from) {
-    if (part.form != Form::triangle) return (part.centre - from).length() + part.radius;
-    float distance = 0;
-    for (const Vec3f& corner : part.corner) distance = std::max(distance, (corner - from).length());
-    return distance;
-}
-
-/// Numbers of the groups of parts that have corners in common and one owner.
-std::vector<std::uint32_t> connect(std::span<const FoundPart> parts) {
-    std::vector<std::uint32_t> parent(parts.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root = [&](std::uint32_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> corners;
-    for (std::uint32_t i = 0; i < parts.size(); ++i)
-        for (const Vec3f& corner : parts[i].part.corner)
-            corners.emplace_back(hashWords(hashOf(corner), parts[i].owner), i);
-    std::ranges::sort(corners);
-    for (std::size_t i = 1; i < corners.size(); ++i)
-        if (corners[i].first == corners[i - 1].first)
-            parent[root(corners[i].second)] = root(corners[i - 1].second);
-    for (std::uint32_t i = 0; i < parts.size(); ++i) parent[i] = root(i);
-    return parent;
-}
-
-/// Sorts things by the coordinate along which their centres lie farthest apart.
-template <class T, class Centre>
-void sortAlong(std::span<T> things, const Centre& centreOf) {
-    Box3d box;
-    for (const T& thing : things) box.extendBy(Vec3d(centreOf(thing)));
-    const auto axis = static_cast<int>(box.majorAxis());
-    std::ranges::stable_sort(things, {}, [&](const T& thing) { return centreOf(thing)[axis]; });
-}
-
 }  // namespace
-
-/// Makes the tree from the groups down.
-struct Emitters::Builder {
-    struct Group {
-        std::vector<EmitterPart> parts{};
-        Vec3f centre{0, 0, 0};
-
-        Form form() const { return parts.front().form; }
-    };
-    Emitters& to;
-    std::vector<std::uint32_t> groupsOfNode{};
-
-    /// Those of one form are neighbours.
-    static std::vector<Group> groupsOf(std::span<const FoundPart> parts) {
-        const std::vector<std::uint32_t> number = connect(parts);
-        std::vector<std::uint32_t> order(parts.size());
-        std::iota(order.begin(), order.end(), 0u);
-        std::ranges::stable_sort(
-            order, {}, [&](std::uint32_t i) { return std::pair(parts[i].part.form, number[i]); });
-        std::vector<Group> groups;
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            if (i == 0 || number[order[i]] != number[order[i - 1]]) groups.emplace_back();
-            groups.back().parts.push_back(parts[order[i]].part);
-        }
-        for (Group& group : groups) {
-            Box3d box;
-            for (const EmitterPart& part : group.parts) extend(box, part);
-            group.centre = Vec3f(box.center());
-        }
-        return groups;
-    }
-
-    std::uint32_t addNodes(std::size_t count) {
-        const auto first = static_cast<std::uint32_t>(to.nodes_.size());
-        to.nodes_.resize(first + count);
-        groupsOfNode.resize(first + count, 1);
-        return first;
-    }
-
-    /// Splits groups by their form, those of one form in the middle of where they are.
-    static std::size_t divide(std::span<Group> groups) {
-        const Form form = groups.front().form();
-        const auto isOfForm = [form](const Group& group) { return group.form() == form; };
-        const auto other = std::ranges::find_if_not(groups, isOfForm);
-        if (other != groups.end()) return static_cast<std::size_t>(other - groups.begin());
-        sortAlong(groups, [](const Group& g) { return g.centre; });
-        return groups.size() / 2;
-    }
-
-    void build(std::uint32_t node, std::span<Group> groups) {
-        if (groups.size() == 1) return build(node, std::span(groups.front().parts));
-        const std::size_t half = divide(groups);
-        const std::uint32_t left = addNodes(2);
-        const auto begin = static_cast<std::uint32_t>(to.parts_.size());
-        build(left, groups.first(half));
-        build(left + 1, groups.subspan(half));
-        to.nodes_[node] = to.summed(begin, static_cast<std::uint32_t>(to.parts_.size()));
-        to.nodes_[node].left = left;
-        groupsOfNode[node] = static_cast<std::uint32_t>(groups.size());
-    }
-
-    void build(std::uint32_t node, std::span<EmitterPart> parts) {
-        const auto begin = static_cast<std::uint32_t>(to.parts_.size());
-        std::uint32_t left = 0;
-        if (parts.size() <= kLeaf) {
-            to.parts_.insert(to.parts_.end(), parts.begin(), parts.end());
-        } else {
-            sortAlong(parts, [](const EmitterPart& t) { return t.centre; });
-            left = addNodes(2);
-            build(left, parts.first(parts.size() / 2));
-            build(left + 1, parts.subspan(parts.size() / 2));
-        }
-        to.nodes_[node] = to.summed(begin, static_cast<std::uint32_t>(to.parts_.size()));
-        to.nodes_[node].left = left;
-    }
-};
-
-Emitters::Emitters(std::span<const TriangleMesh* const> meshes, EmitterWeight weight)
-    : meshes_(meshes.begin(), meshes.end()) {
-    const std::vector<FoundPart> found = findParts(meshes, weight);
-    if (found.empty()) return;
-    parts_.reserve(found.size());
-    std::vector<Builder::Group> groups = Builder::groupsOf(found);
-    Builder builder{*this};
-    builder.build(builder.addNodes(1), std::span(groups));
-    cut(builder.groupsOfNode);
-    findShapes();
-    indexPlaces();
-    hasSeenLamps_ = std::ranges::any_of(parts_, &EmitterPart::seenByCamera);
-}
-
-Emitters::Node Emitters::summed(std::uint32_t begin, std::uint32_t end) const {
-    Node node;
-    node.begin = begin;
-    node.end = end;
-    node.form = parts_[begin].form;
-    Box3d box;
-    for (std::uint32_t i = begin; i < end; ++i) {
-        const EmitterPart& t = parts_[i];
-        extend(box, t);
-        const float weight = t.weight * t.area;
-        const Vec3f& n = t.normal;
-        node.flux += t.radiance * t.area;
-        node.weight += weight;
-        node.isMixed = node.isMixed || t.form != node.form;
-        node.hasCones = node.hasCones || t.cone.has_value();
-        node.hasLamps = node.hasLamps || isLampToMeet(t);
-        if (t.form != Form::triangle) continue;
-        if (t.twoSided)
-            node.twoSidedShare += weight;
-        else
-            node.facing += n * weight;
-        const float products[6] = {n.x * n.x, n.y * n.y, n.z * n.z,
-                                   n.x * n.y, n.y * n.z, n.z * n.x};
-        for (std::size_t k = 0; k < 6; ++k) node.spread[k] += products[k] * weight;
-    }
-    if (node.weight > 0) node.twoSidedShare /= node.weight;
-    node.centre = Vec3f(box.center());
-    if (node.isMixed || node.form == Form::sun) {
-        node.radius = std::numeric_limits<float>::infinity();
-        return node;
-    }
-    for (std::uint32_t i = begin; i < end; ++i)
-        node.radius = std::max(node.radius, farthest(parts_[i], node.centre));
-    return node;
-}
-
-/// The emitters: the roots of as many subtrees as there may be, the largest divided first.
-void Emitters::cut(const std::vector<std::uint32_t>& groupsOfNode) {
-    roots_ = {0};
-    const auto extent = [&](std::uint32_t node) {
-        return groupsOfNode[node] > 1 ? nodes_[node].radius * nodes_[node].radius : -1.0f;
-    };
-    while (roots_.size() < kMostEmitters) {
-        const auto largest = std::ranges::max_element(roots_, {}, extent);
-        if (extent(*largest) < 0) break;
-        const std::uint32_t left = nodes_[*largest].left;
-        *largest = left;
-        roots_.push_back(left + 1);
-    }
-    std::ranges::sort(roots_, {}, [&](std::uint32_t node) { return nodes_[node].begin; });
-    emitterOf_.resize(parts_.size());
-    for (std::size_t e = 0; e < roots_.size(); ++e)
-        for (std::uint32_t i = nodes_[roots_[e]].begin; i < nodes_[roots_[e]].end; ++i)
-            emitterOf_[i] = static_cast<std::uint32_t>(e);
-}
-
-void Emitters::findShapes() {
-    for (std::size_t e = 0; e < size(); ++e) {
-        std::uint64_t hash = 0;  // a sum, so that the order does not matter
-        for (const EmitterPart& t : partsOf(e)) {
-            if (t.form == Form::triangle) {
-                std::uint64_t corners = 0;
-                for (const Vec3f& corner : t.corner) corners += hashOf(corner);
-                hash += hashWords(corners, t.twoSided);
-            } else {
-                const Vec3f& place = t.form == Form::sun ? t.normal : t.centre;
-                hash += hashWords(hashOf(place), hashOf({t.radius, t.sineSquared, 0}),
-                                  static_cast<std::uint64_t>(t.form));
-            }
-        }
-        shapes_.push_back(mixBits(hash));
-    }
-}
-
-void Emitters::indexPlaces() {
-    for (std::uint32_t i = 0; i < parts_.size(); ++i) {
-        const EmitterPart& t = parts_[i];
-        if (t.isSurface()) byPlace_.emplace_back(std::uint64_t{t.mesh} << 32 | t.placed, i);
-    }
-    std::ranges::sort(byPlace_);
-}
 
 std::span<const EmitterPart> Emitters::partsOf(std::size_t emitter) const {
     const Node& root = nodes_[roots_[emitter]];
@@ -333,6 +100,27 @@ Unoccluded Emitters::irradiance(std::size_t emitter, const Receiver& at) const n
     return irradianceOf(nodes_[roots_[emitter]], at);
 }
 
+float Emitters::roughWeightOf(const Node& node, const Receiver& at) const noexcept {
+    const Vec3f way = node.centre - at.position;
+    const float squared = way.length2(), height = at.normal.dot(way);
+    if (!(node.weight > 0) || isBelow(height, node.radius)) return 0;
+    if (node.end > node.begin + 1 && !node.hasCones &&
+        squared > kRoughRadii * kRoughRadii * node.radius * node.radius) {
+        const float turned =
+            std::max(node.towards(way * (-1 / std::sqrt(squared))), kLeastTowards * node.weight);
+        return turned * (meanHeight(height, node.radius) / squared) / std::sqrt(squared);
+    }
+    if (node.left != 0)
+        return roughWeightOf(nodes_[node.left], at) + roughWeightOf(nodes_[node.left + 1], at);
+    float sum = 0;
+    for (std::uint32_t i = node.begin; i < node.end; ++i) sum += roughWeightBy(parts_[i], at);
+    return sum;
+}
+
+float Emitters::roughWeight(std::size_t emitter, const Receiver& at) const noexcept {
+    return roughWeightOf(nodes_[roots_[emitter]], at);
+}
+
 /// What some parts may be worth to a place: above 0 wherever they are worth something.
 float Emitters::boundOf(const Node& node, const Receiver& at) noexcept {
     if (node.form == Form::sun) return node.weight;
@@ -365,7 +153,7 @@ Emitters::Choice Emitters::walk(std::size_t emitter, const Receiver& at, const G
     float sum = 0;
     const std::uint32_t count = node->end - node->begin;
     for (std::uint32_t i = 0; i < count; ++i)
-        sum += weights[i] = irradianceBy(parts_[node->begin + i], at).weight;
+        sum += weights[i] = roughWeightBy(parts_[node->begin + i], at);
     if (!(sum > 0)) return {};
     const std::uint32_t i = pick(node->begin, std::span<const float>(weights).first(count), sum);
     return {node->begin + i, chance * (weights[i] / sum)};
@@ -417,7 +205,7 @@ void Emitters::meetLampsOf(const Node& node, const Receiver& at, const Vec3f& di
         return;
     }
     for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        if (!isLampToMeet(parts_[i])) continue;
+        if (!parts_[i].isLampToMeet()) continue;
         const auto isKnown = [&](const Met& other) {
             return areOneArea(parts_[other.part], parts_[i]);
         };

@@ -39,6 +39,10 @@ public:
     /// Irradiance of a place by an emitter: within 2 per cent, or exact where it is near.
     Unoccluded irradiance(std::size_t emitter, const Receiver& at) const noexcept;
 
+    /// irradiance() by EmitterPart::weight, roughly where the emitter is not near: above 0 wherever
+    /// there is any. For chances.
+    float roughWeight(std::size_t emitter, const Receiver& at) const noexcept;
+
     /// A part, and the chance with which it was chosen of its emitter's.
     struct Choice {
         std::uint32_t part = 0;
@@ -68,6 +72,9 @@ public:
     Rgb radianceAt(const EmitterPart& t, const EmitterPoint& point) const noexcept;
 
 private:
+    /// Parts of a leaf of the tree, at most.
+    static constexpr std::uint32_t kLeaf = 8;
+
     /// Parts that are neighbours. Sums are by weight times area.
     struct Node {
         std::uint32_t begin = 0, end = 0;  ///< of parts_
@@ -93,6 +100,7 @@ private:
     void cut(const std::vector<std::uint32_t>& groupsOfNode);
     void findShapes();
     Unoccluded irradianceOf(const Node& node, const Receiver& at) const noexcept;
+    float roughWeightOf(const Node& node, const Receiver& at) const noexcept;
     static float boundOf(const Node& node, const Receiver& at) noexcept;
     void meetLampsOf(const Node& node, const Receiver& at, const Vec3f& direction,
                      std::vector<Met>& met) const;

@@ -31,6 +31,7 @@ public:
                        .pixel = static_cast<std::uint32_t>(points_.size())};
         const float counts = context.environment.luminance(v.albedo) * v.weight;
         slot.importance = counts;
+        slot.item = v.item;
         if (v.errorScale > 0)
             slot.errorScale =
                 std::min(static_cast<float>(kPi) * v.errorScale / std::max(counts, 1e-6f),

@@ -108,6 +108,7 @@ private:
     struct Drawn;
 
     void lookUp(const SetPlace& place, Tools& tools) const;
+    void lookUp(const ShadingPoint& point, Tools& tools) const;
     float weigh(const Receiver& at, Tools& tools) const;
     void weighAll(const PointBatch& batch, Tools& tools) const;
     Drawn draw(const Receiver& at, std::size_t k, const Tools& tools) const;
@@ -129,8 +130,6 @@ private:
     void traceLobe(const Receiver& at, bool draws, std::span<Tools::LobeRay> rays, Tools& tools,
                    const GroupSink& sink) const;
     static void addToGroups(const Tools& tools, const GroupSink& sink);
-    template <class Samples, class Add>
-    static void addUp(const Samples& samples, const Rgb& luminanceWeights, const Add& add);
 
     const Scene& scene_;
     const Emitters& emitters_;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "common/cache/item_table.h"
 #include "common/math/vec.h"
 #include "common/surface/surface.h"
 
@@ -33,6 +34,7 @@ struct BatchSlot {
     /// By which irradiance there counts in pictures, beside the batch's others: points to which
     /// emitters are predicted to add more than the mean get more samples of them. 0: alike.
     float importance = 0;
+    std::uint32_t item = kNoItem;  ///< of the cache that counts for the place, if it is known
 };
 
 /// A place to light, and where its light goes.

@@ -258,6 +258,46 @@ TriangleMesh sign(int count, bool twoSided) {
     return mesh;
 }
 
+TEST(Emitters, HaveARoughWeightWhereverTheyShine) {
+    std::mt19937_64 generator(5);
+    std::normal_distribution<double> normal;
+    const auto vector = [&] {
+        return Vec3d(normal(generator), normal(generator), normal(generator));
+    };
+    for (const bool twoSided : {false, true}) {
+        const TriangleMesh mesh = sign(600, twoSided);
+        const Emitters emitters = emittersOf(mesh);
+        int far = 0, shines = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const Receiver at{Vec3f(Vec3d(0, 3, 0) + vector() * 4.0), Vec3f(vector().normalized())};
+            for (std::size_t e = 0; e < emitters.size(); ++e) {
+                const float exact = emitters.irradiance(e, at).weight;
+                const float rough = emitters.roughWeight(e, at);
+                if (exact > 0) {
+                    ++shines;
+                    ASSERT_GT(rough, 0.0f) << i << ' ' << e;
+                }
+            }
+            for (std::size_t k = 0; k < emitters.parts().size(); k += 37) {
+                const EmitterPart& part = emitters.parts()[k];
+                const float exact = irradianceBy(part, at).weight;
+                const float rough = roughWeightBy(part, at);
+                if (exact > 0) {
+                    ASSERT_GT(rough, 0.0f) << i << ' ' << k;
+                }
+                const Vec3f way = part.centre - at.position;
+                if (!(exact > 0) || way.length() < 4 * part.radius ||
+                    at.normal.dot(way) < part.radius)
+                    continue;
+                ++far;
+                ASSERT_NEAR(rough / exact, 1, 0.4) << i << ' ' << k;
+            }
+        }
+        EXPECT_GT(far, 10000);
+        EXPECT_GT(shines, 10000);
+    }
+}
+
 /// p-value that triangles are chosen as often as chanceOf() says.
 double choicePValue(const std::function<double(double)>& bend) {
     const TriangleMesh mesh = sign(400, false);
