@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/mesh/placed_mesh.h"
+#include "render/estimators/emitter_light.h"
 #include "render/estimators/emitter_samples.h"
 #include "render/estimators/set_place.h"
 

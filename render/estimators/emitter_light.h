@@ -105,7 +105,17 @@ public:
     bool knowsVisibility() const { return visibility_ != nullptr; }
 
 private:
-    struct Drawn;
+    /// A direction to an emitter.
+    struct Drawn {
+        const EmitterPart* part = nullptr;  ///< null: none
+        EmitterPoint point;
+        Rgb radiance{0, 0, 0};
+        float density = 0;  ///< of the direction, by all that chose it [1/sr]
+
+        /// Density with which it may be found, a ray that knows no emitter included, which does not
+        /// find a single direction.
+        float densityWith(float other) const { return density + (point.isSingle ? 0 : other); }
+    };
 
     void lookUp(const SetPlace& place, Tools& tools) const;
     void lookUp(const ShadingPoint& point, Tools& tools) const;

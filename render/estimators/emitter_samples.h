@@ -1,6 +1,6 @@
 #pragma once
 
-// What the files of EmitterLight share.
+// Samples of points that emitters light.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
-#include "render/estimators/emitter_light.h"
+#include "render/estimators/shading_point.h"
 
 namespace shadowcache {
 
@@ -64,17 +64,5 @@ void addUp(const Samples& samples, const Rgb& luminanceWeights, const Add& add) 
         add(point, sum.value, sum.variance, rays);
     }
 }
-
-/// A direction to an emitter.
-struct EmitterLight::Drawn {
-    const EmitterPart* part = nullptr;  ///< null: none
-    EmitterPoint point;
-    Rgb radiance{0, 0, 0};
-    float density = 0;  ///< of the direction, by all that chose it [1/sr]
-
-    /// Density with which it may be found, a ray that knows no emitter included, which does not
-    /// find a single direction.
-    float densityWith(float other) const { return density + (point.isSingle ? 0 : other); }
-};
 
 }  // namespace shadowcache
