@@ -16,9 +16,6 @@ namespace {
 /// Share of an emitter that counts as visible where no ray of the items saw it.
 SHADOWCACHE_TUNED(float, kHiddenShare, 0.02f);
 
-/// Samples of a point that counts for as much as others do in the mean.
-SHADOWCACHE_TUNED(double, kMeanEmitterSamples, 2);
-
 /// Most samples of a point that counts for more than others.
 SHADOWCACHE_TUNED(double, kMostEmitterSamples, 16);
 
@@ -188,7 +185,7 @@ void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWe
         const std::size_t count = tools.chances_.size();
         std::ranges::copy(std::span(tools.chancesOfAll_).subspan(i * count, count),
                           tools.chances_.begin());
-        const double more = mean > 0 ? kMeanEmitterSamples * importance(i) / mean : 1;
+        const double more = mean > 0 ? importance(i) / mean : 1;
         const int samples = samplesOf(batch, point.slot) *
                             static_cast<int>(std::clamp(std::ceil(more), 1.0, kMostEmitterSamples));
         fillWords(point.slot, RenderSalt::emitterSamples, samples, tools.words_);
