@@ -38,7 +38,8 @@ set(SHADOWCACHE_COMMON_HEADERS
 
 # shadowcache_headers(NAME HEADERS header... [PACKAGES target...])
 # A set of headers that files can share: those above, and HEADERS, which need PACKAGES. Its flags are those
-# of the place where it is called.
+# of the place where it is called. GCC optimises what uses a set as it did the set, whatever level the file's own
+# flags name: each level needs a set of its own (shadowcache_compile_quickly).
 function(shadowcache_headers name)
     cmake_parse_arguments(set "" "" "HEADERS;PACKAGES" ${ARGN})
     # The set is a target, and a target has a source.

@@ -1,6 +1,9 @@
 # The rooms of the house: each folder of common/, bake/ and render/ is one library with one purpose, and
 # says which rooms it may include. What these may include, it may include, too.
 
+# The set of headers that rooms share which are not cold. A folder may have one of its own.
+set(SHADOWCACHE_ROOM_HEADERS shadowcache_room_headers)
+
 # shadowcache_room(NAME [COLD | HOT] SOURCES file... [MAY_INCLUDE room...] [PACKAGES target...])
 # The room in the folder NAME beside the caller becomes the library shadowcache_TOP_NAME. Rooms are named
 # TOP/NAME; PACKAGES are those of Debian that only this room sees. COLD: nothing in it
@@ -16,12 +19,13 @@ function(shadowcache_room name)
         add_library(${target} STATIC ${room_SOURCES})
         set(scope PUBLIC)
         target_link_libraries(${target} PRIVATE ${room_PACKAGES})
-        shadowcache_share_headers(${target} shadowcache_room_headers)
         if(NOT room_HOT)
             shadowcache_compile_together(${target})
         endif()
         if(room_COLD)
-            shadowcache_compile_quickly(${target})
+            shadowcache_compile_cold(${target})
+        else()
+            shadowcache_share_headers(${target} ${SHADOWCACHE_ROOM_HEADERS})
         endif()
     else()
         add_library(${target} INTERFACE)
@@ -36,6 +40,12 @@ function(shadowcache_room name)
         target_link_libraries(${target} ${scope} shadowcache_${library})
     endforeach()
     shadowcache_may_include(${top}/${name} ${room_MAY_INCLUDE})
+endfunction()
+
+# shadowcache_compile_cold(TARGET): as a cold room is.
+function(shadowcache_compile_cold target)
+    shadowcache_compile_quickly(${target})
+    shadowcache_share_headers(${target} shadowcache_cold_headers)
 endfunction()
 
 # shadowcache_may_include(FOLDER room...): files in FOLDER may include these rooms, and theirs.

@@ -80,11 +80,14 @@ protected:
         EXPECT_LT(test::meanPValue(errors, -wrong), level);
     }
 
-    /// Under a gradient the irradiance is linear in the normal.
-    const Vec3d slope_{0.5, 0.3, -0.4};
-    const LitBall ball_{test::gradientMap(512, 256, slope_), [this](const Vec3d& normal) {
-                            return kPi + 2 * kPi / 3 * slope_.dot(normal);
-                        }};
+    /// Under a gradient the irradiance is linear in the normal. Baked once for all tests.
+    static const LitBall& ball() {
+        static const Vec3d slope{0.5, 0.3, -0.4};
+        static const LitBall ball(test::gradientMap(512, 256, slope), [](const Vec3d& normal) {
+            return kPi + 2 * kPi / 3 * slope.dot(normal);
+        });
+        return ball;
+    }
 };
 
 INSTANTIATE_TEST_SUITE_P(Caches, DefaultPathOnABall, testing::Values<std::size_t>(0, 1),
@@ -94,7 +97,7 @@ TEST_P(DefaultPathOnABall, MeetsTheClosedForm) {
     const double level = test::significance(5);
     for (const Effort& e : {Effort{1, 1}, {1, 16}, {4, 4}, {16, 1}, {16, 4}}) {
         SCOPED_TRACE(fmt::format("{} x {}", e.cameraRays, e.samples));
-        expectTruth(ball_.errors(cacheKinds()[GetParam()], e, 60, true), 0.01, level);
+        expectTruth(ball().errors(cacheKinds()[GetParam()], e, 60, true), 0.01, level);
     }
 }
 
@@ -110,9 +113,9 @@ TEST_P(DefaultPathTerminator, MeetsTheClosedForm) {
     constexpr int kColumns = 512, kRows = 256;
     const auto [x, y] = test::texelAt(kColumns, kRows, Vec3d(-0.3, 0.8, -0.6).normalized());
     const Vec3d moment = test::texelMoment(kColumns, kRows, x, y) * 1e4;
-    const LitBall ball(
+    static const LitBall ball(  // of both instances
         test::oneTexelMap(kColumns, kRows, x, y, Rgb(1e4f, 1e4f, 1e4f)),
-        [&](const Vec3d& normal) {
+        [moment](const Vec3d& normal) {
             const double cosine = normal.dot(moment) / moment.length();
             return cosine > 0.01 && cosine < 0.2 ? normal.dot(moment) : -1;
         },
@@ -151,7 +154,7 @@ TEST_P(DefaultPathUncalibrated, MeetsTheClosedForm) {
     for (const Effort& e : {Effort{1, 1}, {4, 4}, {16, 1}}) {
         SCOPED_TRACE(fmt::format("{} x {}", e.cameraRays, e.samples));
         const int count = std::max(60, 240 / (e.cameraRays * e.samples));
-        expectTruth(ball_.errors(cache, e, count, false), wrong, level);
+        expectTruth(ball().errors(cache, e, count, false), wrong, level);
     }
 }
 

@@ -84,7 +84,7 @@ TriangleMesh slabMesh() {
 ShadingPoint pointAlong(const Scene& scene, const Vec3f& from, const Vec3f& direction) {
     const Hit hit = scene.intersect(from, direction);
     if (!hit.found) throw Error("test: the ray meets nothing");
-    const View view{direction, hit};
+    const shadowcache::View view{direction, hit};
     const Vec3f side = view.geometricNormal();
     return {{scene.rayOrigin(hit.position, hit.triangle, side),
              scene.mesh().origin + Vec3d(hit.position), view.shadingNormal(), side},
