@@ -62,7 +62,8 @@ GroupSizes BounceLight::sizesAt(int bounce) const {
 
 GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
                                   std::span<BouncedLight> light, BounceCounts& counts,
-                                  const std::function<void()>& onLevel) const {
+                                  const std::function<void()>& onLevel,
+                                  PredictionTest* test) const {
     const EstimatorContext& context = estimator_.context();
     std::vector<PathLevel> levels;
     PathVertices vertices = firstVertices(receivers, context.environment.luminanceWeights());
@@ -71,12 +72,10 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
         PathLevel& level = levels.emplace_back();
         level.at = std::move(vertices);
         addGroups(level);
-        if (bounce == 0)
-            predictFirst(receivers, level);
-        else
-            predictLight(bounce, level);
-        level.choices =
-            bounce == 0 ? chooseFirst(receivers) : choose(level.at, bouncesLeft(bounce));
+        level.light.resize(level.size());
+        if (bounce > 0) predictLight(bounce, level);
+        level.choices = bounce == 0 ? chooseFirst(receivers)
+                                    : choose(level.at, bouncesLeft(bounce), options_.trust);
         level.groups = groupVertices(level.at.vertices, level.choices, sizesAt(bounce));
         if (bounce > 0) {
             counts.shadowRays += lightVertices(estimator_, plan_, workspaces_, level);
@@ -101,8 +100,10 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
         if (!level.children.empty()) {
             GroupedLight grouped;
             if (context.groups) grouped.assign(level.size(), context.groups->size());
-            addBounced(exchange(context.scene, level, next, counts.sharedRays, grouped), next,
-                       level);
+            const std::vector<Rgb> found =
+                exchange(context.scene, level, next, counts.sharedRays, grouped);
+            if (test) comparePredicted(level, found, *test);
+            addBounced(found, next, level);
             if (context.groups) addBounced(grouped, next, level);
         }
         next = std::move(level);
@@ -133,38 +134,33 @@ void BounceLight::addGroups(PathLevel& level) const {
     if (!level.at.lobes.empty()) level.groupedLight.mirrored.assign(level.size(), groups->size());
 }
 
-void BounceLight::predictFirst(std::span<const BounceReceiver> receivers, PathLevel& level) const {
-    const EstimatorContext& context = estimator_.context();
-    level.light.resize(receivers.size());
-    if (!context.solve) return;
-    parallelFor(receivers.size(), kChunk, [&](const Chunk& chunk) {
-        ShadowCache::Reader reader(*context.cache);
-        std::array<ItemView, ShadowCache::kMaxItems> items;
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const auto& [place, slot] = *receivers[i].point;
-            if (!receivers[i].diffuse || slot.sampleFraction >= 1) continue;
-            const int found = reader.lookUp(place.position, place.geometricNormal, items);
-            const auto near = std::span(items).first(static_cast<std::size_t>(found));
-            level.light[i] = VertexLight::of(context.solve->indirect(near, options_.most));
-            if (!context.groupedSolve) continue;
-            context.groupedSolve->indirect(near, options_.most, level.groupedLight.predicted[i]);
-            takePredicted(level.groupedLight, i);
-        }
-    });
-}
-
 void BounceLight::predictLight(int bounce, PathLevel& level) const {
     const EstimatorContext& context = estimator_.context();
-    level.light.resize(level.size());
-    if (!context.solve) return;
+    if (!context.solve || !(options_.trust > 0)) return;
     forEachIndex(level.size(), [&](std::size_t i) {
         const std::uint32_t item = level.at.vertices[i].item;
         if (item == kNoItem) return;
-        level.light[i] = VertexLight::of(context.solve->indirect(item, bouncesLeft(bounce)));
+        level.light[i] =
+            VertexLight::of(context.solve->indirect(item, bouncesLeft(bounce)) * options_.trust);
         if (!context.groupedSolve) return;
-        context.groupedSolve->indirect(item, bouncesLeft(bounce), level.groupedLight.predicted[i]);
+        const std::span<Rgb> ofGroups = level.groupedLight.predicted[i];
+        context.groupedSolve->indirect(item, bouncesLeft(bounce), ofGroups);
+        for (Rgb& light : ofGroups) light *= options_.trust;
         takePredicted(level.groupedLight, i);
     });
+}
+
+void BounceLight::comparePredicted(const PathLevel& level, std::span<const Rgb> found,
+                                   PredictionTest& test) const {
+    const Environment& environment = estimator_.context().environment;
+    for (std::size_t i = 0; i < level.size(); ++i) {
+        if (!level.choices[i].sendsDiffuse) continue;
+        const PathVertex& v = level.at.vertices[i];
+        const double counts = static_cast<double>(v.weight * environment.luminance(v.albedo)) /
+                              static_cast<double>(v.errorScale > 0 ? v.errorScale : 1);
+        test.add(counts * static_cast<double>(environment.luminance(level.light[i].predicted)),
+                 counts * static_cast<double>(environment.luminance(found[i])));
+    }
 }
 
 void BounceLight::addBounced(std::span<const Rgb> found, const PathLevel& next,

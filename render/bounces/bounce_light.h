@@ -25,10 +25,12 @@ public:
     ///
     /// @param light    as many as receivers
     /// @param onLevel  called when the vertices of a level are lit, the costliest first
+    /// @param test     if not null, gets what was predicted of paths' vertices and what was found
     /// @return the same by light group
     GroupedBounce gather(
         std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
-        BounceCounts& counts, const std::function<void()>& onLevel = [] {}) const;
+        BounceCounts& counts, const std::function<void()>& onLevel = [] {},
+        PredictionTest* test = nullptr) const;
 
     /// The same as it is predicted, without rays.
     ///
@@ -38,12 +40,13 @@ public:
                           std::span<BouncedLight> light) const;
 
 private:
-    /// Lights camera points that do not all send rays by what is predicted to bounce to them.
-    void predictFirst(std::span<const BounceReceiver> receivers, PathLevel& level) const;
-    /// The same of the vertices of a level that have items.
+    /// Lights the vertices of a level that have items by what is predicted to bounce to them.
     void predictLight(int bounce, PathLevel& level) const;
     /// Makes room for the light of a level's groups, if there are any.
     void addGroups(PathLevel& level) const;
+    /// Notes what the rays of a level found beside what was predicted.
+    void comparePredicted(const PathLevel& level, std::span<const Rgb> found,
+                          PredictionTest& test) const;
     /// Adds what the rays of a level found to its light, in place of what was predicted of it.
     void addBounced(std::span<const Rgb> found, const PathLevel& next, PathLevel& level) const;
     /// The same by light group.

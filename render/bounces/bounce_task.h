@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "common/mesh/looks.h"
@@ -23,6 +24,27 @@ struct BounceOptions {
     PlainLook plain{};  ///< of what has no material
     bool shared = true;   ///< near vertices share what their rays meet; else brute force
     int raysOfPixel = 1;  ///< camera rays of a pixel that are gathered together, about
+    float trust = 1;      ///< part of what is predicted of paths' vertices that they count with, in
+                          ///< [0, 1]
+};
+
+/// What is predicted to bounce to places, beside what rays find there.
+class PredictionTest {
+public:
+    /// Both times what they count.
+    void add(double predicted, double found) {
+        squares_ += predicted * predicted;
+        products_ += predicted * found;
+    }
+
+    /// The part of the prediction that is nearest to what was found, by least squares; 1 where
+    /// nothing was predicted.
+    float trust() const {
+        return squares_ > 0 ? static_cast<float>(std::clamp(products_ / squares_, 0.0, 1.0)) : 1;
+    }
+
+private:
+    double squares_ = 0, products_ = 0;
 };
 
 /// A place that a camera ray met, whose light from other surfaces is wanted.

@@ -12,7 +12,8 @@ namespace shadowcache {
 
 namespace {
 
-/// Least chance that a vertex sends a diffuse ray where its irradiance is predicted.
+/// Least chance that a vertex sends a diffuse ray where its irradiance is predicted and the
+/// prediction is fully trusted.
 SHADOWCACHE_TUNED(float, kBounceChance, 0.85f);
 
 /// Least and, of paths without end, highest chance by Russian roulette.
@@ -78,7 +79,7 @@ std::vector<VertexChoice> chooseFirst(std::span<const BounceReceiver> receivers)
     return choices;
 }
 
-std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft) {
+std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft, float trust) {
     const bool unlimited = bouncesLeft == kUnlimitedBounces;
     std::vector<VertexChoice> choices(level.vertices.size());
     parallelFor(choices.size(), kChunk, [&](const Chunk& chunk) {
@@ -92,7 +93,7 @@ std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft) {
             // With a chance q, the second moment of what paths correct grows by albedo^2 / q a
             // bounce in a closed room: q must not be below the albedo.
             if (reflectance > 0)
-                choice.diffuseChance = std::max(v.item != kNoItem ? kBounceChance : 0.0f,
+                choice.diffuseChance = std::max(v.item != kNoItem ? kBounceChance * trust : 0.0f,
                                                 roulette(reflectance, unlimited));
             choice.sendsDiffuse = chanceOf(v, 1) < choice.diffuseChance;
             if (!v.isGlossy()) continue;

@@ -25,6 +25,7 @@ std::vector<VertexChoice> chooseFirst(std::span<const BounceReceiver> receivers)
 /// Where a vertex has an item, whose irradiance is predicted, rays only correct that.
 ///
 /// @param bouncesLeft  surfaces that light may still have met before these; kUnlimitedBounces
-std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft);
+/// @param trust        BounceOptions::trust: the less, the more is left to Russian roulette
+std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft, float trust);
 
 }  // namespace shadowcache

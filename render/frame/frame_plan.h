@@ -19,6 +19,8 @@ struct FramePlan {
     std::shared_ptr<const VisibleEmitters> visibleEmitters = {};
     /// None: each pixel has just the camera rays that are asked for.
     std::optional<AntialiasingRule> antialiasing = {};
+    /// BounceOptions::trust.
+    float bounceTrust = 1;
 };
 
 }  // namespace shadowcache

@@ -13,9 +13,11 @@
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
+#include "render/bounces/bounce_light.h"
 #include "render/estimators/set_place.h"
 #include "render/frame/predicted_rates.h"
 #include "render/frame/shading.h"
+#include "render/frame/tile_blocks.h"
 #include "render/frame/visible_emitters.h"
 
 namespace shadowcache {
@@ -69,12 +71,18 @@ std::vector<FilmPosition> pilotPlaces(const FrameRequest& frame, std::size_t cou
     return places;
 }
 
-/// A place that a pilot looks at, through a place of the film; nothing where that shows the sky.
+/// A place that a pilot looks at.
+struct PilotPlace {
+    ShadingPoint point;
+    Rgb albedo;  ///< of its diffuse part
+};
+
+/// The one that a pilot looks at through a place of the film; nothing where that shows the sky.
 ///
 /// @param floor  as AntialiasingRule has it; none: errors are relative to the place's own light
-std::optional<ShadingPoint> pilotPoint(const FrameRequest& frame, const FilmRays& film,
-                                       const FilmPosition& at, std::uint64_t seed,
-                                       std::optional<double> floor, TileTools& tools) {
+std::optional<PilotPlace> pilotPlace(const FrameRequest& frame, const FilmRays& film,
+                                     const FilmPosition& at, std::uint64_t seed,
+                                     std::optional<double> floor, TileTools& tools) {
     const View view = film.look(at).view;
     if (!view.hit.found) return {};
     const RenderOptions& options = frame.options;
@@ -83,16 +91,32 @@ std::optional<ShadingPoint> pilotPoint(const FrameRequest& frame, const FilmRays
                           static_cast<int>(at.y * options.height)};
     ShadingPoint point{placeOf(context.scene, view),
                        {.seed = seed, .filmX = pixel.x, .filmY = pixel.y}};
+    const Rgb albedo = diffuseAlbedo(surfaceSeen(view.hit, options.plain),
+                                     -point.place.normal.dot(view.direction));
     if (floor) {
         const double scale =
             predictSpreads(frame, film, std::span(&pixel, 1), kMostSpreadRays, tools)
                 .front()
                 .errorScale(*floor);
-        const Rgb albedo = diffuseAlbedo(surfaceSeen(view.hit, options.plain),
-                                         -point.place.normal.dot(view.direction));
         point.slot.errorScale = irradianceScale(context.environment, scale, albedo);
     }
-    return point;
+    return PilotPlace{point, albedo};
+}
+
+/// How far what is predicted of paths' vertices can be trusted: paths from the pilot's places tell.
+float bounceTrustAt(const FrameRequest& frame, std::span<const ShadingPoint> points,
+                    std::span<const Rgb> albedos, RenderStats& stats) {
+    std::vector<BounceReceiver> receivers(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+        receivers[i] = {.point = &points[i], .diffuseAlbedo = albedos[i]};
+    const BounceLight bounces(frame.estimator, frame.plan.estimator.get(), bounceOptionsOf(frame));
+    std::vector<BouncedLight> light(receivers.size());
+    PredictionTest test;
+    BounceCounts counts;
+    bounces.gather(
+        receivers, light, counts, [] {}, &test);
+    stats.bounces.add(counts);
+    return test.trust();
 }
 
 }  // namespace
@@ -119,20 +143,24 @@ FramePlan planFrame(const FrameRequest& request, RenderStats& stats) {
     const std::optional<FrameSpread> spread = predictFrame(frame, film, pool);
     const auto floor = spread ? std::optional(spread->floor) : std::nullopt;
     const std::vector<FilmPosition> looked = pilotPlaces(frame, places);
-    std::vector<std::optional<ShadingPoint>> seen(places);
+    std::vector<std::optional<PilotPlace>> seen(places);
     parallelFor(places, kChunk, [&](const Chunk& chunk) {
         std::unique_ptr<TileTools> tools = pool.take();
         for (std::size_t k = chunk.begin; k < chunk.end; ++k)
             // The numbers of a pilot belong to no pixel.
-            seen[k] = pilotPoint(frame, film, looked[k],
+            seen[k] = pilotPlace(frame, film, looked[k],
                                  pixelSeed(options.seed, frame.number, -1, -1, static_cast<int>(k)),
                                  floor, *tools);
         pool.giveBack(std::move(tools));
     });
     pool.addCounts(stats);
     std::vector<ShadingPoint> points;
-    for (const std::optional<ShadingPoint>& point : seen)
-        if (point) points.push_back(*point);
+    std::vector<Rgb> albedos;
+    for (const std::optional<PilotPlace>& place : seen)
+        if (place) {
+            points.push_back(place->point);
+            albedos.push_back(place->albedo);
+        }
     plan.estimator = pilot->plan(
         points, options.samples,
         spread ? spread->cameraError / std::pow(kJudgedCameraRays, kStratification) : 0);
@@ -144,6 +172,8 @@ FramePlan planFrame(const FrameRequest& request, RenderStats& stats) {
             *plan.estimator->predictedError * static_cast<double>(points.size()) /
                 static_cast<double>(std::max<std::size_t>(places, 1)),
             std::min(options.cameraRays, options.passRays), options.samples);
+    if (options.bounces != 0 && options.sharedBounces && frame.estimator.context().solve)
+        plan.bounceTrust = bounceTrustAt(frame, points, albedos, stats);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.seconds += seconds;

@@ -21,9 +21,14 @@ std::size_t tilesOfBlock(const RenderOptions& options, std::size_t tiles) {
 
 }  // namespace
 
-BounceOptions bounceOptionsOf(const RenderOptions& options) {
-    return {options.bounces, options.clampIndirect, options.plain, options.sharedBounces,
-            std::min(options.cameraRays, options.passRays)};
+BounceOptions bounceOptionsOf(const FrameRequest& frame) {
+    const RenderOptions& options = frame.options;
+    return {options.bounces,
+            options.clampIndirect,
+            options.plain,
+            options.sharedBounces,
+            std::min(options.cameraRays, options.passRays),
+            frame.plan.bounceTrust};
 }
 
 std::vector<TileBlock> blocksOf(const FrameRequest& frame, std::span<const std::size_t> tiles,

@@ -11,7 +11,7 @@
 namespace shadowcache {
 
 /// The options of what bounces in a frame.
-BounceOptions bounceOptionsOf(const RenderOptions& options);
+BounceOptions bounceOptionsOf(const FrameRequest& frame);
 
 /// Which tiles make a picture's bits where light bounces.
 enum class BlockExtent {

@@ -76,8 +76,9 @@ protected:
 
     /// The same with direct light by an estimator.
     std::vector<double> estimates(const Estimator& direct, float albedo, int bounces, int seeds,
-                                  int count) const {
-        BounceOptions options{.most = bounces};
+                                  int count, float trust = 1,
+                                  PredictionTest* test = nullptr) const {
+        BounceOptions options{.most = bounces, .trust = trust};
         options.plain.albedo = Rgb(albedo);
         const BounceLight light(direct, nullptr, options);
         std::vector<double> means;
@@ -100,7 +101,8 @@ protected:
                 receivers.push_back({&point, Rgb(albedo), true, nullptr});
             std::vector<BouncedLight> found(points.size());
             BounceCounts counts;
-            light.gather(receivers, found, counts);
+            light.gather(
+                receivers, found, counts, [] {}, test);
             double sum = 0;
             for (const BouncedLight& l : found) sum += static_cast<double>(l.irradiance.x);
             means.push_back(sum / (kPi * count));
@@ -170,6 +172,53 @@ TEST_F(Sphere, IsSteadyWhereItIsPredicted) {
         EXPECT_GT(steadinessPValue(found, truth, kMostSpread), level);
         EXPECT_LT(steadinessPValue(found, truth, kMostSpread / 5), level) << "any would do";
     }
+}
+
+// Of what is predicted, whatever it is, any part leaves the mean as it is; paths tell how much of
+// it is true.
+TEST_F(Sphere, IsRightWhateverIsPredicted) {
+    const test::World world(mesh_, test::constantMap(Rgb(1.0f)), {.spacing = 0.2});
+    const ItemTable items(world.cache.cache());
+    const Transport transport = readTransport(world.cache.cache(), items).value();
+    constexpr int kMost = 3;
+    constexpr float kAlbedo = 0.5f;
+    const double truth = Sphere::truth(static_cast<double>(kAlbedo), kMost);
+    const struct {
+        float predicted;  // albedo
+        float trust;
+    } cases[] = {{kAlbedo, 1}, {kAlbedo, 0.4f}, {3, 1}, {3, 0.4f}, {3, 0}};
+    const double level = test::significance(std::size(cases));
+    for (const auto& c : cases) {
+        SCOPED_TRACE(fmt::format("{:f}, {:f}", c.predicted, c.trust));
+        const std::vector<ItemLook> looks(items.size(), ItemLook{Rgb(c.predicted), Rgb(0.0f)});
+        const BounceSolve solve(world.cache.cache(), items, transport, world.environment, looks,
+                                kMost);
+        EstimatorContext context = world.context();
+        context.solve = &solve;
+        const auto estimator = findEstimator("cache").make(context, {});
+        PredictionTest test;
+        const std::vector<double> found =
+            estimates(*estimator, kAlbedo, kMost, 32, 500, c.trust, &test);
+        EXPECT_GT(test::meanPValue(found, truth), level);
+        EXPECT_LT(test::meanPValue(found, 1.25 * truth), level) << "25 % more is accepted";
+        if (c.trust < 1) continue;
+        if (c.predicted == kAlbedo)
+            EXPECT_GT(test.trust(), 0.8f);
+        else
+            EXPECT_LT(test.trust(), 0.2f);
+    }
+}
+
+TEST(PredictionTest, IsTheFactorOfLeastSquares) {
+    PredictionTest test;
+    EXPECT_EQ(test.trust(), 1);
+    test.add(2, 1);
+    test.add(1, 0);
+    EXPECT_FLOAT_EQ(test.trust(), 0.4f);
+    test.add(1, 100);
+    EXPECT_EQ(test.trust(), 1);
+    test.add(1, -200);
+    EXPECT_EQ(test.trust(), 0);
 }
 
 TEST_F(Sphere, ReflectsNothingWhereItIsBlack) {
