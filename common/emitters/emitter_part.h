@@ -28,8 +28,9 @@ struct EmitterPart {
     float size = 0;                 ///< of triangles: length of the longest side
     /// Unit: of triangles by their winding in the file; of spots and suns to where they shine.
     Vec3f normal{0};
-    /// That faces a place in front of it: of triangles and points with a radius [m^2], of suns with
-    /// an angle [sr], projected; of what has no extent 1.
+    /// By which radiance is multiplied to get Lamp::strength: of triangles their area [m^2], of
+    /// points with a radius pi r^2 [m^2], of suns pi sin^2 of half their angle [sr]; of what has no
+    /// extent 1.
     float area = 0;
     float sineSquared = 0;           ///< of suns: of half their angle
     std::optional<LampCone> cone{};  ///< of spots

@@ -56,9 +56,9 @@ Rgb Emitters::radianceAt(const EmitterPart& t, const EmitterPoint& point) const 
     return emittedAt(mesh, placedTriangle(mesh, t.placed).triangle, point.u, point.v);
 }
 
-/// Weight times area that is turned towards a direction. Points turn theirs. That of both sides is
-/// about the root of the mean square, which is right for what is flat; of one side it is the mean
-/// of both sides' and of the sum of the normals.
+/// Weight times projected area as seen from a direction w. Points and suns: all of it. Triangles
+/// with two sides: by the root of the mean square of the cosines, which is right for what is flat.
+/// With one: half of that and of the sum of normals . w, since max(0, x) = (|x| + x) / 2.
 float Emitters::Node::towards(const Vec3f& w) const noexcept {
     if (form != Form::triangle) return weight;
     const float square =

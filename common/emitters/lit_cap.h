@@ -7,8 +7,8 @@ namespace shadowcache {
 // A lamp as a place sees it that it lights: directions within an angle of an axis, at most 90
 // degrees, of which the squared sine is given.
 
-/// The integral of the cosine over the directions of a cap that are above the horizon, as a share
-/// of pi times the squared sine, which it is if the cap's axis is the normal: 0 to 1. Of a single
+/// Irradiance by a cap of directions, of radiance 1, over what it gives where its axis is the
+/// normal (pi times the squared sine): 0 to 1. What is below the horizon gives nothing. Of a single
 /// direction: its cosine, or 0. [Snyder 1996, "Area Light Sources for Real-Time Graphics";
 /// Lagarde & de Rousiers 2014, Sec. 4.7]
 ///

@@ -63,7 +63,7 @@ GroupSizes BounceLight::sizesAt(int bounce) const {
 GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
                                   std::span<BouncedLight> light, BounceCounts& counts,
                                   const std::function<void()>& onLevel,
-                                  PredictionTest* test) const {
+                                  PredictionCheck* check) const {
     const EstimatorContext& context = estimator_.context();
     std::vector<PathLevel> levels;
     PathVertices vertices = firstVertices(receivers, context.environment.luminanceWeights());
@@ -102,7 +102,7 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
             if (context.groups) grouped.assign(level.size(), context.groups->size());
             const std::vector<Rgb> found =
                 exchange(context.scene, level, next, counts.sharedRays, grouped);
-            if (test) comparePredicted(level, found, *test);
+            if (check) comparePredicted(level, found, *check);
             addBounced(found, next, level);
             if (context.groups) addBounced(grouped, next, level);
         }
@@ -151,15 +151,15 @@ void BounceLight::predictLight(int bounce, PathLevel& level) const {
 }
 
 void BounceLight::comparePredicted(const PathLevel& level, std::span<const Rgb> found,
-                                   PredictionTest& test) const {
+                                   PredictionCheck& check) const {
     const Environment& environment = estimator_.context().environment;
     for (std::size_t i = 0; i < level.size(); ++i) {
         if (!level.choices[i].sendsDiffuse) continue;
         const PathVertex& v = level.at.vertices[i];
         const double counts = static_cast<double>(v.weight * environment.luminance(v.albedo)) /
                               static_cast<double>(v.errorScale > 0 ? v.errorScale : 1);
-        test.add(counts * static_cast<double>(environment.luminance(level.light[i].predicted)),
-                 counts * static_cast<double>(environment.luminance(found[i])));
+        check.add(counts * static_cast<double>(environment.luminance(level.light[i].predicted)),
+                  counts * static_cast<double>(environment.luminance(found[i])));
     }
 }
 

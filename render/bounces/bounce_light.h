@@ -25,12 +25,12 @@ public:
     ///
     /// @param light    as many as receivers
     /// @param onLevel  called when the vertices of a level are lit, the costliest first
-    /// @param test     if not null, gets what was predicted of paths' vertices and what was found
+    /// @param check    if not null, gets what was predicted of paths' vertices and what was found
     /// @return the same by light group
     GroupedBounce gather(
         std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
         BounceCounts& counts, const std::function<void()>& onLevel = [] {},
-        PredictionTest* test = nullptr) const;
+        PredictionCheck* check = nullptr) const;
 
     /// The same as it is predicted, without rays.
     ///
@@ -46,7 +46,7 @@ private:
     void addGroups(PathLevel& level) const;
     /// Notes what the rays of a level found beside what was predicted.
     void comparePredicted(const PathLevel& level, std::span<const Rgb> found,
-                          PredictionTest& test) const;
+                          PredictionCheck& check) const;
     /// Adds what the rays of a level found to its light, in place of what was predicted of it.
     void addBounced(std::span<const Rgb> found, const PathLevel& next, PathLevel& level) const;
     /// The same by light group.

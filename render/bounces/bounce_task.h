@@ -28,10 +28,10 @@ struct BounceOptions {
                           ///< [0, 1]
 };
 
-/// What is predicted to bounce to places, beside what rays find there.
-class PredictionTest {
+/// Compares bounced light as it is predicted with what rays found.
+class PredictionCheck {
 public:
-    /// Both times what they count.
+    /// Both times the weight of the vertex.
     void add(double predicted, double found) {
         squares_ += predicted * predicted;
         products_ += predicted * found;
@@ -60,8 +60,8 @@ struct BouncedLight {
     Rgb irradiance{0, 0, 0};  ///< [radiance sr]
     Rgb glossy{0, 0, 0};      ///< reflected by its lobe [radiance]
     Rgb predicted{0, 0, 0};   ///< irradiance predicted without rays, if it is [radiance sr]
-    float exposure = 1;  ///< share of what was counted there that is exposed: it divides the direct
-                         ///< light that is predicted
+    float exposure = 1;  ///< share of the items' surface that no other one hides: predicted direct
+                         ///< light is divided by it (common/predict/exposure.h)
 };
 
 /// The same of all receivers by light group; empty without groups.

@@ -31,9 +31,9 @@ struct GroupSizes {
 };
 
 /// Clusters the vertices of a level by place and normal, and deals those of each cluster out to
-/// groups: at random, but vertices of one pixel to different groups, since what it gains grows with
-/// the number of pixels of its groups, and what they cost with the vertices. Decided by the
-/// vertices alone, in the same way for any number of threads.
+/// groups: at random, but vertices of one pixel to different groups, since a pixel gains from each
+/// other pixel in its groups, and a group costs by its vertices alone. Decided by the vertices
+/// alone, in the same way for any number of threads.
 VertexGroups groupVertices(std::span<const PathVertex> vertices,
                            std::span<const VertexChoice> choices, const GroupSizes& sizes);
 

@@ -11,8 +11,8 @@
 namespace shadowcache {
 
 /// What a surface that a lobe's ray met adds to the lobe, by its density with that of draw().
-Rgb EmitterLight::weighed(const Hit& hit, const Receiver& at, bool draws, float density,
-                          const Tools& tools) const {
+Rgb EmitterLight::emissionOverDensity(const Hit& hit, const Receiver& at, bool draws, float density,
+                                      const Tools& tools) const {
     const std::ptrdiff_t found = emitters_.find(0, hit.triangle);
     if (draws && found >= 0) {
         const auto part = static_cast<std::size_t>(found);
@@ -75,7 +75,7 @@ void EmitterLight::addGloss(const PointBatch& batch, std::span<const GlossyPoint
         const GlossyLobe& lobe = points[i].lobe;
         const Receiver at{point.place.rayOrigin, lobe.normal()};
         lookUp(point, tools);
-        const bool draws = weigh(at, tools) > 0;
+        const bool draws = setChances(at, tools) > 0;
         // As many rays of either kind.
         const int samples = (samplesOf(batch, point.slot) + 1) / 2;
         const float share = 1 / static_cast<float>(samples);
@@ -139,7 +139,7 @@ void EmitterLight::traceLobe(const Receiver& at, bool draws, std::span<Tools::Lo
             const bool back = hit.found && hit.normal.dot(ray.direction) > 0;
             if (hit.found && hit.scene == &scene_ &&
                 (!back || isDoubleSided(scene_.mesh(), hit.triangle))) {
-                const Rgb ofSurface = weighed(hit, at, draws, ray.density, tools);
+                const Rgb ofSurface = emissionOverDensity(hit, at, draws, ray.density, tools);
                 met += ofSurface;
                 if (sink && ofSurface != Rgb(0, 0, 0))
                     sink.at(ray.point)[sink.groups->ofHit(hit)] += ray.value * ofSurface;
@@ -163,7 +163,7 @@ Rgb EmitterLight::predictGloss(const GlossyPoint& glossy, Tools& tools, const Gr
     constexpr int kDirections = 8;
     const Receiver at{glossy.point.place.rayOrigin, glossy.lobe.normal()};
     lookUp(glossy.point, tools);
-    if (!(weigh(at, tools) > 0)) return {0, 0, 0};
+    if (!(setChances(at, tools) > 0)) return {0, 0, 0};
     fillWords(glossy.point.slot, RenderSalt::emitterGuess, kDirections, tools.words_);
     Rgb sum(0, 0, 0);
     for (std::size_t k = 0; k < kDirections; ++k) {

@@ -54,7 +54,7 @@ void EmitterLight::lookUp(const ShadingPoint& point, Tools& tools) const {
 
 /// Chances of the emitters at a place. @return what they are predicted to light it with, as
 /// EmitterPart::weight counts; 0: there are none
-float EmitterLight::weigh(const Receiver& at, Tools& tools) const {
+float EmitterLight::setChances(const Receiver& at, Tools& tools) const {
     float sum = 0;
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
         const float share = tools.shares_[e];
@@ -67,12 +67,12 @@ float EmitterLight::weigh(const Receiver& at, Tools& tools) const {
 }
 
 /// The same of all points of a batch.
-void EmitterLight::weighAll(const PointBatch& batch, Tools& tools) const {
+void EmitterLight::setChancesOfAll(const PointBatch& batch, Tools& tools) const {
     tools.chancesOfAll_.clear();
     tools.predicted_.clear();
     for (const ShadingPoint& point : batch.points) {
         lookUp(point, tools);
-        tools.predicted_.push_back(weigh({point.place.rayOrigin, point.place.normal}, tools));
+        tools.predicted_.push_back(setChances({point.place.rayOrigin, point.place.normal}, tools));
         tools.chancesOfAll_.insert(tools.chancesOfAll_.end(), tools.chances_.begin(),
                                    tools.chances_.end());
     }
@@ -170,7 +170,7 @@ void EmitterLight::addToGroups(const Tools& tools, const GroupSink& sink) {
 void EmitterLight::addIrradiance(const PointBatch& batch, const Rgb& luminanceWeights, Tools& tools,
                                  std::span<Estimate> estimates, const GroupSink& sink) const {
     tools.samples_.clear();
-    weighAll(batch, tools);
+    setChancesOfAll(batch, tools);
     // A few points are most of what all of a batch add to pictures.
     const auto importance = [&](std::size_t i) {
         return static_cast<double>(tools.predicted_[i] * batch.points[i].slot.importance);

@@ -112,20 +112,20 @@ private:
         Rgb radiance{0, 0, 0};
         float density = 0;  ///< of the direction, by all that chose it [1/sr]
 
-        /// Density with which it may be found, a ray that knows no emitter included, which does not
-        /// find a single direction.
+        /// Density for the balance heuristic: that of drawing it, plus `other`, that of rays which
+        /// do not aim at emitters. These never meet a lamp without an extent.
         float densityWith(float other) const { return density + (point.isSingle ? 0 : other); }
     };
 
     void lookUp(const SetPlace& place, Tools& tools) const;
     void lookUp(const ShadingPoint& point, Tools& tools) const;
-    float weigh(const Receiver& at, Tools& tools) const;
-    void weighAll(const PointBatch& batch, Tools& tools) const;
+    float setChances(const Receiver& at, Tools& tools) const;
+    void setChancesOfAll(const PointBatch& batch, Tools& tools) const;
     Drawn draw(const Receiver& at, std::size_t k, const Tools& tools) const;
     float chanceOf(std::size_t part, const Receiver& at, const Tools& tools) const;
     std::size_t numberOf(const Drawn& drawn) const;
-    Rgb weighed(const Hit& hit, const Receiver& at, bool draws, float density,
-                const Tools& tools) const;
+    Rgb emissionOverDensity(const Hit& hit, const Receiver& at, bool draws, float density,
+                            const Tools& tools) const;
     template <class Visit>
     void forLampsOf(const Receiver& at, const Vec3f& direction, float distance,
                     std::vector<Emitters::Met>& met, const Visit& visit) const;

@@ -1,4 +1,5 @@
-// What glossy surfaces reflect, without a cache: samples of the map and of the lobe.
+// What glossy surfaces reflect, without a cache: samples of the map and of the lobe. Multiple
+// importance sampling of the two is queueGloss() in gloss_mis.h.
 
 #include "render/estimators/gloss_mis.h"
 

@@ -7,7 +7,7 @@
 
 namespace shadowcache {
 
-/// An estimator of the light of a sky that has the light of emitters, too.
+/// Wraps an estimator of the light of a sky: adds the direct light of the set's own emitters.
 ///
 /// @param sky       of the environment alone
 /// @param emitters  outlives the estimator

@@ -31,8 +31,9 @@ struct BatchSlot {
     float errorScale = 0;
     /// Of the samples wanted: below 1 where the pixel has more camera rays than were asked for.
     float sampleFraction = 1;
-    /// By which irradiance there counts in pictures, beside the batch's others: points to which
-    /// emitters are predicted to add more than the mean get more samples of them. 0: alike.
+    /// By which the point's irradiance counts in the picture, beside the batch's others: where
+    /// predicted light of emitters times this is above the mean, they get up to kMostEmitterSamples
+    /// times as many samples. All 0: alike.
     float importance = 0;
     std::uint32_t item = kNoItem;  ///< of the cache that counts for the place, if it is known
 };

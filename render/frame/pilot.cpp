@@ -111,12 +111,12 @@ float bounceTrustAt(const FrameRequest& frame, std::span<const ShadingPoint> poi
         receivers[i] = {.point = &points[i], .diffuseAlbedo = albedos[i]};
     const BounceLight bounces(frame.estimator, frame.plan.estimator.get(), bounceOptionsOf(frame));
     std::vector<BouncedLight> light(receivers.size());
-    PredictionTest test;
+    PredictionCheck check;
     BounceCounts counts;
     bounces.gather(
-        receivers, light, counts, [] {}, &test);
+        receivers, light, counts, [] {}, &check);
     stats.bounces.add(counts);
-    return test.trust();
+    return check.trust();
 }
 
 }  // namespace

@@ -1,3 +1,6 @@
+// Passes until the observer ends them; --time-limit is such an observer: filmOf() in
+// render/app/run_job.cpp.
+
 #include "render/frame/progressive.h"
 
 #include <fmt/core.h>

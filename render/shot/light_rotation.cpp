@@ -1,3 +1,5 @@
+// Reads --env-rotate; Environment::turn() (common/light/environment.cpp) applies it.
+
 #include "render/shot/light_rotation.h"
 
 #include <fmt/core.h>

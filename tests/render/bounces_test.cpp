@@ -77,7 +77,7 @@ protected:
     /// The same with direct light by an estimator.
     std::vector<double> estimates(const Estimator& direct, float albedo, int bounces, int seeds,
                                   int count, float trust = 1,
-                                  PredictionTest* test = nullptr) const {
+                                  PredictionCheck* check = nullptr) const {
         BounceOptions options{.most = bounces, .trust = trust};
         options.plain.albedo = Rgb(albedo);
         const BounceLight light(direct, nullptr, options);
@@ -102,7 +102,7 @@ protected:
             std::vector<BouncedLight> found(points.size());
             BounceCounts counts;
             light.gather(
-                receivers, found, counts, [] {}, test);
+                receivers, found, counts, [] {}, check);
             double sum = 0;
             for (const BouncedLight& l : found) sum += static_cast<double>(l.irradiance.x);
             means.push_back(sum / (kPi * count));
@@ -196,29 +196,29 @@ TEST_F(Sphere, IsRightWhateverIsPredicted) {
         EstimatorContext context = world.context();
         context.solve = &solve;
         const auto estimator = findEstimator("cache").make(context, {});
-        PredictionTest test;
+        PredictionCheck check;
         const std::vector<double> found =
-            estimates(*estimator, kAlbedo, kMost, 32, 500, c.trust, &test);
+            estimates(*estimator, kAlbedo, kMost, 32, 500, c.trust, &check);
         EXPECT_GT(test::meanPValue(found, truth), level);
         EXPECT_LT(test::meanPValue(found, 1.25 * truth), level) << "25 % more is accepted";
         if (c.trust < 1) continue;
         if (c.predicted == kAlbedo)
-            EXPECT_GT(test.trust(), 0.8f);
+            EXPECT_GT(check.trust(), 0.8f);
         else
-            EXPECT_LT(test.trust(), 0.2f);
+            EXPECT_LT(check.trust(), 0.2f);
     }
 }
 
-TEST(PredictionTest, IsTheFactorOfLeastSquares) {
-    PredictionTest test;
-    EXPECT_EQ(test.trust(), 1);
-    test.add(2, 1);
-    test.add(1, 0);
-    EXPECT_FLOAT_EQ(test.trust(), 0.4f);
-    test.add(1, 100);
-    EXPECT_EQ(test.trust(), 1);
-    test.add(1, -200);
-    EXPECT_EQ(test.trust(), 0);
+TEST(PredictionCheck, IsTheFactorOfLeastSquares) {
+    PredictionCheck check;
+    EXPECT_EQ(check.trust(), 1);
+    check.add(2, 1);
+    check.add(1, 0);
+    EXPECT_FLOAT_EQ(check.trust(), 0.4f);
+    check.add(1, 100);
+    EXPECT_EQ(check.trust(), 1);
+    check.add(1, -200);
+    EXPECT_EQ(check.trust(), 0);
 }
 
 TEST_F(Sphere, ReflectsNothingWhereItIsBlack) {
