@@ -74,6 +74,17 @@ CALLS = {
 }
 
 
+# Calls that take a tenth of a second each, whatever they are given. They share the forms out among them; the others,
+# whose arguments are read by the same functions, take all.
+DEAR = ("operator points", "operator normals", "from_array", "constant")
+
+
+def dealt(forms, among=DEAR):
+    """Pairs of a call and of a form of its argument: a call of `among` gets its share, any other all."""
+    return [(name, form) for name in CALLS for i, form in enumerate(forms)
+            if name not in among or i % len(among) == among.index(name)]
+
+
 def misaligned(a):
     odd = np.zeros(a.nbytes + 1, dtype=np.uint8)[1:].view(a.dtype).reshape(a.shape)
     odd[...] = a
@@ -144,8 +155,7 @@ def expected_of_whole(name):
 ALLOWED = {("vertices", "word"), ("colors", "nothing"), ("normals", "nothing"), ("albedo", "nothing")}
 
 
-@pytest.mark.parametrize("form", SAME)
-@pytest.mark.parametrize("name", CALLS)
+@pytest.mark.parametrize("name, form", dealt(SAME))
 def test_forms_of_the_same_values(name, form):
     call, _, plain = CALLS[name]
     found, expected = numbers(call(SAME[form](plain))), expected_of(name)
@@ -154,8 +164,7 @@ def test_forms_of_the_same_values(name, form):
     assert np.isfinite(np.concatenate([part.ravel() for part in expected])).any()
 
 
-@pytest.mark.parametrize("dtype", ["i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", ">i2", ">u4", "e", "f", "d", "g"])
-@pytest.mark.parametrize("name", CALLS)
+@pytest.mark.parametrize("name, dtype", dealt(["i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", ">i2", ">u4", "e", "f", "d", "g"]))
 def test_real_types(name, dtype):
     call, _, _ = CALLS[name]
     whole = whole_of(name)
@@ -173,8 +182,7 @@ def test_refused_forms(name, form):
         call(REFUSED[form](plain))
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e308, -1e308, 5e-324, -0.0])
-@pytest.mark.parametrize("name", CALLS)
+@pytest.mark.parametrize("name, value", dealt([np.nan, np.inf, -np.inf, 1e308, -1e308, 5e-324, -0.0], DEAR[:2]))
 def test_extreme_values(name, value):
     """One number of an argument is extreme: a result or a named refusal, and the other places keep theirs."""
     call, argument, plain = CALLS[name]
@@ -193,7 +201,8 @@ def test_extreme_values(name, value):
 @pytest.mark.parametrize("name", CALLS)
 def test_empty_and_deep(name):
     call, argument, plain = CALLS[name]
-    for shape in ((0, 3), (2, 0, 3), (0, 0, 3), (1,) * 30 + (3,), (0,), ()):
+    shapes = ((0, 3), (2, 0, 3), (0, 0, 3), (1,) * 30 + (3,), (0,), ())
+    for shape in shapes[DEAR.index(name)::2] if name in DEAR[:2] else shapes:
         try:
             found = numbers(call(np.ones(shape)))
         except (TypeError, ValueError, shadowcache.Error) as error:
@@ -241,12 +250,12 @@ def test_too_large(call):
 
 
 def test_no_broadcast_is_materialised():
-    """Four million pairs take 4 bytes each and a part's buffers, where three arrays of vectors would take 288 MB."""
+    """Three million pairs take 4 bytes each and a part's buffers, where three arrays of vectors would take 216 MB."""
     small = CACHE.visibility(POINTS[:, None], UP, DIRECTIONS)
     before = peak()
-    found = CACHE.visibility(np.broadcast_to(POINTS[0], (2000, 1, 3)), UP, np.broadcast_to(DIRECTIONS[1], (2000, 3)))
-    assert found.shape == (2000, 2000) and (found == small[0, 1]).all()
-    assert peak() - before < 200
+    found = CACHE.visibility(np.broadcast_to(POINTS[0], (1500, 1, 3)), UP, np.broadcast_to(DIRECTIONS[1], (2000, 3)))
+    assert found.shape == (1500, 2000) and (found == small[0, 1]).all()
+    assert peak() - before < 150
 
 
 def test_parts_have_the_values_of_the_whole():

@@ -21,6 +21,12 @@ def white():
 
 
 @pytest.fixture(scope="session")
+def sunrise():
+    """The bundled map as its file has it."""
+    return shadowcache.Environment.load(small_set.MAP)
+
+
+@pytest.fixture(scope="session")
 def camera():
     return shadowcache.Camera(eye=(3, 2, 4), look_at=(0, 0.3, 0), fov=40)
 

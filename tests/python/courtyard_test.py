@@ -21,16 +21,20 @@ def test_the_next_camera_finds_the_light_predicted(courtyard):
     skies = [shadowcache.Environment.constant((1, 2, 3)), shadowcache.Environment.constant((3, 2, 1))]
     kept = shadowcache.Cache.open(courtyard.cache)
 
-    def render(cache, frame, sky=skies[0], **options):
+    def render(cache, frame=9, sky=skies[0], **options):
         tasks = []
         camera = shadowcache.Camera.load(courtyard.camera, frame=frame)
         color = shadowcache.render(courtyard.scene, cache, sky, camera, size=(16, 9), spp=2, **options,
                                    progress=lambda task, *_: tasks.append(task))["color"]
         return color, "predict light" in tasks
 
-    for predicts, frame, options in (
-            (True, 2, {}), (False, 9, {}), (False, 2, {"seed": 3}), (True, 9, {"sky": skies[1]}), (False, 2, {"sky": skies[1]}),
-            (True, 2, {"bounces": 2}), (True, 2, {"albedo": 0.2}), (True, 2, {})):
-        color, predicted = render(kept, frame, **options)
-        alone, always = render(shadowcache.Cache.open(courtyard.cache), frame, **options)
-        assert np.array_equal(color, alone) and always and predicted == predicts, (frame, options)
+    begin = render(kept, 2)
+    # One thing of the light more at a time; a camera and a seed are none of it.
+    red, more = {"sky": skies[1]}, {"sky": skies[1], "bounces": 2}
+    for predicts, options in ((False, {"seed": 3}), (True, red), (True, more), (True, {**more, "albedo": 0.2}),
+                              (False, {**more, "albedo": 0.2, "frame": 2})):
+        color, predicted = render(kept, **options)
+        alone, always = render(shadowcache.Cache.open(courtyard.cache), **options)
+        assert np.array_equal(color, alone) and always and predicted == predicts, options
+    end = render(kept, 2)
+    assert begin[1] and end[1] and np.array_equal(begin[0], end[0])

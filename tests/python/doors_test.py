@@ -37,13 +37,13 @@ def keywords_of_stub():
 
 
 @pytest.mark.parametrize("program", ["render", "bake"])
-def test_every_option_of_the_table_is_taken_by_a_call(small, program):
+def test_every_option_of_the_table_is_taken_by_a_call(small, white, program):
     """A thing that is no value is refused by the option's name, and not as an argument that is not known."""
     thing, camera = object(), shadowcache.Camera.load(small.camera)
-    cache, sky = shadowcache.Cache.open(small.cache), shadowcache.Environment.constant(1)
+    cache = shadowcache.Cache.open(small.cache)
     calls = {
         "load_set": lambda **given: shadowcache.load_set(small.file, **given),
-        "render": lambda **given: shadowcache.render(small.scene, cache, sky, camera, **given),
+        "render": lambda **given: shadowcache.render(small.scene, cache, white, camera, **given),
         "bake": lambda **given: shadowcache.bake(small.scene, cameras=[camera], **given),
     }
     stub, rows, walked = keywords_of_stub(), rows_of(program), 0
@@ -77,20 +77,28 @@ AXES = (20.0, 100, -30)
 MIRROR = np.array([[0.0, 0, -1], [0, 1, 0], [1, 0, 0]]) * (1, 1, -1)
 
 
-@pytest.mark.parametrize("rotate, gain", [(40, 1), (40, (0.2, 1, 3)), (AXES, 0.5), (MIRROR, (0.2, 1, 3)), (MIRROR.ravel().tolist(), 1)])
-def test_turn_and_gain_have_the_bits_of_the_program(small, tmp_path, rotate, gain):
+@pytest.mark.parametrize("rotate, gain", [(40, 1), (AXES, 0.5), (MIRROR, (0.2, 1, 3))])
+def test_turn_and_gain_have_the_bits_of_the_program(small, sunrise, tmp_path, rotate, gain):
     sky = shadowcache.Environment.load(MAP, rotate=rotate, gain=gain)
     camera = shadowcache.Camera.load(small.camera, frame=9)
     mine = shadowcache.render(small.scene, None, sky, camera, frame=9, size=(32, 18), spp=2, bounces=1)["color"]
     run("render", small.file, "--env", MAP, "--env-rotate", ",".join(map(str, np.ravel(rotate))), "--env-gain", ",".join(map(str, np.ravel(gain))),
         "--camera", small.camera, "--frames", 9, "--size", "32x18", "--spp", 2, "--bounces", 1, "-o", tmp_path / "a.exr")
     assert np.array_equal(mine, shadowcache.read_exr(tmp_path / "a.exr")["color"])
-    other = shadowcache.render(small.scene, None, shadowcache.Environment.load(MAP), camera, frame=9, size=(32, 18),
-                               spp=2, bounces=1)["color"]
+    other = shadowcache.render(small.scene, None, sunrise, camera, frame=9, size=(32, 18), spp=2, bounces=1)["color"]
     assert not np.array_equal(mine, other)  # the control: as the file has it
 
 
-def test_turns_are_turned_further():
+def test_forms_of_a_turn_and_a_gain(sunrise):
+    """Nine numbers in a row are three rows of three; a gain and a turn that are given are those of rotate() and tint()."""
+    row = sunrise.rotate(MIRROR.ravel().tolist())
+    assert np.array_equal(row.turn, sunrise.rotate(MIRROR).turn) and np.allclose(row.turn, MIRROR)
+    both = shadowcache.Environment.load(MAP, rotate=MIRROR.ravel().tolist(), gain=(0.2, 1, 3))
+    assert np.array_equal(both.turn, row.turn) and np.array_equal(both.integrate(), row.tint((0.2, 1, 3)).integrate())
+    assert not np.array_equal(both.integrate(), row.integrate())  # the control: without the gain
+
+
+def test_turns_are_turned_further(white):
     texels = np.random.default_rng(3).random((8, 16, 3))
     sky = shadowcache.Environment.from_array(texels, rotate=AXES)
     ways = np.random.default_rng(4).normal(size=(50, 3))
@@ -98,7 +106,7 @@ def test_turns_are_turned_further():
     assert np.allclose(sky.turn @ sky.turn.T, np.eye(3)) and sky.rotation == 0
     assert np.array_equal(sky.look_up(ways @ sky.turn.T)[0], plain.look_up(ways)[0])
     further = sky.rotate(30).rotate(MIRROR)
-    wanted = MIRROR @ shadowcache.Environment.constant(1).rotate(30).turn @ sky.turn
+    wanted = MIRROR @ white.rotate(30).turn @ sky.turn
     assert np.allclose(further.turn, wanted) and np.linalg.det(further.turn) == pytest.approx(np.linalg.det(MIRROR))
     assert np.array_equal(further.look_up(ways @ further.turn.T)[0], plain.look_up(ways)[0])
     assert not np.array_equal(further.look_up(ways)[0], plain.look_up(ways)[0])  # the control
@@ -121,16 +129,16 @@ def test_turned_and_dimmed_maps_are_pickled():
     (lambda sky: sky.tint(-1), shadowcache.Error, "^gain"), (lambda sky: sky.tint((1, 2)), TypeError, "^gain: expected"),
     (lambda sky: sky.tint(2e6), shadowcache.Error, "^gain"), (lambda sky: sky.tint("bright"), TypeError, "^gain: dtype"),
 ])
-def test_refused_light(call, kind, text):
+def test_refused_light(white, call, kind, text):
     with pytest.raises(kind, match=text):
-        call(shadowcache.Environment.constant(1))
+        call(white)
 
 
 # The camera.
 
-def test_shutter_has_the_bits_of_the_program(small, tmp_path):
+def test_shutter_has_the_bits_of_the_program(small, white, tmp_path):
     def render(camera):
-        return shadowcache.render(small.scene, None, shadowcache.Environment.constant(1), camera, frame=9, size=(48, 27),
+        return shadowcache.render(small.scene, None, white, camera, frame=9, size=(48, 27),
                                   camera_rays=8, samples=1, bounces=0)["color"]
 
     mine = render(shadowcache.Camera.load(small.camera, frame=9, shutter=0.8))
@@ -155,7 +163,7 @@ def test_a_camera_that_moves():
 @pytest.mark.parametrize("options, arguments", [
     ({}, []), ({"spacing": 0.25, "level": 2}, ["--spacing", 0.25, "--level", 2]), ({"quality": "draft"}, ["--quality", "draft"]),
     ({"level": 1, "margin": 2}, ["--level", 1, "--margin", 2])])
-def test_bake_for_pictures_has_the_items_of_the_program(small, tmp_path, options, arguments):
+def test_bake_for_pictures_has_the_items_of_the_program(small, white, tmp_path, options, arguments):
     cameras = [shadowcache.Camera.load(small.camera, frame=frame) for frame in (2, 9)]
     mine = shadowcache.bake(small.scene, cameras=cameras, size=(24, 14), rays=1, **options)
     run("bake", small.file, "-o", tmp_path / "a.vdb", "--camera", small.camera, "--frames", "2,9", "--size", "24x14",
@@ -166,8 +174,7 @@ def test_bake_for_pictures_has_the_items_of_the_program(small, tmp_path, options
     assert 0 < len(mine) <= len(whole) and ("spacing" not in options or len(mine) < len(whole))  # the control: all
     # It has what the pictures that it is for look up, and not what others do.
     def misses(camera):
-        return np.nanmean(shadowcache.render(small.scene, mine, shadowcache.Environment.constant(1), camera, size=(24, 14),
-                                             spp=1, aovs=["misses"])["misses"])
+        return np.nanmean(shadowcache.render(small.scene, mine, white, camera, size=(24, 14), spp=1, aovs=["misses"])["misses"])
 
     back = shadowcache.Camera(cameras[0].origin, cameras[0].origin - cameras[0].forward)
     assert misses(cameras[0]) < 0.05 and ("spacing" not in options or misses(back) > 0.3)

@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
     """The courtyard, baked coarsely."""
     folder = tmp_path_factory.mktemp("examples")
     run(BUILD / "scenes/shadowcache-make-set", "courtyard", "-o", "courtyard.glb", "--camera", "camera.json", cwd=folder)
-    run(BUILD / "bake/shadowcache-bake", "courtyard.glb", "-o", "courtyard.vdb", "--spacing", 1.5, "--level", 2, "--rays", 2,
+    run(BUILD / "bake/shadowcache-bake", "courtyard.glb", "-o", "courtyard.vdb", "--spacing", 3, "--level", 2, "--rays", 2,
         "--progress", "none", cwd=folder)
     return folder
 

@@ -1,4 +1,5 @@
 """The module makes what the programs make: the bytes of a bake, the bits of a picture; and what a camera is."""
+import functools
 import json
 
 import numpy as np
@@ -6,6 +7,12 @@ import pytest
 
 import shadowcache
 from small_set import MAP, TRIANGLES, VERTICES, run
+
+
+@functools.lru_cache(maxsize=None)
+def turned():
+    """The map turned by 120 degrees, in two steps."""
+    return shadowcache.Environment.load(MAP, rotate=100).rotate(20)
 
 
 def expect_bytes_of_the_program(baked, folder):
@@ -21,9 +28,8 @@ def expect_bits_of_the_program(baked, folder, options, arguments, cached):
     """Every layer of a picture is that of the program."""
     aovs = ["irradiance", "normal", "depth"] + (["openness"] if cached else [])
     camera = shadowcache.Camera.load(baked.camera, frame=9)
-    sky = shadowcache.Environment.load(MAP, rotate=100).rotate(20)
     mine = shadowcache.render(baked.scene, shadowcache.Cache.open(baked.cache) if cached else None,
-                              sky, camera, size=(32, 18), frame=9, aovs=aovs, **options)
+                              turned(), camera, size=(32, 18), frame=9, aovs=aovs, **options)
     run("render", baked.file, *(["--cache", baked.cache] if cached else []),
         "--env", MAP, "--env-rotate", 120, "--camera", baked.camera, "--frames", 9, "--size", "32x18",
         *(word for aov in aovs for word in ("--aov", aov)), *arguments, "-o", folder / "theirs.exr")
@@ -63,7 +69,8 @@ def test_light_groups_are_layers_that_add_up(tmp_path, camera):
         "usemtl lamp\nv -1 .8 -1\nv -.6 .8 -1\nv -.6 .8 0\nv -1 .8 0\nf 5 6 7 8\n")
     scene = shadowcache.load_set(tmp_path / "night.obj")
     options = {"size": (24, 16), "spp": 4, "bounces": 1}
-    mine = shadowcache.render(scene, None, shadowcache.Environment.constant(0.1), camera, light_groups=["*"], **options)
+    sky = shadowcache.Environment.constant(0.1)
+    mine = shadowcache.render(scene, None, sky, camera, light_groups=["*"], **options)
     groups = [name for name in mine if name.startswith("light:")]
     assert groups == ["light:sky", "light:lamp", "light:rest"]
     np.testing.assert_allclose(sum(mine[name] for name in groups), mine["color"], rtol=1e-5, atol=1e-6)
@@ -74,7 +81,7 @@ def test_light_groups_are_layers_that_add_up(tmp_path, camera):
     assert set(mine) == set(theirs)
     np.testing.assert_array_equal(mine["light:lamp"], theirs["light:lamp"])
     with pytest.raises(shadowcache.Error, match="light_groups lump: no lamp.*lamp?"):
-        shadowcache.render(scene, None, shadowcache.Environment.constant(1), camera, light_groups=["lump"], **options)
+        shadowcache.render(scene, None, sky, camera, light_groups=["lump"], **options)
 
 
 @pytest.mark.parametrize("options, lens", [
@@ -112,7 +119,7 @@ def test_options_that_the_command_line_has(scene, cache, white, camera):
     assert not np.array_equal(whole, render(camera_rays=4, samples=1, filter_width=3.0))
     part = render(camera_rays=4, samples=1, filter="box", crop=(4, 2, 6, 5))
     assert np.array_equal(part, whole[2:7, 4:10])
-    coarse, fine = (render(target_error=error, samples=1, bounces=0) for error in (1e-1, 1e-4))
+    coarse, fine = (render(target_error=error, samples=1, bounces=0) for error in (1e-1, 1e-3))
     assert coarse.shape == fine.shape and not np.array_equal(coarse, fine)
     assert np.array_equal(render(spp=2, material={"roughness": 1.0}), render(spp=2, material={"roughness": 1}))
 

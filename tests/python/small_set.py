@@ -2,6 +2,7 @@
 
 Needs SHADOWCACHE_BUILD, the folder of a build, and SHADOWCACHE_SOURCE, that of the sources.
 """
+import functools
 import json
 import os
 import subprocess
@@ -31,20 +32,27 @@ def run(program, *arguments):
 
 
 class Baked:
-    """Files of a set with materials, of a camera that moves, and of a cache by the program."""
+    """Files of a set with materials, of a camera that moves, and of a cache by the program, made where it is asked for."""
 
     def __init__(self, file, spacing):
-        self.folder, self.file = file.parent, file
-        self.camera, self.cache = self.folder / "camera.json", self.folder / "set.vdb"
+        self.folder, self.file, self.camera = file.parent, file, file.parent / "camera.json"
         self.options = {"spacing": spacing, "level": 2, "rays": 2}
-        run("bake", file, "-o", self.cache, *(word for name, value in self.options.items() for word in (f"--{name}", value)))
-        self.scene = shadowcache.load_set(file)
+
+    @functools.cached_property
+    def cache(self):
+        words = (word for name, value in self.options.items() for word in (f"--{name}", value))
+        run("bake", self.file, "-o", self.folder / "set.vdb", *words)
+        return self.folder / "set.vdb"
+
+    @functools.cached_property
+    def scene(self):
+        return shadowcache.load_set(self.file)
 
 
 def courtyard(folder):
     """The bundled set, with textures."""
     run("make-set", "courtyard", "-o", folder / "courtyard.glb", "--camera", folder / "camera.json")
-    return Baked(folder / "courtyard.glb", 3)
+    return Baked(folder / "courtyard.glb", 6)
 
 
 def small(folder):

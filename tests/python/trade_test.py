@@ -58,16 +58,22 @@ def run(folder, *arguments, **options):
 
 
 @pytest.fixture(scope="module")
+def baked(folder):
+    """The set, with its cache and its light."""
+    scene = shadowcache.load_set(folder / "set.obj")
+    return scene, shadowcache.bake(scene, spacing=0.1, level=3), shadowcache.Environment.load(MAP)
+
+
+@pytest.fixture(scope="module")
 def done(folder):
     ended = run(folder, "--frames", "1-3", "--env-rotate", "130")
     assert ended.returncode == 0, ended.stderr
     return ended
 
 
-def render(folder, seed, rays=16, cache=False):
-    scene = shadowcache.load_set(folder / "set.obj")
-    baked = shadowcache.bake(scene, spacing=0.1, level=3) if cache else None
-    return shadowcache.render(scene, baked, shadowcache.Environment.load(MAP), shadowcache.Camera.load(folder / "camera.json"),
+def render(folder, baked, seed, rays, cache=False):
+    scene, held, sky = baked
+    return shadowcache.render(scene, held if cache else None, sky, shadowcache.Camera.load(folder / "camera.json"),
                               size=(64, 36), camera_rays=rays, samples=4, bounces=0, seed=seed,
                               estimator="cache" if cache else "mis")["color"]
 
@@ -97,9 +103,9 @@ def test_black_pixels_have_no_error():
     assert relative_error(black, black) == (0, 0)
 
 
-def test_pictures_agree_and_the_control_does_not(folder):
-    reference = (render(folder, 101, 64, cache=True) + render(folder, 102, 64, cache=True)) / 2
-    pictures = [render(folder, seed, 64) for seed in range(1, 4)]
+def test_pictures_agree_and_the_control_does_not(folder, baked):
+    reference = (render(folder, baked, 101, 64, cache=True) + render(folder, baked, 102, 64, cache=True)) / 2
+    pictures = [render(folder, baked, seed, 64) for seed in range(1, 4)]
     difference, deviation = agreement(pictures, reference)
     assert abs(difference) < 4 * deviation < 0.03
     with pytest.raises(Disagreement, match="is not noise"):
@@ -166,29 +172,45 @@ def tile_difference(first, second):
     return np.sqrt(np.mean((tiles[0] - tiles[1]) ** 2)) / tiles[1].mean()
 
 
+@pytest.fixture(scope="module")
+def by_cycles(folder, tmp_path_factory):
+    """A shot, and what one run of Blender renders of it: what rival_of() asks for, and a picture of 4 samples."""
+    shot = shot_of(folder, tmp_path_factory.mktemp("cycles"), "--env-rotate", "40")
+    asked = [(16, 1), (16, 2), (64, 1), (64, 2), (256, cycles.REFERENCE_SEED)]
+    return shot, asked, render_in_cycles(shot, [*asked, (4, 1)])
+
+
 @pytest.mark.skipif(not shutil.which("blender"), reason="Blender is not installed")
-def test_cycles_renders_the_same_picture_and_the_control_does_not(folder, tmp_path):
-    shot = shot_of(folder, tmp_path, "--env-rotate", "40")
-    (theirs,), seconds, load = render_in_cycles(shot, [(512, 1)])
-    ours, turned = (shadowcache.render(shot.scene, None, sky, shot.camera, size=shot.size, camera_rays=64, samples=8, bounces=0,
-                                       estimator="mis")["color"] for sky in (shot.sky, shot.sky.rotate(5)))
+def test_cycles_renders_the_same_picture_and_the_control_does_not(folder, by_cycles, tmp_path, monkeypatch):
+    shot, asked, (rendered, seconds, load) = by_cycles
+    theirs = rendered[len(asked) - 1]
+    ours, turned = (shadowcache.render(shot.scene, None, sky, shot.camera, size=shot.size, camera_rays=64, samples=rays, bounces=0,
+                                       estimator="mis")["color"] for sky, rays in ((shot.sky, 8), (shot.sky.rotate(5), 2)))
     assert abs(theirs.mean() / ours.mean() - 1) < 0.01 and seconds[0] > 0 and load > 0
     same, control = tile_difference(theirs, ours), tile_difference(theirs, turned)
     print(f"tiles differ by {same:.4f}, under a map turned by 5 degrees by {control:.4f}")
     assert same < 0.015 < 0.03 < control
+
+    def again(_, renders):
+        assert renders == asked
+        return rendered[:len(asked)], seconds[:len(asked)], load
+
+    plain = cycles.render
+    monkeypatch.setattr(cycles, "render", again)  # what Blender has rendered; test_run has it do so for each
     assert rival_of(shot, ours).reason == ""
     # Another light is another picture, and has no row.
     other = rival_of(shot, 1.03 * theirs)
     assert other.difference == pytest.approx(-0.029, abs=0.005) and "differs by -" in other.reason and not other.frames
     # So has one with another number of bounces.
-    shot.bounces = 4
-    assert "differs by +" in rival_of(shot, ours).reason
+    monkeypatch.setattr(cycles, "render", plain)
+    monkeypatch.setattr(cycles, "SAMPLES", (1,))
+    more = shot_of(folder, tmp_path, "--env-rotate", "40", "--bounces", "4", "--reference-rays", "16")
+    assert "differs by +" in rival_of(more, ours).reason
 
 
 @pytest.mark.skipif(not shutil.which("blender"), reason="Blender is not installed")
-def test_cycles_gets_an_upright_camera_from_a_pose_of_any_length_and_angle(folder, tmp_path, monkeypatch):
-    shot = shot_of(folder, tmp_path)
-    (wanted,), _, _ = render_in_cycles(shot, [(4, 1)])
+def test_cycles_gets_an_upright_camera_from_a_pose_of_any_length_and_angle(by_cycles, monkeypatch):
+    shot, _, (rendered, _, _) = by_cycles
     plain = cycles.request_of
 
     def raw(*arguments):
@@ -198,7 +220,8 @@ def test_cycles_gets_an_upright_camera_from_a_pose_of_any_length_and_angle(folde
 
     monkeypatch.setattr(cycles, "request_of", raw)
     (found,), _, _ = render_in_cycles(shot, [(4, 1)])
-    assert np.isclose(found, wanted, rtol=1e-3, atol=1e-3).mean() > 0.99
+    assert np.isclose(found, rendered[-1], rtol=1e-3, atol=1e-3).mean() > 0.99
+    assert np.isclose(found, rendered[0], rtol=1e-3, atol=1e-3).mean() < 0.9  # the control: of more samples
 
 
 def test_what_cycles_cannot_render_is_named(folder, tmp_path):
@@ -285,11 +308,18 @@ def test_the_printed_commands_render_what_was_measured(done, folder):
     (["--bake-program", "no-such-program"], "no-such-program: no such program"),
     (["-o", "none/trade"], "none: no folder"),
     (["--threads", "-1"], "threads")])
-def test_refusals(folder, arguments, message):
-    ended = run(folder, *arguments)
-    assert ended.returncode == 1 and ended.stdout == ""
-    assert ended.stderr.startswith("shadowcache_trade: ") and message in ended.stderr, ended.stderr
-    assert ended.stderr.count("\n") == 1  # nothing was measured
+def test_refusals(folder, monkeypatch, capfd, arguments, message):
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(sys, "argv", ["shadowcache_trade", *command(*arguments)[3:]])
+    kept = signal.getsignal(signal.SIGTERM)
+    try:
+        status = program.main()
+    finally:
+        signal.signal(signal.SIGTERM, kept)
+    out, error = capfd.readouterr()
+    assert status == 1 and out == ""
+    assert error.startswith("shadowcache_trade: ") and message in error, error
+    assert error.count("\n") == 1  # nothing was measured
 
 
 def test_options_have_one_name(folder):
