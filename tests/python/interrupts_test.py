@@ -73,9 +73,9 @@ def grid(side):
 
 
 def test_interrupt_while_a_large_set_is_built():
-    vertices, triangles = grid(500)
+    vertices, triangles = grid(700)
     begin = time.monotonic()
-    assert shadowcache.load_set(vertices, triangles).triangles == 500000
+    assert shadowcache.load_set(vertices, triangles).triangles == 980000
     seconds, late, of_the_rest = time.monotonic() - begin, [], []
     for share in (0.2, 0.4, 0.8):  # the last ones are of the acceleration structure
         sent = []
@@ -90,4 +90,4 @@ def test_interrupt_while_a_large_set_is_built():
             of_the_rest += [late[-1] / ((1 - share) * seconds)] if share < 0.5 else []
     print(f"of {seconds:.2f} s; ended so many seconds after the signal: {late}, parts of what was left: {of_the_rest}")
     assert len(late) >= 2 and max(late) < 1
-    assert min(of_the_rest) < 0.4  # a call that went on to its end would have taken all of it
+    assert min(of_the_rest) < 0.5  # a call that went on to its end would have taken all of it

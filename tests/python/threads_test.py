@@ -50,7 +50,7 @@ def test_other_threads_run(scene, cache, white, camera):
     thread = threading.Thread(target=tick)
     thread.start()
     begin = time.monotonic()
-    shadowcache.render(scene, cache, white, camera, size=(128, 72), spp=32, threads=1)
+    shadowcache.render(scene, cache, white, camera, size=(128, 72), spp=64, threads=1)
     seconds = time.monotonic() - begin
     ended.set()
     thread.join()
