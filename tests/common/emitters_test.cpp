@@ -50,8 +50,8 @@ double summed(const Corners& t, const Vec3d& n, int splits) {
     for (int i = 0; i < splits; ++i)
         for (int k = 0; k < 2 * (splits - i) - 1; ++k) {
             const double shift = k % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
-            const Vec3d way =
-                t[0] + side1 * (i + shift) + side2 * (static_cast<double>(k / 2) + shift);
+            const int column = k / 2;
+            const Vec3d way = t[0] + side1 * (i + shift) + side2 * (column + shift);
             const double squared = way.length2();
             sum += std::max(0.0, n.dot(way)) * std::abs(normal.dot(way)) / (squared * squared);
         }
