@@ -47,7 +47,7 @@ struct EmitterPart {
     bool isSurface() const { return placed != kNoSurface; }
     /// Whether it has an extent: a ray may meet it.
     bool hasExtent() const { return form == Form::triangle || radius > 0 || sineSquared > 0; }
-    /// Whether it is a lamp with an extent.
+    /// Whether it is a lamp that a ray may meet.
     bool isLampToMeet() const { return !isSurface() && hasExtent(); }
 };
 

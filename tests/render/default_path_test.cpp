@@ -113,7 +113,7 @@ TEST_P(DefaultPath, MeetsTheClosedForm) {
     const double level = test::significance(kStrips * std::size(kEfforts));
     for (const auto& [cameraRays, samples] : kEfforts) {
         SCOPED_TRACE(fmt::format("{} x {}", cameraRays, samples));
-        const int count = std::max(12, path.films / (cameraRays * samples));
+        const int count = std::max(24, path.films / (cameraRays * samples));
         const std::vector<Film> all = films(*estimator, effort(cameraRays, samples), count);
         for (int strip = 0; strip < kStrips; ++strip) {
             const test::Estimates means = stripMeans(all, strip);
