@@ -53,6 +53,7 @@ enum class RenderSalt : std::uint64_t {
     glossCluster = 94,      ///< a pixel's seed for the samples of its glossy points in clusters
     glossShare = 95,        ///< rounds the samples of their regions
     spreadRays = 96,        ///< camera rays that decide how many a pixel gets
+    emissionRays = 116,     ///< a pixel's seed for rays that look for what emits alone
     bounceFirst = 97,       ///< a camera point's seed for the light that bounces to it
     bounceSends = 98,       ///< whether a vertex of a path sends rays; third word: which
     bounceSequence = 99,    ///< a pixel's seed for the first diffuse rays of its paths

@@ -113,6 +113,7 @@ void writeStats(const RenderJob& job, const PictureSettings& settings, const Tri
     out.set("seconds.trace", stats.traceSeconds);
     out.set("rays.camera", stats.cameraRays);
     out.set("rays.camera_pilot", stats.spreadRays);
+    out.set("rays.emission", stats.emissionRays);
     if (cache) out.set("rays.without_items", stats.raysWithoutItems);
     out.set("rays.shadow", stats.shadowRays);
     out.set("rays.own", stats.shadowRays - stats.reusedRays);

@@ -347,9 +347,10 @@ private:
         if (run_.resume)
             std::printf(" (%zu more %s done)", skipped_, skipped_ == 1 ? "was" : "were");
         printEffort();
-        std::printf(", %.1f M camera rays, %.1f M shadow rays",
-                    static_cast<double>(stats_.cameraRays + stats_.spreadRays) * 1e-6,
-                    static_cast<double>(stats_.shadowRays) * 1e-6);
+        std::printf(
+            ", %.1f M camera rays, %.1f M shadow rays",
+            static_cast<double>(stats_.cameraRays + stats_.spreadRays + stats_.emissionRays) * 1e-6,
+            static_cast<double>(stats_.shadowRays) * 1e-6);
         if (stats_.reusedRays > 0)
             std::printf(" (%.1f M of them reuse neighbours' samples)",
                         static_cast<double>(stats_.reusedRays) * 1e-6);

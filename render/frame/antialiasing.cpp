@@ -14,6 +14,11 @@ namespace {
 SHADOWCACHE_TUNED(int, kMostRayFactor, 16);
 /// Most camera rays of a pixel, or kLeastMost times those that are asked for if that is more.
 constexpr int kEnoughCameraRays = 256, kLeastMost = 4;
+/// Most emission rays of a pixel, or kLeastMost times its camera rays if that is more.
+SHADOWCACHE_TUNED(int, kEnoughEmissionRays, 1024);
+
+/// Cost of an emission ray, in camera rays: it is lit by nothing.
+SHADOWCACHE_TUNED(double, kEmissionRayCost, 0.1);
 
 /// Cost of a sample, in camera rays: its ray and what reusing it costs against a camera ray, its
 /// lookup and its place in a cluster.
@@ -58,20 +63,59 @@ private:
     std::vector<int> numbers_;
 };
 
-/// Camera rays that pay for a pixel, for each that is asked for.
-int rayFactorOf(double variance, const AntialiasingRule& rule) {
+/// Share of an error that twice the rays take away.
+const double kHalved = 1 - std::exp2(-kStratification);
+
+/// Rays of one kind for a pixel, for each camera ray that is asked for.
+struct Rays {
     int factor = 1;
-    for (double least = rule.least; 2 * factor <= rule.most && variance > least; factor *= 2)
+    double error = 0;  ///< that they leave, over that of the camera rays that are asked for
+    double cost = 0;   ///< [camera rays that are asked for]
+};
+
+/// Those that pay if twice as many as asked for pay from a relative variance of `least` on.
+///
+/// @param cost  of one, in camera rays
+Rays raysFor(double variance, double cost, double least, int most) {
+    Rays rays;
+    for (least *= cost; 2 * rays.factor <= most && variance > least; rays.factor *= 2)
         least *= std::exp2(1 + kStratification);
-    return factor;
+    rays.error = variance / std::pow(rays.factor, kStratification);
+    rays.cost = cost * rays.factor;
+    return rays;
+}
+
+/// Rays of a pixel, and what they leave and cost together.
+struct PixelRays {
+    int rayFactor, emissionFactor;
+    double error, cost;
+};
+
+/// Camera rays alone, or with emission rays: what leaves less, the cost counted as the error that
+/// it would take away elsewhere.
+PixelRays raysFor(const PixelVariances& pixel, const AntialiasingRule& rule) {
+    const Rays all = raysFor(pixel.all, 1, rule.least, rule.most);
+    const Rays reflected = raysFor(pixel.reflected, 1, rule.least, rule.most);
+    const Rays emitted = raysFor(pixel.emitted, kEmissionRayCost, rule.least, rule.mostEmission);
+    const PixelRays together{all.factor, 0, all.error, all.cost};
+    const PixelRays apart{reflected.factor, emitted.factor, reflected.error + emitted.error,
+                          reflected.cost + emitted.cost};
+    const auto total = [&](const PixelRays& rays) {
+        return rays.error + kHalved * rule.least * rays.cost;
+    };
+    return emitted.factor > 1 && total(apart) < total(together) ? apart : together;
 }
 
 }  // namespace
 
-double PredictedSpread::relativeVariance(double floor) const {
-    const double square = mean() * mean();
-    const double variance = count > 0 ? std::max(0.0, squares / count - square) : 0;
-    return square + floor > 0 ? variance / (square + floor) : 0;
+PixelVariances PredictedSpread::variances(double floor) const {
+    const double scale = mean() * mean() + floor;
+    const auto of = [&](const Moments& part) {
+        if (count <= 0 || scale <= 0) return 0.0;
+        const double partMean = part.sum / count;
+        return std::max(0.0, part.squares / count - partMean * partMean) / scale;
+    };
+    return {of(all), of(reflected), of(emitted)};
 }
 
 FrameSpread spreadOf(std::span<const PredictedSpread> pixels) {
@@ -80,12 +124,14 @@ FrameSpread spreadOf(std::span<const PredictedSpread> pixels) {
     double mean = 0;
     for (const PredictedSpread& pixel : pixels) mean += pixel.mean() / count;
     frame.floor = 0.01 * mean * mean;
-    // n values about their own mean vary by (n - 1) / n too little.
     for (const PredictedSpread& pixel : pixels) {
-        frame.variances.push_back(pixel.count > 1 ? pixel.relativeVariance(frame.floor) *
-                                                        pixel.count / (pixel.count - 1)
-                                                  : 0);
-        frame.cameraError += frame.variances.back() / count;
+        PixelVariances variances;
+        if (pixel.count > 1) variances = pixel.variances(frame.floor);
+        // n values about their own mean vary by (n - 1) / n too little.
+        for (double* v : {&variances.all, &variances.reflected, &variances.emitted})
+            *v *= pixel.count / std::max(1.0, pixel.count - 1);
+        frame.cameraError += variances.all / count;
+        frame.variances.push_back(variances);
     }
     return frame;
 }
@@ -93,21 +139,21 @@ FrameSpread spreadOf(std::span<const PredictedSpread> pixels) {
 AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightError, int cameraRays,
                                       int samples) {
     AntialiasingRule rule{frame.floor, std::numeric_limits<double>::infinity(),
-                          std::clamp(kEnoughCameraRays / cameraRays, kLeastMost, kMostRayFactor)};
+                          std::clamp(kEnoughCameraRays / cameraRays, kLeastMost, kMostRayFactor),
+                          std::max(kEnoughEmissionRays / cameraRays, kLeastMost)};
     // With e = kStratification, twice the camera rays of a pixel that has M lower its error v / M^e
     // by 1 - 2^-e of it and cost M: worth it if that share of the frame's error is more than the
     // share of its cost. Both fall and grow with the rays that other pixels get.
-    const double halved = 1 - std::exp2(-kStratification);
     const double stratified = std::pow(cameraRays, kStratification);
     const auto count = static_cast<double>(std::max<std::size_t>(frame.variances.size(), 1));
     for (int round = 0; round < kRounds; ++round) {
         double error = lightError / cameraRays, cost = kSampleCost * samples;
-        for (const double variance : frame.variances) {
-            const int factor = rayFactorOf(variance, rule);
-            error += variance / (stratified * std::pow(factor, kStratification)) / count;
-            cost += factor / count;
+        for (const PixelVariances& pixel : frame.variances) {
+            const PixelRays rays = raysFor(pixel, rule);
+            error += rays.error / stratified / count;
+            cost += rays.cost / count;
         }
-        rule.least = stratified * error / (halved * cost);
+        rule.least = stratified * error / (kHalved * cost);
     }
     return rule;
 }
@@ -129,8 +175,9 @@ std::vector<PredictedSpread> withNeighbors(std::span<const FilmPlace> places,
     return sums;
 }
 
-int rayFactorOf(const PredictedSpread& pixel, const AntialiasingRule& rule) {
-    return rayFactorOf(pixel.relativeVariance(rule.floor), rule);
+AdaptiveRate rateOf(const PredictedSpread& pixel, const AntialiasingRule& rule) {
+    const PixelRays rays = raysFor(pixel.variances(rule.floor), rule);
+    return {rays.rayFactor, rays.emissionFactor, pixel.errorScale(rule.floor)};
 }
 
 }  // namespace shadowcache

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/tuned.h"
+#include "render/frame/adaptive_rate.h"
 #include "render/frame/tiles.h"
 
 namespace shadowcache {
@@ -13,8 +14,9 @@ namespace shadowcache {
 inline constexpr int kMostSpreadRays = 4;
 
 /// Which pixels get more camera rays than asked for, and as many fewer samples with each: those
-/// whose camera rays are predicted to see such different things that more rays pay. Decided by
-/// predictions alone, at camera rays that are not the picture's, so that it adds no bias.
+/// whose camera rays are predicted to see such different things that more rays pay. Where what
+/// shines by itself differs, rays pay that look for this alone. Decided by predictions alone, at
+/// camera rays that are not the picture's, so that it adds no bias.
 struct AntialiasingRule {
     /// Square of the luminance below which errors are absolute, as relMSE has it.
     double floor = 0;
@@ -22,39 +24,65 @@ struct AntialiasingRule {
     double least = 0;
     /// Most camera rays of a pixel for each that is asked for; 1: as many as asked for everywhere.
     int most = 4;
+    /// Most of its emission rays for each; 1: none anywhere.
+    int mostEmission = 1;
 };
 
 /// The error of M camera rays of a pixel is that of one over M to this power, about: they are
 /// stratified. 1 if they were not, 3/2 at a straight edge.
 inline SHADOWCACHE_TUNED(double, kStratification, 1.33);
 
+/// First and second moment of some luminances, times their count.
+struct Moments {
+    double sum = 0, squares = 0;
+
+    void add(double luminance, double weight = 1) {
+        sum += weight * luminance;
+        squares += weight * luminance * luminance;
+    }
+    void add(const Moments& other, double weight) {
+        sum += weight * other.sum;
+        squares += weight * other.squares;
+    }
+};
+
+/// Variances of what one camera ray of a pixel shows, over the squared mean of all of it.
+struct PixelVariances {
+    double all = 0;
+    double reflected = 0;  ///< of what surfaces reflect
+    double emitted = 0;    ///< of what surfaces and lamps emit, and the sky
+};
+
 /// Luminance that some camera rays of a pixel are predicted to see, summed up.
 struct PredictedSpread {
-    double count = 0, sum = 0, squares = 0;
+    double count = 0;
+    Moments all = {}, reflected = {}, emitted = {};  ///< as of PixelVariances
 
-    void add(double luminance) {
+    void add(double reflectedThere, double emittedThere) {
         count += 1;
-        sum += luminance;
-        squares += luminance * luminance;
+        all.add(reflectedThere + emittedThere);
+        reflected.add(reflectedThere);
+        emitted.add(emittedThere);
     }
     /// Adds another's with a weight.
     void add(const PredictedSpread& other, double weight) {
         count += weight * other.count;
-        sum += weight * other.sum;
-        squares += weight * other.squares;
+        all.add(other.all, weight);
+        reflected.add(other.reflected, weight);
+        emitted.add(other.emitted, weight);
     }
-    double mean() const { return count > 0 ? sum / count : 0; }
+    double mean() const { return count > 0 ? all.sum / count : 0; }
     /// Luminance that errors of the pixel are relative to.
     double errorScale(double floor) const { return std::sqrt(mean() * mean() + floor); }
-    /// Variance of one camera ray over the squared mean or `floor`.
-    double relativeVariance(double floor) const;
+    /// Over the squared mean plus `floor`.
+    PixelVariances variances(double floor) const;
 };
 
 /// How much the camera rays of a pixel are predicted to differ in a frame.
 struct FrameSpread {
-    double floor = 0;               ///< as AntialiasingRule has it
-    double cameraError = 0;         ///< relMSE of one camera ray, if its light were known
-    std::vector<double> variances;  ///< the same of some pixels, of which it is the mean
+    double floor = 0;                       ///< as AntialiasingRule has it
+    double cameraError = 0;                 ///< relMSE of one camera ray, if its light were known
+    std::vector<PixelVariances> variances;  ///< of some pixels
 };
 
 /// From some of the frame's pixels.
@@ -71,7 +99,7 @@ AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightErro
 std::vector<PredictedSpread> withNeighbors(std::span<const FilmPlace> places,
                                            std::span<const PredictedSpread> spreads);
 
-/// Camera rays of a pixel for each that is asked for: a power of 2.
-int rayFactorOf(const PredictedSpread& pixel, const AntialiasingRule& rule);
+/// Rays of a pixel that pay.
+AdaptiveRate rateOf(const PredictedSpread& pixel, const AntialiasingRule& rule);
 
 }  // namespace shadowcache

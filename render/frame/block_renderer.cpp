@@ -5,6 +5,7 @@
 #include "common/base/interrupt.h"
 #include "common/base/parallel.h"
 #include "render/estimators/light_groups.h"
+#include "render/estimators/set_place.h"
 #include "render/frame/predicted_rates.h"
 #include "render/frame/shading.h"
 
@@ -39,12 +40,17 @@ void BlockRenderer::addCameraRays(const TileBlock& block, RayRange rays,
             Tiles(frame_.options).findPlaces(block[t].tile, tile.places);
             tile.sums.resize(tile.places.size());
             if (const LightGroups* groups = frame_.estimator.context().groups)
-                tile.groups.assign(tile.places.size(), groups->size());
+                for (GroupedLight* sums : {&tile.groups, &tile.emissions})
+                    sums->assign(tile.places.size(), groups->size());
         }
         const RayRange ofTile = raysOf(block[t], rays);
-        if (ofTile.first == 0 && ofTile.count > 0)
+        if (ofTile.first == 0 && ofTile.count > 0) {
             tile.rates = ratesOf(frame_, film_, tile.places, tools);
+            for (std::size_t i = 0; i < tile.rates.size(); ++i)
+                tile.sums[i].apart.factor = tile.rates[i].emissionFactor;
+        }
         forEachBatch(tile, ofTile, [&](std::size_t first, const BatchPixels& some) {
+            if (block[t].index) addEmission(first, some, tile, tools);
             RayBatch batch{first, film_.cast(some), {}, {}, {}, {}};
             batch.met = placesOf(frame_, some, batch.rays);
             if (block[t].index)
@@ -134,6 +140,25 @@ RayRange BlockRenderer::raysOf(const BlockTile& tile, RayRange rays) const {
     return {rays.first, std::clamp(count - rays.first, 0, rays.count)};
 }
 
+void BlockRenderer::addEmission(std::size_t firstPixel, const BatchPixels& pixels, TilePixels& tile,
+                                TileTools& tools) const {
+    for (std::size_t i = 0; i < pixels.places.size(); ++i) {
+        const int factor = pixels.rates[i].emissionFactor;
+        if (factor == 0) continue;
+        const RayRange range{pixels.rays.first * factor, pixels.rays.count * factor};
+        for (const FilmRay& ray : film_.castEmission(pixels.places[i], range)) {
+            const Hit& hit = ray.view.hit;
+            const Rgb ofSurface =
+                hit.found ? surfaceSeen(hit, frame_.options.plain).emission : Rgb(0, 0, 0);
+            std::span<Rgb> byGroup;
+            if (!tile.emissions.empty()) byGroup = tile.emissions[firstPixel + i];
+            tile.sums[firstPixel + i].apart.add(emissionSeen(frame_, ray, ofSurface, byGroup),
+                                                spread_);
+        }
+        tools.emissionRays += static_cast<std::uint64_t>(range.count);
+    }
+}
+
 std::optional<std::uint32_t> BlockRenderer::watchedIn(std::span<const FilmPlace> places) const {
     if (!watched_) return {};
     const auto found = std::ranges::find(places, watched_->place);
@@ -144,7 +169,7 @@ std::optional<std::uint32_t> BlockRenderer::watchedIn(std::span<const FilmPlace>
 void BlockRenderer::addToTile(const RayBatch& batch, TilePixels& tile) const {
     if (watched_) showTo(watched_->observer, watched_->place, frame_, batch);
     addToFilm(frame_, spread_, batch, tile.sums);
-    if (frame_.estimator.context().groups) addToGroups(frame_, batch, tile.groups);
+    if (frame_.estimator.context().groups) addToGroups(frame_, batch, tile.sums, tile.groups);
 }
 
 std::vector<Pixel> BlockRenderer::average(const TilePixels& tile) const {
@@ -156,9 +181,12 @@ std::vector<Pixel> BlockRenderer::average(const TilePixels& tile) const {
 
 GroupedLight BlockRenderer::averageGroups(const TilePixels& tile) const {
     GroupedLight colors = tile.groups;
-    for (std::size_t i = 0; !colors.empty() && i < tile.sums.size(); ++i)
+    for (std::size_t i = 0; !colors.empty() && i < tile.sums.size(); ++i) {
         for (Rgb& color : colors[i])
             color *= 1.0f / static_cast<float>(std::max(1, tile.sums[i].cameraRays));
+        addTo(colors[i], tile.emissions[i],
+              Rgb(1.0f / static_cast<float>(std::max(1, tile.sums[i].apart.rays))));
+    }
     return colors;
 }
 

@@ -19,7 +19,8 @@ struct TilePixels {
     std::vector<FilmPlace> places;
     std::vector<AdaptiveRate> rates;
     std::vector<PixelSum> sums;
-    GroupedLight groups{};  ///< sums of the camera rays' colours by light group
+    GroupedLight groups{};     ///< sums of the camera rays' colours by light group
+    GroupedLight emissions{};  ///< and of what emission rays show
 };
 
 /// A pixel whose camera rays somebody sees.
@@ -61,6 +62,9 @@ private:
     /// Has light bounce to all places of a block.
     void bounceLight(std::span<std::vector<RayBatch>> tiles, BlockProgress& progress,
                      BounceCounts& counts) const;
+    /// Adds what emission rays show to some pixels of a tile.
+    void addEmission(std::size_t firstPixel, const BatchPixels& pixels, TilePixels& tile,
+                     TileTools& tools) const;
     std::optional<std::uint32_t> watchedIn(std::span<const FilmPlace> places) const;
     void addToTile(const RayBatch& batch, TilePixels& tile) const;
 

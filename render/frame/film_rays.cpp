@@ -48,6 +48,16 @@ std::vector<FilmRay> FilmRays::castExtra(std::span<const FilmPlace> places, int 
     return rays;
 }
 
+std::vector<FilmRay> FilmRays::castEmission(const FilmPlace& place, RayRange range) const {
+    std::vector<FilmRay> rays;
+    aim(place, 0,
+        hashWords(pixelSeed(options_.seed, number_, place.x, place.y, -1),
+                  RenderSalt::emissionRays),
+        range, rays);
+    intersect(rays);
+    return rays;
+}
+
 /// A pixel's rays are points of one Sobol' sequence: on the film, on the lens, and in time.
 void FilmRays::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, RayRange range,
                    std::vector<FilmRay>& rays) const {

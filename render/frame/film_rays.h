@@ -28,6 +28,10 @@ public:
     /// Sends camera rays 0 to `count - 1` of each of some pixels; they are none of the picture's.
     std::vector<FilmRay> castExtra(std::span<const FilmPlace> places, int count) const;
 
+    /// Sends emission rays of a pixel: they show what its camera rays do, but what emits alone
+    /// counts.
+    std::vector<FilmRay> castEmission(const FilmPlace& place, RayRange range) const;
+
 private:
     /// Adds camera rays of a pixel, `pixel` in its batch, to `rays`.
     void aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, RayRange range,

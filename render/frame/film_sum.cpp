@@ -35,11 +35,10 @@ PlaceLight lightOf(const FrameRequest& frame, const RayBatch& batch, std::size_t
 
 /// What a camera ray shows of a place.
 ///
-/// @param lamps  that it met before
+/// @param emission  that it shows as well
 RayValues valuesOf(const FilmRay& ray, const MetPlace& place, const PlaceLight& light,
-                   const Rgb& lamps) {
+                   const Rgb& emission) {
     const Surface& surface = place.surface;
-    const Rgb emission = surface.emission + lamps;
     const auto reflected = [&](const Rgb& irradiance) {
         return place.diffuseAlbedo * irradiance * static_cast<float>(1 / kPi);
     };
@@ -63,9 +62,10 @@ RayValues valuesOf(const FilmRay& ray, const MetPlace& place, const PlaceLight& 
             .axialDepth = static_cast<float>(depth * ray.ray.cosine)};
 }
 
-/// Adds what a camera ray shows of a place, by light group; as lightOf() and valuesOf() do.
-void addValues(const FrameRequest& frame, const RayBatch& batch, std::size_t number,
-               const FilmRay& ray, std::span<Rgb> sum) {
+/// Adds what a camera ray shows reflected by a place, by light group; as lightOf() and valuesOf()
+/// do.
+void addReflected(const FrameRequest& frame, const RayBatch& batch, std::size_t number,
+                  std::span<Rgb> sum) {
     const MetPlace& place = batch.met.places[number];
     const GroupedBounce& bounced = batch.groupedBounced;
     const Rgb reflected = place.diffuseAlbedo * static_cast<float>(1 / kPi), all(1, 1, 1);
@@ -77,8 +77,6 @@ void addValues(const FrameRequest& frame, const RayBatch& batch, std::size_t num
     if (place.glossy) addTo(sum, batch.direct.groupedGloss[*place.glossy], all);
     if (!bounced.irradiance.empty()) addTo(sum, bounced.irradiance[number], reflected);
     if (!bounced.glossy.empty()) addTo(sum, bounced.glossy[number], all);
-    if (place.surface.emission != Rgb(0, 0, 0))
-        sum[frame.estimator.context().groups->ofHit(ray.view.hit)] += place.surface.emission;
 }
 
 /// Adds what the cache predicts at a place.
@@ -105,28 +103,32 @@ void addToFilm(const FrameRequest& frame, const SpreadRule& rule, const RayBatch
     std::size_t met = 0;
     for (const FilmRay& ray : batch.rays) {
         PixelSum& pixel = tile[batch.firstPixel + ray.pixel];
-        const Rgb lamps = lampsSeen(frame, ray);
-        if (!ray.view.hit.found) {
-            pixel.addSky(skySeen(frame, ray.view), lamps, rule);
+        const MetPlace* place = ray.view.hit.found ? &batch.met.places[met] : nullptr;
+        SeenEmission emission;
+        if (pixel.apart.factor == 0)
+            emission = emissionSeen(frame, ray, place ? place->surface.emission : Rgb(0, 0, 0));
+        if (!place) {
+            pixel.addSky(emission, rule);
             continue;
         }
         const PlaceLight light = lightOf(frame, batch, met);
-        RayValues values = valuesOf(ray, batch.met.places[met], light, lamps);
+        RayValues values = valuesOf(ray, *place, light, emission.sum());
         if (!batch.direct.insights.empty()) addInsight(batch.direct.insights[met], pixel, values);
         pixel.addHit(values, light.irradiance, light.gloss, rule);
         ++met;
     }
 }
 
-void addToGroups(const FrameRequest& frame, const RayBatch& batch, GroupedLight& tile) {
+void addToGroups(const FrameRequest& frame, const RayBatch& batch, std::span<const PixelSum> sums,
+                 GroupedLight& tile) {
     std::size_t met = 0;
     for (const FilmRay& ray : batch.rays) {
-        const std::span<Rgb> sum = tile[batch.firstPixel + ray.pixel];
-        lampsSeen(frame, ray, sum);
-        if (ray.view.hit.found)
-            addValues(frame, batch, met++, ray, sum);
-        else
-            sum[LightGroups::kSky] += skySeen(frame, ray.view);
+        const std::size_t pixel = batch.firstPixel + ray.pixel;
+        const bool hit = ray.view.hit.found;
+        if (sums[pixel].apart.factor == 0)
+            emissionSeen(frame, ray, hit ? batch.met.places[met].surface.emission : Rgb(0, 0, 0),
+                         tile[pixel]);
+        if (hit) addReflected(frame, batch, met++, tile[pixel]);
     }
 }
 

@@ -12,12 +12,16 @@ namespace shadowcache {
 /// How the spread of a frame's camera rays is measured.
 SpreadRule spreadRuleOf(const FrameRequest& frame);
 
-/// Adds the camera rays of a batch, with all of their light, to a tile's pixels.
+/// Adds the camera rays of a batch, with all of their light, to a tile's pixels: without what emits
+/// where emission rays look for it.
 void addToFilm(const FrameRequest& frame, const SpreadRule& rule, const RayBatch& batch,
                std::span<PixelSum> tile);
 
 /// Adds their colours by light group to those of a tile's pixels.
-void addToGroups(const FrameRequest& frame, const RayBatch& batch, GroupedLight& tile);
+///
+/// @param sums  of these pixels
+void addToGroups(const FrameRequest& frame, const RayBatch& batch, std::span<const PixelSum> sums,
+                 GroupedLight& tile);
 
 /// Has an observer see the camera rays of a pixel of the film that meet the set.
 void showTo(const CameraSampleObserver& observer, const FilmPlace& pixel, const FrameRequest& frame,

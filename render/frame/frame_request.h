@@ -20,7 +20,8 @@ struct RenderStats {
     double setupSeconds = 0;
     double traceSeconds = 0;  ///< of it in tracing shadow rays and adding them up, likewise
     std::uint64_t cameraRays = 0;
-    std::uint64_t spreadRays = 0;  ///< camera rays beside them: they decide how many a pixel gets
+    std::uint64_t spreadRays = 0;    ///< camera rays beside them: they decide how many a pixel gets
+    std::uint64_t emissionRays = 0;  ///< rays from the film that look for what emits alone
     std::uint64_t shadowRays = 0;
     /// Of them met the set where the cache that is used holds no item.
     std::uint64_t raysWithoutItems = 0;

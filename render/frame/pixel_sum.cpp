@@ -19,9 +19,25 @@ int spreadRunLength(int passRays) {
     return length;
 }
 
-void PixelSum::addSky(const Rgb& sky, const Rgb& lamps, const SpreadRule& rule) {
-    const Rgb radiance = sky + lamps;
-    values += {.color = radiance, .emission = radiance, .environment = sky, .predicted = radiance};
+void EmissionSum::add(const SeenEmission& seen, const SpreadRule& rule) {
+    emission += seen.sum();
+    environment += seen.sky;
+    spread.add(rule.luminance(seen.sum()), runLength(rule));
+    ++rays;
+}
+
+void EmissionSum::addTo(Pixel& pixel, const SpreadRule& rule) const {
+    if (rays == 0) return;
+    const float scale = 1.0f / static_cast<float>(rays);
+    for (Rgb* sum : {&pixel.color, &pixel.predicted, &pixel.emission}) *sum += emission * scale;
+    pixel.environment += environment * scale;
+    pixel.colorVariance += static_cast<float>(spread.varianceOfMean(runLength(rule), rays));
+}
+
+void PixelSum::addSky(const SeenEmission& seen, const SpreadRule& rule) {
+    const Rgb radiance = seen.sum();
+    values +=
+        {.color = radiance, .emission = radiance, .environment = seen.sky, .predicted = radiance};
     color.add(rule.luminance(radiance), rule.runLength);
     irradiance.add(0, rule.runLength);
     ++cameraRays;
@@ -73,6 +89,7 @@ Pixel PixelSum::average(const SpreadRule& rule) const {
         pixel.variance = spreadWith(irradiance, common);
         pixel.colorVariance = spreadWith(color, perHit * perHit * common);
     }
+    apart.addTo(pixel, rule);
     return pixel;
 }
 

@@ -31,6 +31,13 @@ private:
 /// Values of a run for so many camera rays a pass: about the root.
 int spreadRunLength(int passRays);
 
+/// What a ray from the film shows of what shines by itself.
+struct SeenEmission {
+    Rgb surface{0, 0, 0}, lamps{0, 0, 0}, sky{0, 0, 0};
+
+    Rgb sum() const { return surface + lamps + sky; }
+};
+
 /// How the spread of camera rays is measured in a frame.
 struct SpreadRule {
     int runLength;
@@ -39,10 +46,25 @@ struct SpreadRule {
     double luminance(const Rgb& c) const { return static_cast<double>(luminanceWeights.dot(c)); }
 };
 
+/// What a pixel's emission rays add up to so far.
+struct EmissionSum {
+    int factor = 0;                               ///< AdaptiveRate::emissionFactor
+    Rgb emission{0, 0, 0}, environment{0, 0, 0};  ///< as RayValues has them
+    RunSpread spread;                             ///< of the luminance
+    int rays = 0;
+
+    void add(const SeenEmission& seen, const SpreadRule& rule);
+    /// Runs are longer by as much as there are more rays than a pixel usually has.
+    int runLength(const SpreadRule& rule) const { return factor * rule.runLength; }
+    /// Adds the mean to a pixel that lacks it.
+    void addTo(Pixel& pixel, const SpreadRule& rule) const;
+};
+
 /// What a pixel's camera rays add up to so far. All weigh the same: the filter chooses where they
 /// go (pixel_filter.h).
 struct PixelSum {
     RayValues values;
+    EmissionSum apart;            ///< what the camera rays leave out
     RunSpread color, irradiance;  ///< of the luminance
     int cameraRays = 0;
     int hits = 0;          ///< camera rays that meet the set
@@ -54,9 +76,7 @@ struct PixelSum {
     float reusedRays = 0;
 
     /// Adds a camera ray that sees the sky.
-    ///
-    /// @param lamps  radiance of lamps before it
-    void addSky(const Rgb& sky, const Rgb& lamps, const SpreadRule& rule);
+    void addSky(const SeenEmission& seen, const SpreadRule& rule);
     /// Adds a camera ray that meets the set.
     void addHit(const RayValues& ray, const Estimate& estimate, const GlossEstimate& gloss,
                 const SpreadRule& rule);

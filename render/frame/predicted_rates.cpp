@@ -14,13 +14,12 @@ namespace {
 /// A pixel has one camera ray that decides how many it gets for so many that are asked for.
 SHADOWCACHE_TUNED(int, kRaysOfSpreadRay, 8);
 
-/// Radiance that a camera ray is predicted to see, but for lamps.
-Rgb predictRadiance(const FrameRequest& frame, const View& view, Workspace& workspace) {
-    if (!view.hit.found) return skySeen(frame, view);
+/// Radiance that a surface is predicted to reflect.
+Rgb predictReflected(const FrameRequest& frame, const View& view, const Surface& surface,
+                     Workspace& workspace) {
+    if (surface.unlit) return {0, 0, 0};
     const RenderOptions& options = frame.options;
     const EstimatorContext& context = frame.estimator.context();
-    const Surface surface = surfaceSeen(view.hit, options.plain);
-    if (surface.unlit) return surface.emission;
     // Gloss as if it were diffuse.
     const SetPlace at = placeOf(context.scene, view);
     Rgb irradiance = frame.estimator.prediction()->predict(at, workspace);
@@ -29,7 +28,24 @@ Rgb predictRadiance(const FrameRequest& frame, const View& view, Workspace& work
         const std::uint32_t item = items.itemAt(at.position, at.geometricNormal);
         if (item != kNoItem) irradiance += context.solve->indirect(item, options.bounces);
     }
-    return surface.emission + surface.baseColor * irradiance * static_cast<float>(1 / kPi);
+    return surface.baseColor * irradiance * static_cast<float>(1 / kPi);
+}
+
+/// Adds what a camera ray is predicted to see.
+void addTo(PredictedSpread& spread, const FrameRequest& frame, const FilmRay& ray,
+           Workspace& workspace) {
+    const Environment& environment = frame.estimator.context().environment;
+    const auto luminance = [&](const Rgb& radiance) {
+        return static_cast<double>(environment.luminance(radiance));
+    };
+    const Rgb lamps = lampsSeen(frame, ray);
+    if (!ray.view.hit.found) {
+        spread.add(0, luminance(skySeen(frame, ray.view) + lamps));
+        return;
+    }
+    const Surface surface = surfaceSeen(ray.view.hit, frame.options.plain);
+    spread.add(luminance(predictReflected(frame, ray.view, surface, workspace)),
+               luminance(surface.emission + lamps));
 }
 
 }  // namespace
@@ -39,12 +55,9 @@ std::vector<PredictedSpread> predictSpreads(const FrameRequest& frame, const Fil
                                             TileTools& tools) {
     std::vector<PredictedSpread> spreads(places.size());
     if (!frame.estimator.prediction()) return spreads;
-    const Environment& environment = frame.estimator.context().environment;
     const std::vector<FilmRay> rays = film.castExtra(places, count);
     tools.spreadRays += rays.size();
-    for (const FilmRay& ray : rays)
-        spreads[ray.pixel].add(static_cast<double>(environment.luminance(
-            predictRadiance(frame, ray.view, *tools.workspace) + lampsSeen(frame, ray))));
+    for (const FilmRay& ray : rays) addTo(spreads[ray.pixel], frame, ray, *tools.workspace);
     if (frame.plan.visibleEmitters)
         for (std::size_t i = 0; i < places.size(); ++i)
             frame.plan.visibleEmitters->addTo(places[i], spreads[i]);
@@ -61,8 +74,7 @@ std::vector<AdaptiveRate> ratesOf(const FrameRequest& frame, const FilmRays& fil
     const int count = std::clamp(pass / kRaysOfSpreadRay, 1, kMostSpreadRays);
     const std::vector<PredictedSpread> around =
         withNeighbors(places, predictSpreads(frame, film, places, count, tools));
-    for (std::size_t i = 0; i < rates.size(); ++i)
-        rates[i] = {rayFactorOf(around[i], rule), around[i].errorScale(rule.floor)};
+    for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = rateOf(around[i], rule);
     return rates;
 }
 

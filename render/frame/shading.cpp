@@ -6,6 +6,7 @@
 
 #include "render/estimators/emitter_light.h"
 #include "render/estimators/group_split.h"
+#include "render/estimators/light_groups.h"
 #include "render/estimators/set_place.h"
 
 namespace shadowcache {
@@ -36,6 +37,22 @@ Rgb lampsSeen(const FrameRequest& frame, const FilmRay& ray, std::span<Rgb> byGr
         if (!byGroup.empty()) byGroup[context.groups->ofPart(lamp.part)] += lamp.radiance;
     }
     return sum;
+}
+
+SeenEmission emissionSeen(const FrameRequest& frame, const FilmRay& ray, const Rgb& ofSurface,
+                          std::span<Rgb> byGroup) {
+    SeenEmission seen;
+    seen.lamps = lampsSeen(frame, ray, byGroup);
+    if (ray.view.hit.found)
+        seen.surface = ofSurface;
+    else
+        seen.sky = skySeen(frame, ray.view);
+    if (!byGroup.empty()) {
+        byGroup[LightGroups::kSky] += seen.sky;
+        if (ofSurface != Rgb(0, 0, 0))
+            byGroup[frame.estimator.context().groups->ofHit(ray.view.hit)] += ofSurface;
+    }
+    return seen;
 }
 
 float irradianceScale(const Environment& environment, double radiance, const Rgb& albedo) {

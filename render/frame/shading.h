@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/frame/frame_request.h"
+#include "render/frame/pixel_sum.h"
 #include "render/frame/ray_batch.h"
 
 namespace shadowcache {
@@ -15,6 +16,13 @@ Rgb skySeen(const FrameRequest& frame, const View& view);
 ///
 /// @param byGroup  receives the same by light group; empty: it is not asked for
 Rgb lampsSeen(const FrameRequest& frame, const FilmRay& ray, std::span<Rgb> byGroup = {});
+
+/// What it shows of all that shines by itself.
+///
+/// @param ofSurface  radiance that the surface emits that it met
+/// @param byGroup    as of lampsSeen()
+SeenEmission emissionSeen(const FrameRequest& frame, const FilmRay& ray, const Rgb& ofSurface,
+                          std::span<Rgb> byGroup = {});
 
 /// Irradiance by which a surface of such an albedo has a radiance.
 float irradianceScale(const Environment& environment, double radiance, const Rgb& albedo);

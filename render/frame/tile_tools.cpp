@@ -19,6 +19,7 @@ void ToolPool::addCounts(RenderStats& stats) {
         trace += std::exchange(workspace.traceNanoseconds, 0);
         stats.raysWithoutItems += std::exchange(workspace.pointsWithoutItems, 0);
         stats.spreadRays += std::exchange(tools.spreadRays, 0);
+        stats.emissionRays += std::exchange(tools.emissionRays, 0);
     });
     stats.setupSeconds += static_cast<double>(setup) * 1e-9 / threadCount();
     stats.traceSeconds += static_cast<double>(trace) * 1e-9 / threadCount();

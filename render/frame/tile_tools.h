@@ -10,7 +10,8 @@ namespace shadowcache {
 /// What a thread lights tiles with.
 struct TileTools {
     std::unique_ptr<Workspace> workspace;
-    std::uint64_t spreadRays = 0;  ///< camera rays that are none of the picture's
+    std::uint64_t spreadRays = 0;    ///< camera rays that are none of the picture's
+    std::uint64_t emissionRays = 0;  ///< FilmRays::castEmission()
 };
 
 /// Tools that go from one chunk of a frame to the next: what one has met is kept, its memory too.

@@ -55,7 +55,7 @@ bool isArea(const EmitterPart& part) {
 }
 
 /// Radiance that a ray shows of what emits: of surfaces, or of lamps.
-Rgb emissionSeen(const FrameRequest& frame, const FilmRay& ray, const EmitterPart& part) {
+Rgb partSeen(const FrameRequest& frame, const FilmRay& ray, const EmitterPart& part) {
     if (!part.isSurface()) return lampsSeen(frame, ray);
     if (!ray.view.hit.found) return {0, 0, 0};
     return surfaceSeen(ray.view.hit, frame.options.plain).emission;
@@ -107,7 +107,7 @@ VisibleEmitters::VisibleEmitters(const FrameRequest& frame) {
             if (!at || at->x < 0 || at->x >= 1 || at->y < 0 || at->y >= 1) continue;
             ++rays_;
             const auto luminance = static_cast<double>(
-                context.environment.luminance(emissionSeen(frame, film.look(*at), triangle.part)));
+                context.environment.luminance(partSeen(frame, film.look(*at), triangle.part)));
             Seen& seen = seen_[{static_cast<int>(at->x * options.width),
                                 static_cast<int>(at->y * options.height)}];
             seen.luminance += covered * luminance;
@@ -120,11 +120,11 @@ void VisibleEmitters::addTo(const FilmPlace& pixel, PredictedSpread& spread) con
     const auto found = seen_.find({pixel.x, pixel.y});
     if (found == seen_.end()) return;
     PredictedSpread with = spread;
-    with.sum += spread.count * found->second.luminance;
-    with.squares += spread.count * found->second.square;
+    for (Moments* sums : {&with.all, &with.emitted})
+        sums->add({found->second.luminance, found->second.square}, spread.count);
     // What the pixel's own rays met as well would count twice, and make an emitter that fills the
     // pixel look even.
-    if (with.relativeVariance(0) > spread.relativeVariance(0)) spread = with;
+    if (with.variances(0).emitted > spread.variances(0).emitted) spread = with;
 }
 
 }  // namespace shadowcache

@@ -191,7 +191,7 @@ Session::Reply Session::render(std::uint64_t number, const RenderRequest& reques
     reply["estimator"] = settings.estimator.name;
     reply["bias"] = biasOf(settings);
     reply["seconds"] = {{"light", lit - start}, {"render", secondsNow() - lit}};
-    reply["camera-rays"] = stats.cameraRays + stats.spreadRays;
+    reply["camera-rays"] = stats.cameraRays + stats.spreadRays + stats.emissionRays;
     reply["shadow-rays"] = stats.shadowRays;
     return reply;
 }

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "render/frame/pilot.h"
@@ -29,7 +31,7 @@ std::vector<FilmPlace> square() {
 
 PredictedSpread spreadOf(std::initializer_list<double> luminances) {
     PredictedSpread spread;
-    for (const double luminance : luminances) spread.add(luminance);
+    for (const double luminance : luminances) spread.add(luminance, 0);
     return spread;
 }
 
@@ -37,8 +39,32 @@ std::vector<int> factorsOf(const std::vector<PredictedSpread>& spreads,
                            const AntialiasingRule& rule) {
     std::vector<int> factors;
     for (const PredictedSpread& pixel : withNeighbors(square(), spreads))
-        factors.push_back(rayFactorOf(pixel, rule));
+        factors.push_back(rateOf(pixel, rule).rayFactor);
     return factors;
+}
+
+// What emits gets rays of its own, and no camera rays.
+TEST(Antialiasing, LooksForWhatEmitsByRaysOfItsOwn) {
+    PredictedSpread lamp, even;
+    lamp.add(1, 0);
+    lamp.add(1, 9);
+    even.add(1, 4);
+    even.add(1, 4);
+    const auto rays = [](const PredictedSpread& pixel, const AntialiasingRule& rule) {
+        const AdaptiveRate rate = rateOf(pixel, rule);
+        return std::pair(rate.rayFactor, rate.emissionFactor);
+    };
+    const AntialiasingRule rule{0, 0.02, 16, 64};
+    EXPECT_EQ(rays(lamp, rule), std::pair(1, 16));
+    EXPECT_EQ(rays(even, rule), std::pair(1, 0));
+    EXPECT_EQ(rays(lamp, {0, 0.02, 16, 8}), std::pair(1, 8));
+    EXPECT_EQ(rays(lamp, {0, 1e3, 16, 64}), std::pair(1, 0));
+    EXPECT_EQ(rays(lamp, {0, 0.02, 16, 1}), std::pair(8, 0));
+    // An edge of a surface nearly as bright as the sky: each part alone varies more than both.
+    PredictedSpread faint;
+    faint.add(0.9, 0);
+    faint.add(0, 1);
+    EXPECT_EQ(rays(faint, rule), std::pair(1, 0));
 }
 
 /// Bright on the left, dark on the right, both in column `edge`.
@@ -88,11 +114,15 @@ TEST(Antialiasing, LeavesTheLeastErrorForItsCost) {
     constexpr double kLight = 0.01, kSampleCost = 0.4;
     constexpr int kCameraRays = 16;
     FrameSpread frame;
-    for (int i = 0; i < 4096; ++i) frame.variances.push_back(std::exp2(i / 256.0 - 12));
+    for (int i = 0; i < 4096; ++i) {
+        const double v = std::exp2(i / 256.0 - 12);
+        frame.variances.push_back({v, v, 0});
+    }
     const AntialiasingRule rule = makeAntialiasingRule(frame, kLight, kCameraRays, 4);
     const auto product = [&](double least) {
         double error = kLight / kCameraRays, cost = kSampleCost * 4;
-        for (const double v : frame.variances) {
+        for (const PixelVariances& pixel : frame.variances) {
+            const double v = pixel.all;
             int factor = 1;
             while (2 * factor <= rule.most && v > std::pow(factor, 1 + kStratification) * least)
                 factor *= 2;
@@ -128,13 +158,20 @@ protected:
 
     /// Films of seeds of their own after one pilot.
     std::vector<Film> films(int count, bool adaptive) {
+        return adaptive ? films(count, {}, {}) : films(count, 1, 1);
+    }
+
+    /// @param most, mostEmission  of the AntialiasingRule; none: the frame's own
+    std::vector<Film> films(int count, std::optional<int> most, std::optional<int> mostEmission) {
         const auto estimator = findEstimator("cache").make({scene_, environment_, &cache_.cache()});
         FrameRequest frame{*estimator, camera_, 1, options_};
         RenderStats stats;
         frame.options.seed = 1000;
         frame.plan = planFrame(frame, stats);
         EXPECT_TRUE(frame.plan.antialiasing);
-        if (!adaptive) frame.plan.antialiasing->most = 1;
+        AntialiasingRule& rule = *frame.plan.antialiasing;
+        rule.most = most.value_or(rule.most);
+        rule.mostEmission = mostEmission.value_or(rule.mostEmission);
         std::vector<Film> all;
         for (frame.options.seed = 1; static_cast<int>(all.size()) < count; ++frame.options.seed)
             all.push_back(render(frame, stats));
@@ -230,8 +267,13 @@ TEST_F(AntialiasedFrame, SharesSamplesOutByWhatThePixelShows) {
     EXPECT_NEAR(raysOf(1e6f) / (256 * 4), 0.95, 0.05);
 }
 
+/// Whether a pixel shows both the set and the sky.
+bool isEdge(const Pixel& pixel) {
+    return pixel.coverage > 0 && pixel.coverage < 1;
+}
+
 /// Camera rays of a pixel depend on what its neighbours and other rays of its own see, which must
-/// not show in its mean, at the edges least of all.
+/// not show in its mean, at the edges least of all; emission rays there neither.
 TEST_F(AntialiasedFrame, PixelsWithMoreCameraRaysHaveTheSameMean) {
     options_.cameraRays = 256;
     options_.samples = 4;
@@ -245,7 +287,8 @@ TEST_F(AntialiasedFrame, PixelsWithMoreCameraRaysHaveTheSameMean) {
         for (const Film& film : films) {
             double total = 0;
             for (std::size_t i = 0; i < film.pixels.size(); ++i)
-                if (found.front().pixels[i].cameraRays > 2) total += value(film.pixels[i]);
+                if (found.front().pixels[i].cameraRays > 2 || isEdge(truth.front().pixels[i]))
+                    total += value(film.pixels[i]);
             totals.push_back(factor * total);
         }
         return totals;
@@ -255,6 +298,37 @@ TEST_F(AntialiasedFrame, PixelsWithMoreCameraRaysHaveTheSameMean) {
     EXPECT_GT(test::sameMeanPValue(totals, totalsOf(truth, 1)), test::significance(1));
     // Control: 1 % more.
     EXPECT_LT(test::sameMeanPValue(totals, totalsOf(truth, 1.01)), test::significance(1));
+}
+
+/// At edges before a bright sky cheap rays look for it, in place of camera rays that are lit.
+TEST_F(AntialiasedFrame, FindsTheSkyAtEdgesWithoutMoreCameraRays) {
+    options_.cameraRays = 256;
+    options_.samples = 4;
+    const std::vector<Film> truth = films(3, false);
+    options_.cameraRays = 4;
+    struct Found {
+        double error = 0, cameraRays = 0, ownVariance = 0;
+    };
+    const auto measure = [&](int most, int mostEmission) {
+        Found sum;
+        for (const Film& film : films(12, most, mostEmission))
+            for (std::size_t i = 0; i < film.pixels.size(); ++i) {
+                if (!isEdge(truth.front().pixels[i])) continue;
+                const double off = value(film.pixels[i]) - meanOf(truth, i);
+                sum.error += off * off;
+                sum.cameraRays += static_cast<double>(film.pixels[i].cameraRays);
+                sum.ownVariance += static_cast<double>(film.pixels[i].colorVariance);
+            }
+        return sum;
+    };
+    const Found alike = measure(1, 1), cheap = measure(1, 256), camera = measure(4, 1);
+    EXPECT_LT(cheap.error, 0.5 * alike.error);
+    EXPECT_EQ(cheap.cameraRays, alike.cameraRays);
+    // A pixel tells its error as well as without them: runs are less stratified than the whole.
+    EXPECT_NEAR(cheap.ownVariance / cheap.error, alike.ownVariance / alike.error, 0.8);
+    // Control: camera rays do as much at a greater cost.
+    EXPECT_LT(camera.error, 0.7 * alike.error);
+    EXPECT_GT(camera.cameraRays, 1.2 * alike.cameraRays);
 }
 
 TEST_F(AntialiasedFrame, HasLessErrorWithAsManySamples) {

@@ -114,9 +114,13 @@ public:
     }
 
     Film film(std::uint64_t seed) const {
+        RenderStats stats;
+        return film(seed, stats);
+    }
+
+    Film film(std::uint64_t seed, RenderStats& stats) const {
         FrameRequest request = picture_->request();
         request.options.seed = seed;
-        RenderStats stats;
         return render(request, stats);
     }
 
@@ -218,6 +222,15 @@ INSTANTIATE_TEST_SUITE_P(
                            [](RenderOptions& o) { o.transparent = true; }},
                     Wanted{"brute", "cache", 3, [](RenderOptions& o) { o.sharedBounces = false; }}),
     [](const auto& wanted) { return wanted.param.name; });
+
+TEST(LightGroups, AddUpWhereEmissionRaysLookForWhatShines) {
+    const test::World world(litRoom(), sky(), kBake);
+    RenderStats stats;
+    const Film film =
+        Films(world.scene, &world.cache.cache(), world.environment, {"emission"}).film(1, stats);
+    EXPECT_GT(stats.emissionRays, 0u);
+    EXPECT_LT(misfitOf(film), kRoundings);
+}
 
 // Where a cache counts no lamps, what its rays met of them is predicted, by group as well.
 TEST(LightGroups, AddUpWhereTheCacheCountsNoLamps) {

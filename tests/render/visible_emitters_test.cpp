@@ -96,9 +96,9 @@ Sums sumsOf(const TubeFrame& frame) {
         for (int x = 0; x < frame.request().options.width; ++x) {
             PredictedSpread spread{.count = 1};
             emitters.addTo({x, y}, spread);
-            sums.luminance += spread.sum;
-            sums.square += spread.squares;
-            sums.pixels += spread.sum > 0 ? 1 : 0;
+            sums.luminance += spread.emitted.sum;
+            sums.square += spread.emitted.squares;
+            sums.pixels += spread.emitted.sum > 0 ? 1 : 0;
         }
     return sums;
 }
