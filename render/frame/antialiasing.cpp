@@ -17,6 +17,10 @@ constexpr int kEnoughCameraRays = 256, kLeastMost = 4;
 /// Most emission rays of a pixel, or kLeastMost times its camera rays if that is more.
 SHADOWCACHE_TUNED(int, kEnoughEmissionRays, 1024);
 
+/// Most camera rays of a pixel for each that is asked for, on the mean over a frame, as users plan
+/// by what they ask for. Pixels beside rough ones get more as well, so that this makes up to 1.5.
+SHADOWCACHE_TUNED(double, kMostMeanFactor, 1.25);
+
 /// Cost of an emission ray, in camera rays: it is lit by nothing.
 SHADOWCACHE_TUNED(double, kEmissionRayCost, 0.1);
 
@@ -26,6 +30,8 @@ SHADOWCACHE_TUNED(double, kSampleCost, 0.4);
 
 /// Rounds in which the rule and what it does to a frame come to agree.
 constexpr int kRounds = 12;
+/// Steps of the rule where it wants more rays than there may be.
+constexpr double kStricter = 1.25;
 
 /// Weight of the pixels beside one in its spread; of those at its corners, the square.
 constexpr double kBeside = 0.5;
@@ -106,6 +112,13 @@ PixelRays raysFor(const PixelVariances& pixel, const AntialiasingRule& rule) {
     return emitted.factor > 1 && total(apart) < total(together) ? apart : together;
 }
 
+/// Camera rays of a pixel on the mean over a frame, for each that is asked for.
+double meanFactor(const FrameSpread& frame, const AntialiasingRule& rule) {
+    double sum = 0;
+    for (const PixelVariances& pixel : frame.variances) sum += raysFor(pixel, rule).rayFactor;
+    return sum / static_cast<double>(std::max<std::size_t>(frame.variances.size(), 1));
+}
+
 }  // namespace
 
 PixelVariances PredictedSpread::variances(double floor) const {
@@ -155,6 +168,7 @@ AntialiasingRule makeAntialiasingRule(const FrameSpread& frame, double lightErro
         }
         rule.least = stratified * error / (kHalved * cost);
     }
+    while (meanFactor(frame, rule) > kMostMeanFactor) rule.least *= kStricter;
     return rule;
 }
 

@@ -115,7 +115,7 @@ TEST(Antialiasing, LeavesTheLeastErrorForItsCost) {
     constexpr int kCameraRays = 16;
     FrameSpread frame;
     for (int i = 0; i < 4096; ++i) {
-        const double v = std::exp2(i / 256.0 - 12);
+        const double v = std::exp2(i / 256.0 - 18);
         frame.variances.push_back({v, v, 0});
     }
     const AntialiasingRule rule = makeAntialiasingRule(frame, kLight, kCameraRays, 4);
@@ -134,6 +134,32 @@ TEST(Antialiasing, LeavesTheLeastErrorForItsCost) {
     const double best = product(rule.least);
     for (const double other : {0.25, 0.5, 2.0, 4.0})
         EXPECT_GT(product(other * rule.least), 1.002 * best) << other;
+}
+
+// Where all pixels are rough, many more rays would pay: users still get about what they ask for.
+TEST(Antialiasing, StaysNearWhatIsAskedForOnTheMean) {
+    FrameSpread frame;
+    for (int i = 0; i < 256; ++i) {
+        const double v = std::exp2(i / 64.0);
+        frame.variances.push_back({v, v, 0});
+    }
+    const auto meanFactor = [&](const AntialiasingRule& rule) {
+        double sum = 0;
+        for (const PixelVariances& pixel : frame.variances) {
+            PredictedSpread spread;
+            const double deviation = std::sqrt(pixel.all);
+            spread.add(1 + deviation, 0);
+            spread.add(1 - deviation, 0);
+            sum += rateOf(spread, rule).rayFactor / 256.0;
+        }
+        return sum;
+    };
+    AntialiasingRule rule = makeAntialiasingRule(frame, 1e-6, 16, 4);
+    EXPECT_LE(meanFactor(rule), 1.25);
+    EXPECT_GT(meanFactor(rule), 1);
+    // Control: a rule that is a tenth as strict.
+    rule.least /= 10;
+    EXPECT_GT(meanFactor(rule), 1.25);
 }
 
 TEST(Antialiasing, MakesNoMoreCameraRaysThanCanBeSeen) {
@@ -365,7 +391,7 @@ TEST_F(AntialiasedFrame, HasTheSameBitsHoweverItIsRendered) {
     options_.passRays = 8;
     const Film whole = films(1, true).front();
     const auto most = std::ranges::max_element(whole.pixels, {}, &Pixel::cameraRays);
-    EXPECT_EQ(most->cameraRays, 256);
+    EXPECT_GE(most->cameraRays, 64);
     const auto same = [&](const Film& film) {
         for (int y = 0; y < film.height; ++y)
             for (int x = 0; x < film.width; ++x)
