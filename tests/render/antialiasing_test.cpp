@@ -115,7 +115,7 @@ TEST(Antialiasing, LeavesTheLeastErrorForItsCost) {
     constexpr int kCameraRays = 16;
     FrameSpread frame;
     for (int i = 0; i < 4096; ++i) {
-        const double v = std::exp2(i / 256.0 - 18);
+        const double v = std::exp2(i / 256.0 - 20);
         frame.variances.push_back({v, v, 0});
     }
     const AntialiasingRule rule = makeAntialiasingRule(frame, kLight, kCameraRays, 4);
