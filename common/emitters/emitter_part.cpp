@@ -17,8 +17,13 @@ constexpr float kNear = 3;
 /// Least width of a spot's falloff, in the cosine. [KHR_lights_punctual]
 constexpr double kLeastFalloff = 0.001;
 
-/// Weight of what a spot sends at most to a place that its cone grazes: no direction is missed.
+/// Weight of what a spot sends at most to a place that its cone grazes, and an area to one that its
+/// slats hide in part: no direction is missed.
 constexpr double kLeastConeShare = 0.05;
+
+/// Change over half of a triangle of what slats leave, as a share of the most, up to which a few of
+/// its points tell it.
+constexpr float kSlight = 0.5f;
 
 /// So much beyond its edges a triangle of a lamp is met, so that rounding leaves no gap between
 /// two.
@@ -88,6 +93,63 @@ Unoccluded irradianceByCap(const EmitterPart& lamp, const Receiver& at) noexcept
                 static_cast<float>(integral * std::max(share.mean, kLeastConeShare * share.most))};
 }
 
+/// What an area's slats leave of its radiance towards a place, along a way to it of any length.
+double slatShare(const EmitterPart& t, const Vec3d& way) {
+    if (t.slats == 0) return 1;
+    const Vec3d normal(t.normal);
+    const double front = -normal.dot(way);
+    if (!(front > 0)) return 0;
+    const double aside = (way + normal * front).length();
+    return std::max(0.0, 1 - static_cast<double>(t.slats) * aside / front);
+}
+
+std::array<Vec3d, 3> seenFrom(const EmitterPart& t, const Vec3d& place) {
+    return {Vec3d(t.corner[0]) - place, Vec3d(t.corner[1]) - place, Vec3d(t.corner[2]) - place};
+}
+
+/// Whether slats may hide some of a triangle that shines to the side of a place.
+bool isHiddenInPart(const EmitterPart& t, const Receiver& at) noexcept {
+    if (t.slats == 0) return false;
+    const Vec3f way = t.centre - at.position;
+    const float front = -t.normal.dot(way);
+    return t.slats * ((way + t.normal * front).length() + t.radius) > front;
+}
+
+/// The part of a triangle that may light a place: above its horizon, and where slats hide some of
+/// it in the square around what they leave.
+LitPolygon litPart(const EmitterPart& t, const Receiver& at) noexcept {
+    LitPolygon lit = aboveHorizon(seenFrom(t, Vec3d(at.position)), Vec3d(at.normal));
+    if (!isHiddenInPart(t, at)) return lit;
+    const Vec3d normal(t.normal);
+    Vec3d s, u;
+    tangentFrame(normal, s, u);
+    const auto slats = static_cast<double>(t.slats);
+    for (const Vec3d& side : {s, -s, u, -u})
+        if (lit.corners > 0) lit = clipped(lit, side * -slats - normal);
+    return lit;
+}
+
+/// Mean of what slats leave of the parts of a polygon by what they light a place with, about.
+double meanSlatShare(const EmitterPart& t, const LitPolygon& polygon, const Vec3d& n) {
+    const auto corners = static_cast<std::size_t>(polygon.corners);
+    Vec3d middle(0, 0, 0);
+    for (std::size_t i = 0; i < corners; ++i)
+        middle += polygon.corner[i] / static_cast<double>(corners);
+    double all = 0, left = 0;
+    for (std::size_t i = 0; i < corners; ++i) {
+        const Vec3d &a = polygon.corner[i], &b = polygon.corner[i + 1 < corners ? i + 1 : 0];
+        const double area = (a - middle).cross(b - middle).length();
+        for (const Vec3d& way : {(a + b) * 0.5, (b + middle) * 0.5, (a + middle) * 0.5}) {
+            const double squared = way.length2();
+            if (!(squared > 0)) continue;
+            const double light = area * std::max(0.0, n.dot(way)) / (squared * squared);
+            all += light;
+            left += light * slatShare(t, way);
+        }
+    }
+    return all > 0 ? left / all : 0;
+}
+
 /// Irradiance by a triangle that is far, with a radiance of 1, by the middles of its sides: exact
 /// for what is quadratic over it. [Strang & Fix 1973]
 ///
@@ -97,9 +159,35 @@ float irradianceByFar(const EmitterPart& t, const Receiver& at, float front) noe
     for (std::size_t i = 0; i < 3; ++i) {
         const Vec3f way = (t.corner[i] + t.corner[(i + 1) % 3]) * 0.5f - at.position;
         const float squared = way.length2();
-        sum += (at.normal.dot(way) / squared) * (front / squared);
+        float light = (at.normal.dot(way) / squared) * (front / squared);
+        if (t.slats > 0) light *= static_cast<float>(slatShare(t, Vec3d(way)));
+        sum += light;
     }
     return sum * t.area * (1.0f / 3);
+}
+
+/// Distance of a point on a triangle's plane from the triangle.
+float distanceFrom(const EmitterPart& t, const Vec3f& point) noexcept {
+    float nearest = std::numeric_limits<float>::max();
+    bool left = true, right = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3f side = t.corner[(i + 1) % 3] - t.corner[i], way = point - t.corner[i];
+        const float turn = t.normal.dot(side.cross(way));
+        left = left && turn >= 0;
+        right = right && turn <= 0;
+        const float along = std::clamp(way.dot(side) / side.length2(), 0.0f, 1.0f);
+        nearest = std::min(nearest, (way - side * along).length2());
+    }
+    return left || right ? 0 : std::sqrt(nearest);
+}
+
+/// An irradiance with what slats leave of it, about.
+///
+/// @param integral  by a radiance of 1 without them
+/// @param mean      share of it that they leave, about
+Unoccluded throughSlats(const EmitterPart& t, const Receiver& at, float integral, float mean) {
+    const float least = slatShareOf(t, at.position);
+    return {t.radiance * (integral * mean), t.weight * integral * std::max(mean, least)};
 }
 
 Unoccluded irradianceByTriangle(const EmitterPart& t, const Receiver& at) noexcept {
@@ -108,20 +196,19 @@ Unoccluded irradianceByTriangle(const EmitterPart& t, const Receiver& at) noexce
     if (front == 0 || (front < 0 && !t.twoSided)) return {};
     const float height = at.normal.dot(way), squared = way.length2();
     if (isBelow(height, t.radius)) return {};
-    float integral = 0;
     if (squared > kFarTriangleRadii * kFarTriangleRadii * t.radius * t.radius &&
-        std::abs(height) > t.radius) {
+        std::abs(height) > t.radius && hasSlightSlats(t, at.position, t.radius)) {
         if (height < 0) return {};
-        integral = irradianceByFar(t, at, std::abs(front));
-    } else {
-        const Vec3d place(at.position), n(at.normal);
-        const LitPolygon polygon = aboveHorizon(
-            {Vec3d(t.corner[0]) - place, Vec3d(t.corner[1]) - place, Vec3d(t.corner[2]) - place},
-            n);
-        if (polygon.corners == 0) return {};
-        // However thin the part above the horizon is, a sample may meet it.
-        integral = static_cast<float>(std::max(cosineIntegral(polygon, n), 1e-12));
+        const float integral = irradianceByFar(t, at, std::abs(front));
+        return {t.radiance * integral, t.slats > 0 ? roughWeightBy(t, at) : t.weight * integral};
     }
+    const Vec3d n(at.normal);
+    const LitPolygon polygon = litPart(t, at);
+    if (polygon.corners == 0) return {};
+    // However thin the part above the horizon is, a sample may meet it.
+    const auto integral = static_cast<float>(std::max(cosineIntegral(polygon, n), 1e-12));
+    if (t.slats > 0)
+        return throughSlats(t, at, integral, static_cast<float>(meanSlatShare(t, polygon, n)));
     return {t.radiance * integral, t.weight * integral};
 }
 
@@ -141,12 +228,10 @@ EmitterPoint sampleCapOf(const EmitterPart& lamp, const Receiver& at, double u, 
     return point;
 }
 
+/// Whether points of a triangle are drawn in solid angle.
 bool isNear(const EmitterPart& t, const Receiver& at) noexcept {
-    return (t.centre - at.position).length2() < kNear * kNear * t.size * t.size;
-}
-
-std::array<Vec3d, 3> seenFrom(const EmitterPart& t, const Vec3d& place) {
-    return {Vec3d(t.corner[0]) - place, Vec3d(t.corner[1]) - place, Vec3d(t.corner[2]) - place};
+    return (t.centre - at.position).length2() < kNear * kNear * t.size * t.size ||
+           isHiddenInPart(t, at);
 }
 
 /// Density of points drawn in area, as seen from a place.
@@ -182,7 +267,7 @@ EmitterPoint sampleTriangle(const EmitterPart& t, const Receiver& at, double u, 
     const std::array<Vec3d, 3> corner = seenFrom(t, place);
     OnPlane on;
     std::optional<LitPolygonSampler> near;
-    if (isNear(t, at)) near.emplace(aboveHorizon(corner, Vec3d(at.normal)));
+    if (isNear(t, at)) near.emplace(litPart(t, at));
     if (near && near->solidAngle() > 0) {
         const Vec3d direction = near->sample(u, v);
         const Vec3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
@@ -202,6 +287,7 @@ EmitterPoint sampleTriangle(const EmitterPart& t, const Receiver& at, double u, 
     point.v = static_cast<float>(std::clamp(on.v, 0.0, 1 - along1));
     point.position = Vec3f(place + on.way);
     point.direction = Vec3f(on.way.normalized());
+    point.share = static_cast<float>(slatShare(t, on.way));
     return point;
 }
 
@@ -212,11 +298,31 @@ std::optional<LampHit> meetTriangle(const EmitterPart& t, const Receiver& at,
     const double distance = on.way.dot(Vec3d(direction));
     const double third = 1 - on.u - on.v;
     if (!(distance > 0) || !(std::min({on.u, on.v, third}) >= -kOverlap)) return {};
-    return LampHit{static_cast<float>(distance), t.radiance,
+    return LampHit{static_cast<float>(distance),
+                   t.radiance * static_cast<float>(slatShare(t, on.way)),
                    densityAt(t, at, at.position + Vec3f(on.way))};
 }
 
 }  // namespace
+
+bool hasSlightSlats(const EmitterPart& triangle, const Vec3f& place, float radius) noexcept {
+    return triangle.slats == 0 ||
+           triangle.slats * radius < kSlight * -triangle.normal.dot(triangle.centre - place);
+}
+
+float slatShareOf(const EmitterPart& triangle, const Vec3f& place) noexcept {
+    if (triangle.slats == 0) return 1;
+    constexpr float kRounding = 1e-5f;
+    const float front = -triangle.normal.dot(triangle.centre - place);
+    if (!(front > 0)) return 0;
+    const Vec3f foot = place - triangle.normal * front;
+    const float aside = (triangle.centre - foot).length();
+    const float nearest =
+        distanceFrom(triangle, foot) - kRounding * (front + aside + triangle.radius);
+    const float most = 1 - triangle.slats * std::max(0.0f, nearest) / front;
+    if (!(most > 0)) return 0;
+    return std::max(1 - triangle.slats * aside / front, static_cast<float>(kLeastConeShare) * most);
+}
 
 Unoccluded irradianceBy(const EmitterPart& part, const Receiver& at) noexcept {
     return part.form == EmitterPart::Form::triangle ? irradianceByTriangle(part, at)
@@ -227,11 +333,13 @@ float roughWeightBy(const EmitterPart& part, const Receiver& at) noexcept {
     if (part.form == EmitterPart::Form::triangle) {
         const Vec3f way = part.centre - at.position;
         const float squared = way.length2();
-        if (squared > kRoughRadii * kRoughRadii * part.radius * part.radius) {
+        if (squared > kRoughRadii * kRoughRadii * part.radius * part.radius &&
+            hasSlightSlats(part, at.position, part.radius)) {
             const float front = -part.normal.dot(way);
             if (front == 0 || (front < 0 && !part.twoSided)) return 0;
             const float height = meanHeight(at.normal.dot(way), part.radius);
-            return part.weight * part.area * (std::abs(front) / squared) * (height / squared);
+            return part.weight * part.area * (std::abs(front) / squared) * (height / squared) *
+                   slatShareOf(part, at.position);
         }
     }
     return irradianceBy(part, at).weight;
@@ -244,8 +352,7 @@ EmitterPoint samplePoint(const EmitterPart& part, const Receiver& at, double u, 
 
 float densityAt(const EmitterPart& triangle, const Receiver& at, const Vec3f& position) noexcept {
     if (isNear(triangle, at)) {
-        const LitPolygonSampler near(
-            aboveHorizon(seenFrom(triangle, Vec3d(at.position)), Vec3d(at.normal)));
+        const LitPolygonSampler near(litPart(triangle, at));
         if (near.solidAngle() > 0) return static_cast<float>(1 / near.solidAngle());
     }
     return densityByArea(triangle, position - at.position);

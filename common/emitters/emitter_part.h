@@ -34,11 +34,13 @@ struct EmitterPart {
     float area = 0;
     float sineSquared = 0;           ///< of suns: of half their angle
     std::optional<LampCone> cone{};  ///< of spots
-    Rgb radiance{0, 0, 0};           ///< in the mean over it; times the area: Lamp::strength
-    float weight = 0;                ///< luminance by which it is chosen: above 0 wherever it emits
-    std::uint32_t mesh = 0;          ///< which of the meshes it is of
+    float slats = 0;         ///< of lamps with an area: cotangent of half of their spread; 0: none
+    Rgb radiance{0, 0, 0};   ///< in the mean over it; times the area: Lamp::strength
+    float weight = 0;        ///< luminance by which it is chosen: above 0 wherever it emits
+    std::uint32_t mesh = 0;  ///< which of the meshes it is of
     std::uint32_t placed = kNoSurface;  ///< its number in the world (placed_mesh.h)
     std::uint32_t lamp = 0;             ///< of what is no surface: of TriangleMesh::lamps
+    bool moves = false;                 ///< of lamps: Lamp::moves
     bool seenByCamera = false;          ///< of lamps: Lamp::seenByCamera, with an extent
     bool twoSided = false;              ///< emits on both sides
     bool varies = false;                ///< its radiance is not the same everywhere
@@ -80,8 +82,18 @@ inline bool isBelow(float height, float radius) noexcept {
     return height < -horizonRadius(radius);
 }
 
+/// What slats leave of the light that a place gets from a triangle: about, and above 0 wherever any
+/// of it is. For chances.
+float slatShareOf(const EmitterPart& triangle, const Vec3f& place) noexcept;
+
+/// Whether what slats leave of the light that a place gets changes little over a ball with some of
+/// an area.
+///
+/// @param triangle  of the area
+bool hasSlightSlats(const EmitterPart& triangle, const Vec3f& place, float radius) noexcept;
+
 /// Irradiance of a place by a part: within 2 per cent, or exact where it is near; where the edge of
-/// a soft spot's cone is, about.
+/// a soft spot's cone is, and of areas with slats, about.
 Unoccluded irradianceBy(const EmitterPart& part, const Receiver& at) noexcept;
 
 /// Distance in radii from which on some parts count as their centre where only a chance is wanted.
@@ -109,7 +121,8 @@ struct EmitterPoint {
     float share = 1;
 };
 
-/// Draws a point of a part: uniform in solid angle, but of triangles that are far in area.
+/// Draws a point of a part: uniform in solid angle, but of triangles that are far in area. Where
+/// slats hide some of a triangle, of what they leave, about.
 ///
 /// @param u, v  in [0, 1)
 EmitterPoint samplePoint(const EmitterPart& part, const Receiver& at, double u, double v) noexcept;

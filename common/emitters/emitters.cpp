@@ -73,7 +73,7 @@ Unoccluded Emitters::irradianceOf(const Node& node, const Receiver& at) const no
     const Vec3f way = node.centre - at.position;
     const float squared = way.length2(), height = at.normal.dot(way);
     if (!(node.weight > 0) || isBelow(height, node.radius)) return {};
-    if (node.end > node.begin + 1 && !node.hasCones &&
+    if (node.end > node.begin + 1 && !node.hasCones && !node.hasSlats &&
         squared > kFarRadii * kFarRadii * node.radius * node.radius &&
         std::abs(height) > node.radius) {
         if (height < 0) return {};
@@ -100,15 +100,28 @@ Unoccluded Emitters::irradiance(std::size_t emitter, const Receiver& at) const n
     return irradianceOf(nodes_[roots_[emitter]], at);
 }
 
+/// What slats leave of what is in a node, about.
+float Emitters::slatShareOf(const Node& node, const Receiver& at) const noexcept {
+    if (!node.hasSlats) return 1;
+    float left = 0, all = 0;
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+        left += parts_[i].area * shadowcache::slatShareOf(parts_[i], at.position);
+        all += parts_[i].area;
+    }
+    return left / all;
+}
+
 float Emitters::roughWeightOf(const Node& node, const Receiver& at) const noexcept {
     const Vec3f way = node.centre - at.position;
     const float squared = way.length2(), height = at.normal.dot(way);
     if (!(node.weight > 0) || isBelow(height, node.radius)) return 0;
     if (node.end > node.begin + 1 && !node.hasCones &&
-        squared > kRoughRadii * kRoughRadii * node.radius * node.radius) {
+        squared > kRoughRadii * kRoughRadii * node.radius * node.radius &&
+        (!node.hasSlats || hasSlightSlats(parts_[node.begin], at.position, node.radius))) {
         const float turned =
             std::max(node.towards(way * (-1 / std::sqrt(squared))), kLeastTowards * node.weight);
-        return turned * (meanHeight(height, node.radius) / squared) / std::sqrt(squared);
+        return turned * (meanHeight(height, node.radius) / squared) / std::sqrt(squared) *
+               slatShareOf(node, at);
     }
     if (node.left != 0)
         return roughWeightOf(nodes_[node.left], at) + roughWeightOf(nodes_[node.left + 1], at);
@@ -122,7 +135,7 @@ float Emitters::roughWeight(std::size_t emitter, const Receiver& at) const noexc
 }
 
 /// What some parts may be worth to a place: above 0 wherever they are worth something.
-float Emitters::boundOf(const Node& node, const Receiver& at) noexcept {
+float Emitters::boundOf(const Node& node, const Receiver& at) const noexcept {
     if (node.form == Form::sun) return node.weight;
     const Vec3f way = node.centre - at.position;
     const float squared = way.length2(), height = at.normal.dot(way) + node.radius;
@@ -130,10 +143,10 @@ float Emitters::boundOf(const Node& node, const Receiver& at) noexcept {
     const float distance = std::sqrt(squared);
     if (distance <= node.radius || !(squared > 0)) {
         const float radius = std::max(node.radius, kLeastRadius);
-        return node.weight / (radius * radius);
+        return slatShareOf(node, at) * node.weight / (radius * radius);
     }
     const float turned = std::max(node.towards(way * (-1 / distance)), kLeastTowards * node.weight);
-    return turned * std::min(1.0f, height / distance) / squared;
+    return slatShareOf(node, at) * turned * std::min(1.0f, height / distance) / squared;
 }
 
 template <class GoLeft, class Pick>

@@ -9,12 +9,14 @@
 
 namespace shadowcache {
 
-/// Most emitters of a set: where more surfaces and lamps shine, near ones are one emitter.
+/// Most emitters of a set, and of the lamps that move in it: where more surfaces and lamps shine,
+/// near ones are one emitter.
 inline constexpr std::size_t kMostEmitters = 32;
 
 /// All that emits in a set, and what moves in it, as emitters: connected triangles of one material,
 /// and lamps, or, where there are many, neighbours of one form. Parts of an emitter are a tree, as
-/// lights are in [Conty Estevez & Kulla 2018]. Immutable, thread-safe.
+/// lights are in [Conty Estevez & Kulla 2018]. Lamps that move come last, and change no other.
+/// Immutable, thread-safe.
 class Emitters {
 public:
     /// @param meshes  of one origin; outlive this object
@@ -32,6 +34,9 @@ public:
     std::size_t emitterOf(std::size_t part) const { return emitterOf_[part]; }
     /// Number of a triangle of the world among parts(), or -1 if it does not emit.
     std::ptrdiff_t find(std::uint32_t mesh, std::uint32_t placed) const;
+
+    /// Whether an emitter is of lamps that move.
+    bool moves(std::size_t emitter) const { return partsOf(emitter).front().moves; }
 
     /// Hash of an emitter's place and shape: the same whatever it emits.
     std::uint64_t shapeOf(std::size_t emitter) const { return shapes_[emitter]; }
@@ -81,7 +86,8 @@ private:
         std::uint32_t left = 0;  ///< the first of its two children, which are neighbours; 0: none
         EmitterPart::Form form = EmitterPart::Form::triangle;
         bool isMixed = false;   ///< has other forms, too: always divided
-        bool hasCones = false;  ///< some are spots
+        bool hasCones = false;  ///< some are spots, or have slats that are not all of one lamp
+        bool hasSlats = false;  ///< all are of one lamp, which has slats
         bool hasLamps = false;  ///< some are lamps with an extent
         Vec3f centre{0, 0, 0};
         float radius = 0;         ///< infinite of suns, and of what is mixed
@@ -97,11 +103,12 @@ private:
 
     Node summed(std::uint32_t begin, std::uint32_t end) const;
     void indexPlaces();
-    void cut(const std::vector<std::uint32_t>& groupsOfNode);
+    void cut(std::uint32_t root, const std::vector<std::uint32_t>& groupsOfNode);
     void findShapes();
     Unoccluded irradianceOf(const Node& node, const Receiver& at) const noexcept;
     float roughWeightOf(const Node& node, const Receiver& at) const noexcept;
-    static float boundOf(const Node& node, const Receiver& at) noexcept;
+    float slatShareOf(const Node& node, const Receiver& at) const noexcept;
+    float boundOf(const Node& node, const Receiver& at) const noexcept;
     void meetLampsOf(const Node& node, const Receiver& at, const Vec3f& direction,
                      std::vector<Met>& met) const;
     /// Walks from an emitter to one of its parts: `goLeft` gets the chance of the left one of two

@@ -144,13 +144,19 @@ struct Emitters::Builder {
 
 Emitters::Emitters(std::span<const TriangleMesh* const> meshes, EmitterWeight weight)
     : meshes_(meshes.begin(), meshes.end()) {
-    const std::vector<FoundPart> found = findParts(meshes, weight);
-    if (found.empty()) return;
+    std::vector<FoundPart> found = findParts(meshes, weight);
+    const auto moving = std::stable_partition(
+        found.begin(), found.end(), [](const FoundPart& part) { return !part.part.moves; });
     parts_.reserve(found.size());
-    std::vector<Builder::Group> groups = Builder::groupsOf(found);
     Builder builder{*this};
-    builder.build(builder.addNodes(1), std::span(groups));
-    cut(builder.groupsOfNode);
+    for (const auto& some : {std::span<const FoundPart>(found.begin(), moving),
+                             std::span<const FoundPart>(moving, found.end())}) {
+        if (some.empty()) continue;
+        std::vector<Builder::Group> groups = Builder::groupsOf(some);
+        const std::uint32_t root = builder.addNodes(1);
+        builder.build(root, std::span(groups));
+        cut(root, builder.groupsOfNode);
+    }
     findShapes();
     indexPlaces();
     hasSeenLamps_ = std::ranges::any_of(parts_, &EmitterPart::seenByCamera);
@@ -160,7 +166,9 @@ Emitters::Node Emitters::summed(std::uint32_t begin, std::uint32_t end) const {
     Node node;
     node.begin = begin;
     node.end = end;
-    node.form = parts_[begin].form;
+    const EmitterPart& first = parts_[begin];
+    node.form = first.form;
+    node.hasSlats = first.slats > 0;
     Box3d box;
     for (std::uint32_t i = begin; i < end; ++i) {
         const EmitterPart& t = parts_[i];
@@ -170,7 +178,9 @@ Emitters::Node Emitters::summed(std::uint32_t begin, std::uint32_t end) const {
         node.flux += t.radiance * t.area;
         node.weight += weight;
         node.isMixed = node.isMixed || t.form != node.form;
-        node.hasCones = node.hasCones || t.cone.has_value();
+        node.hasCones = node.hasCones || t.cone.has_value() || t.slats > 0;
+        node.hasSlats =
+            node.hasSlats && t.slats > 0 && t.mesh == first.mesh && t.lamp == first.lamp;
         node.hasLamps = node.hasLamps || t.isLampToMeet();
         if (t.form != Form::triangle) continue;
         if (t.twoSided)
@@ -181,6 +191,7 @@ Emitters::Node Emitters::summed(std::uint32_t begin, std::uint32_t end) const {
                                    n.x * n.y, n.y * n.z, n.z * n.x};
         for (std::size_t k = 0; k < 6; ++k) node.spread[k] += products[k] * weight;
     }
+    if (node.hasSlats) node.hasCones = false;
     if (node.weight > 0) node.twoSidedShare /= node.weight;
     node.centre = Vec3f(box.center());
     if (node.isMixed || node.form == Form::sun) {
@@ -192,22 +203,25 @@ Emitters::Node Emitters::summed(std::uint32_t begin, std::uint32_t end) const {
     return node;
 }
 
-/// The emitters: the roots of as many subtrees as there may be, the largest divided first.
-void Emitters::cut(const std::vector<std::uint32_t>& groupsOfNode) {
-    roots_ = {0};
+/// Adds the emitters of a tree: the roots of as many subtrees as there may be, the largest divided
+/// first.
+void Emitters::cut(std::uint32_t root, const std::vector<std::uint32_t>& groupsOfNode) {
+    std::vector<std::uint32_t> roots{root};
     const auto extent = [&](std::uint32_t node) {
         return groupsOfNode[node] > 1 ? nodes_[node].radius * nodes_[node].radius : -1.0f;
     };
-    while (roots_.size() < kMostEmitters) {
-        const auto largest = std::ranges::max_element(roots_, {}, extent);
+    while (roots.size() < kMostEmitters) {
+        const auto largest = std::ranges::max_element(roots, {}, extent);
         if (extent(*largest) < 0) break;
         const std::uint32_t left = nodes_[*largest].left;
         *largest = left;
-        roots_.push_back(left + 1);
+        roots.push_back(left + 1);
     }
-    std::ranges::sort(roots_, {}, [&](std::uint32_t node) { return nodes_[node].begin; });
+    std::ranges::sort(roots, {}, [&](std::uint32_t node) { return nodes_[node].begin; });
     emitterOf_.resize(parts_.size());
-    for (std::size_t e = 0; e < roots_.size(); ++e)
+    const std::size_t first = roots_.size();
+    roots_.insert(roots_.end(), roots.begin(), roots.end());
+    for (std::size_t e = first; e < roots_.size(); ++e)
         for (std::uint32_t i = nodes_[roots_[e]].begin; i < nodes_[roots_[e]].end; ++i)
             emitterOf_[i] = static_cast<std::uint32_t>(e);
 }

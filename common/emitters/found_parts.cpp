@@ -113,11 +113,14 @@ std::vector<Vec3d> outlineOf(const Lamp& lamp) {
 
 std::vector<EmitterPart> areaParts(const Lamp& lamp) {
     std::vector<EmitterPart> parts;
+    const float slats =
+        lamp.spread < kPi ? static_cast<float>(1 / std::tan(0.5 * lamp.spread)) : 0.0f;
     const std::vector<Vec3d> outline = outlineOf(lamp);
     float area = 0;
     for (std::size_t k = 0; k < outline.size(); ++k) {
         EmitterPart t = triangleOf({lamp.position, outline[k], outline[(k + 1) % outline.size()]});
         t.normal = Vec3f(lamp.direction);
+        t.slats = slats;
         area += t.area;
         if (t.area > 0) parts.push_back(t);
     }
@@ -170,9 +173,11 @@ std::vector<FoundPart> findParts(std::span<const TriangleMesh* const> meshes,
         for (std::size_t i = 0; i < meshes[m]->lamps.size(); ++i) {
             const Lamp& lamp = meshes[m]->lamps[i];
             if (!(brightness(lamp.strength) > 0)) continue;
+            if (lamp.moves && weight == EmitterWeight::shape) continue;
             for (EmitterPart& part : partsOf(lamp)) {
                 part.mesh = m;
                 part.lamp = static_cast<std::uint32_t>(i);
+                part.moves = lamp.moves;
                 part.seenByCamera = lamp.seenByCamera && part.hasExtent();
                 part.radiance = part.radiance * lamp.gain;
                 part.weight =

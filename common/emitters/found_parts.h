@@ -11,7 +11,7 @@ namespace shadowcache {
 /// What parts are weighed by.
 enum class EmitterWeight {
     radiance,  ///< what they emit
-    shape      ///< triangles and lamps each alike
+    shape      ///< triangles and lamps each alike, without lamps that move
 };
 
 /// A part, and what it belongs to: parts of one owner that have corners in common are together.

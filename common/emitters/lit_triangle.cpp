@@ -2,22 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "common/math/angle.h"
 
 namespace shadowcache {
 
-LitPolygon aboveHorizon(const std::array<Vec3d, 3>& triangle, const Vec3d& n) noexcept {
+namespace {
+
+LitPolygon clip(std::span<const Vec3d> corner, const Vec3d& n) {
     LitPolygon out;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3d &a = triangle[i], &b = triangle[(i + 1) % 3];
+    // Of what is convex but for rounding, more than there is room for are alike.
+    const auto add = [&out](const Vec3d& c) {
+        if (out.corners < LitPolygon::kMostCorners)
+            out.corner[static_cast<std::size_t>(out.corners++)] = c;
+    };
+    for (std::size_t i = 0; i < corner.size(); ++i) {
+        const Vec3d &a = corner[i], &b = corner[i + 1 < corner.size() ? i + 1 : 0];
         const double heightA = n.dot(a), heightB = n.dot(b);
-        if (heightA > 0) out.corner[static_cast<std::size_t>(out.corners++)] = a;
-        if ((heightA > 0) != (heightB > 0))
-            out.corner[static_cast<std::size_t>(out.corners++)] =
-                a + (b - a) * (heightA / (heightA - heightB));
+        if (heightA > 0) add(a);
+        if ((heightA > 0) != (heightB > 0)) add(a + (b - a) * (heightA / (heightA - heightB)));
     }
     return out;
+}
+
+}  // namespace
+
+LitPolygon aboveHorizon(const std::array<Vec3d, 3>& triangle, const Vec3d& n) noexcept {
+    return clip(triangle, n);
+}
+
+LitPolygon clipped(const LitPolygon& polygon, const Vec3d& n) noexcept {
+    return clip(std::span(polygon.corner).first(static_cast<std::size_t>(polygon.corners)), n);
 }
 
 double cosineIntegral(const LitPolygon& polygon, const Vec3d& n) noexcept {
@@ -34,7 +50,7 @@ double cosineIntegral(const LitPolygon& polygon, const Vec3d& n) noexcept {
 }
 
 LitPolygonSampler::LitPolygonSampler(const LitPolygon& polygon) noexcept {
-    std::array<Vec3d, 4> d{};
+    std::array<Vec3d, LitPolygon::kMostCorners> d{};
     for (int i = 0; i < polygon.corners; ++i) {
         const auto k = static_cast<std::size_t>(i);
         d[k] = polygon.corner[k].normalized();
@@ -45,15 +61,22 @@ LitPolygonSampler::LitPolygonSampler(const LitPolygon& polygon) noexcept {
         if (d[0].dot((d[k + 1] - d[0]).cross(d[k + 2] - d[0])) < 0)
             std::swap(part_[k].b, part_[k].c);
         area_[k] = shadowcache::solidAngle(part_[k]);
+        solidAngle_ += area_[k];
+        ++parts_;
     }
 }
 
 Vec3d LitPolygonSampler::sample(double u, double v) const noexcept {
-    const double at = u * solidAngle();
-    const bool second = at >= area_[0] && area_[1] > 0;
-    const std::size_t k = second ? 1 : 0;
-    const double within = (second ? at - area_[0] : at) / area_[k];
-    return sampleDirection(part_[k], std::min(within, 1 - 0x1p-53), v);
+    double rest = u * solidAngle_;
+    std::size_t k = 0, last = 0;
+    for (; k < parts_; ++k) {
+        if (area_[k] > 0) last = k;
+        if (rest < area_[k]) break;
+        rest -= area_[k];
+    }
+    // Rounding may leave something behind the last one.
+    if (k == parts_) k = last;
+    return sampleDirection(part_[k], std::clamp(rest / area_[k], 0.0, 1 - 0x1p-53), v);
 }
 
 }  // namespace shadowcache

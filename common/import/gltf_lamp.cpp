@@ -25,6 +25,12 @@ constexpr Named<Falloff> kFalloffs[] = {{"square", {false, false}},
 constexpr Named<Lamp::Form> kShapes[] = {{"rectangle", Lamp::Form::rectangle},
                                          {"ellipse", Lamp::Form::ellipse}};
 
+/// Least spread of an area [rad]: less would be a laser.
+constexpr double kLeastSpread = 0.01;
+
+/// Angles in single precision may be so much more than half a circle.
+constexpr double kRounding = 1 + 1e-6;
+
 /// A number within a range. @throws Error naming it
 double numberWithin(const GltfObject& from, const char* key, double fallback, double most) {
     const double number = from.number(key, fallback);
@@ -51,11 +57,14 @@ void readArea(const GltfObject& extras, Lamp& lamp) {
         extras.refuse("size", "width and height above 0");
     lamp.halfWidth = Vec3d(size[0] / 2, 0, 0);
     lamp.halfHeight = Vec3d(0, size[1] / 2, 0);
+    lamp.spread = extras.number("spread", kPi);
+    if (!(lamp.spread >= kLeastSpread && lamp.spread <= kPi * kRounding))
+        extras.refuse("spread", fmt::format("{:g} to {:.4g}", kLeastSpread, kPi));
 }
 
 LampCone coneOf(const GltfObject& light, const GltfObject& extras) {
     const GltfObject spot = light.object("spot");
-    const double outer = numberWithin(spot, "outerConeAngle", kPi / 4, kPi / 2 * (1 + 1e-6));
+    const double outer = numberWithin(spot, "outerConeAngle", kPi / 4, kPi / 2 * kRounding);
     const double inner = numberWithin(spot, "innerConeAngle", 0, outer);
     const Falloff falloff = extras.choice("falloff", kFalloffs, Falloff{false, false});
     return {std::cos(inner), std::cos(outer), falloff.smooth, falloff.isFlat};
@@ -69,6 +78,8 @@ Lamp gltfLamp(const GltfObject& light, LeftOutOf& leftOut) {
     lamp.name = light.name();
     lamp.strength = strengthOf(light);
     lamp.seenByCamera = extras.flag("camera", false);
+    if (extras.has("spread") && !extras.has("shape"))
+        ++leftOut[{"light", "spread of other than an area is left out"}];
     if (light.has("range")) ++leftOut[{"light", "range, a hint, is left out"}];
     if (!light.has("type")) light.fail("no type, expected point, spot or directional");
     const Type type = light.choice("type", kTypes, Type::point);

@@ -4,26 +4,55 @@
 
 namespace shadowcache {
 
+namespace {
+
+/// Nodes of the scene with a lamp.
+std::vector<int> lampNodes(const GltfDocument& document) {
+    std::vector<int> found;
+    for (int i = 0; i < static_cast<int>(document.nodes.size()); ++i) {
+        const GltfNode& node = document.nodes[static_cast<std::size_t>(i)];
+        if (node.inScene && node.light >= 0) found.push_back(i);
+    }
+    return found;
+}
+
+bool hasSize(const Affine& place) {
+    return place.axis[0].length2() > 0 || place.axis[1].length2() > 0 ||
+           place.axis[2].length2() > 0;
+}
+
+}  // namespace
+
+GltfLampPlace gltfLampAt(const GltfDocument& document, const GltfNodes& nodes, int node,
+                         double seconds) {
+    const GltfNode& from = document.nodes[static_cast<std::size_t>(node)];
+    const Lamp& light = document.lights[static_cast<std::size_t>(from.light)];
+    const Affine place = nodes.at(node, seconds);
+    const std::optional<Lamp> placed = placedLamp(light, place);
+    GltfLampPlace found{placed.value_or(light), placed && (hasSize(place) || !nodes.moves(node))};
+    if (!from.name.empty()) found.lamp.name = from.name;
+    return found;
+}
+
 std::vector<Lamp> gltfLamps(const GltfDocument& document, const GltfNodes& nodes,
                             std::optional<double> stillAt, LeftOutOf& leftOut) {
     std::vector<Lamp> lamps;
-    for (int i = 0; i < static_cast<int>(document.nodes.size()); ++i) {
-        const GltfNode& node = document.nodes[static_cast<std::size_t>(i)];
-        if (!node.inScene || node.light < 0) continue;
-        if (!stillAt && nodes.moves(i)) {
-            ++leftOut[{"light", "node moves, and is left out"}];
-            continue;
-        }
-        const Lamp& light = document.lights[static_cast<std::size_t>(node.light)];
-        std::optional<Lamp> lamp = placedLamp(light, nodes.at(i, stillAt.value_or(0)));
-        if (!lamp) {
+    for (const int node : lampNodes(document)) {
+        if (!stillAt && nodes.moves(node)) continue;
+        GltfLampPlace found = gltfLampAt(document, nodes, node, stillAt.value_or(0));
+        if (found.isThere)
+            lamps.push_back(std::move(found.lamp));
+        else if (!nodes.moves(node))
             ++leftOut[{"light", "node has no direction, and is left out"}];
-            continue;
-        }
-        if (!node.name.empty()) lamp->name = node.name;
-        lamps.push_back(*std::move(lamp));
     }
     return lamps;
+}
+
+std::vector<int> movingLampNodes(const GltfDocument& document, const GltfNodes& nodes) {
+    std::vector<int> moving;
+    for (const int node : lampNodes(document))
+        if (nodes.moves(node)) moving.push_back(node);
+    return moving;
 }
 
 }  // namespace shadowcache

@@ -1,5 +1,10 @@
 #include "common/import/lamp_place.h"
 
+#include <fmt/core.h>
+
+#include "common/base/error.h"
+#include "common/math/limits.h"
+
 namespace shadowcache {
 
 std::optional<Lamp> placedLamp(Lamp lamp, const Affine& toWorld) {
@@ -21,6 +26,16 @@ std::optional<Lamp> placedLamp(Lamp lamp, const Affine& toWorld) {
 void changeUnit(Lamp& lamp, double unit) {
     lamp.radius *= unit;
     if (lamp.form != Lamp::Form::sun) lamp.strength *= static_cast<float>(unit * unit);
+}
+
+Lamp lampOfSet(const std::filesystem::path& file, const Lamp& lamp, const MeshOptions& options) {
+    std::optional<Lamp> placed = placedLamp(lamp, worldOf(options));
+    if (!placed || !isInReach(placed->position))
+        throwFileError(file, fmt::format("lamp {}: is not within {:g} of the origin", lamp.name,
+                                         kMostCoordinate));
+    changeUnit(*placed, options.scale);
+    placed->gain = lampGainOf(placed->name, options.gains);
+    return *std::move(placed);
 }
 
 }  // namespace shadowcache

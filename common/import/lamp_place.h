@@ -1,7 +1,9 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 
+#include "common/import/mesh_options.h"
 #include "common/math/affine.h"
 #include "common/mesh/lamp.h"
 
@@ -18,5 +20,10 @@ std::optional<Lamp> placedLamp(Lamp lamp, const Affine& toWorld);
 ///
 /// @param unit  length of the lamp's unit in the other
 void changeUnit(Lamp& lamp, double unit);
+
+/// A lamp of a file as a set has it: in the world, in its unit, with its gain.
+///
+/// @throws Error naming the file and the lamp, if that is out of reach
+Lamp lampOfSet(const std::filesystem::path& file, const Lamp& lamp, const MeshOptions& options);
 
 }  // namespace shadowcache

@@ -167,16 +167,7 @@ std::vector<std::uint32_t> appendNormals(const RawMesh& raw, const MeshOptions& 
 void appendLamps(const std::filesystem::path& path, const RawMesh& raw, const MeshOptions& options,
                  MeshSoup& soup) {
     if (!options.lamps) return;
-    const Affine world = worldOf(options);
-    for (const Lamp& from : raw.lamps) {
-        const std::optional<Lamp> placed = placedLamp(from, world);
-        if (!placed || !isInReach(placed->position))
-            throwFileError(path, fmt::format("lamp {}: is not within {:g} of the origin", from.name,
-                                             kMostCoordinate));
-        Lamp& lamp = soup.lamps.emplace_back(*placed);
-        changeUnit(lamp, options.scale);
-        lamp.gain = lampGainOf(lamp.name, options.gains);
-    }
+    for (const Lamp& lamp : raw.lamps) soup.lamps.push_back(lampOfSet(path, lamp, options));
 }
 
 /// Nothing, but of a pane its glass.

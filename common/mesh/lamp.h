@@ -15,6 +15,8 @@ struct LampCone {
     bool smooth = false;  ///< the falloff is its smoothstep, as Blender's; else its square, as
                           ///< KHR_lights_punctual has it
     bool isFlat = false;  ///< times the cosine, as in Blender up to 3.6
+
+    bool operator==(const LampCone&) const = default;
 };
 
 /// Light without a surface: it stops no ray.
@@ -37,8 +39,14 @@ struct Lamp {
     double radius = 0;                              ///< of points
     double angle = 0;                ///< of suns: diameter of the disc, 0 to pi [rad]
     std::optional<LampCone> cone{};  ///< of points: makes a spot
+    /// Of areas, 0.01 to pi [rad]: at an angle t to `direction` slats before them leave the share
+    /// max(0, 1 - tan(t) / tan(spread / 2)); pi: there are none.
+    double spread = kPi;
+    bool moves = false;  ///< an animation moves it: this is its place in one frame
     /// Cameras see it where it has an extent: it adds its radiance to that of what is behind it.
     bool seenByCamera = false;
+
+    bool operator==(const Lamp&) const = default;
 };
 
 }  // namespace shadowcache

@@ -54,19 +54,24 @@ std::string colorText(const Rgb& c) {
     return fmt::format("{:.4g},{:.4g},{:.4g}", c.x, c.y, c.z);
 }
 
+std::string describeLamp(const Lamp& lamp) {
+    const char* kind = lamp.form == Lamp::Form::sun         ? "sun, irradiance"
+                       : lamp.form == Lamp::Form::rectangle ? "rectangle, intensity"
+                       : lamp.form == Lamp::Form::ellipse   ? "ellipse, intensity"
+                       : lamp.cone                          ? "spot, intensity"
+                                                            : "point, intensity";
+    return fmt::format("  lamp {}: {} {}", lamp.name, kind, colorText(lamp.strength));
+}
+
 /// What --lamp names.
-std::string describeLamps(const GltfShot& shot, std::optional<double> stillAt) {
+std::string describeLamps(const GltfShot& shot) {
     const GltfDocument& document = shot.document();
     LeftOutOf leftOut;
     std::string text;
-    for (const Lamp& lamp : gltfLamps(document, shot.nodes(), stillAt, leftOut)) {
-        const char* kind = lamp.form == Lamp::Form::sun         ? "sun, irradiance"
-                           : lamp.form == Lamp::Form::rectangle ? "rectangle, intensity"
-                           : lamp.form == Lamp::Form::ellipse   ? "ellipse, intensity"
-                           : lamp.cone                          ? "spot, intensity"
-                                                                : "point, intensity";
-        text += fmt::format("  lamp {}: {} {}\n", lamp.name, kind, colorText(lamp.strength));
-    }
+    for (const Lamp& lamp : gltfLamps(document, shot.nodes(), shot.stillAt(), leftOut))
+        text += describeLamp(lamp) + "\n";
+    for (const int node : shot.movingLampNodes())
+        text += describeLamp(gltfLampAt(document, shot.nodes(), node, 0).lamp) + ", moves\n";
     for (const GltfMaterial& from : document.materials) {
         const Finish& finish = from.material.finish;
         if (finish.emission == Rgb(0, 0, 0)) continue;
@@ -103,6 +108,10 @@ std::vector<int> GltfShot::cameraNodes() const {
 
 std::vector<int> GltfShot::movingNodes() const {
     return stillAt_ ? std::vector<int>() : nodes_->meshNodes(true);
+}
+
+std::vector<int> GltfShot::movingLampNodes() const {
+    return stillAt_ ? std::vector<int>() : shadowcache::movingLampNodes(*document_, *nodes_);
 }
 
 std::string GltfShot::cameraName(int node) const {
@@ -205,7 +214,7 @@ std::string describe(const GltfShot& shot, std::size_t firstCamera) {
         text += "  camera " + cameraLabel(shot, node, firstCamera++) + ": ";
         text += describeCamera(shot, node);
     }
-    text += describeLamps(shot, shot.stillAt());
+    text += describeLamps(shot);
     for (const GltfAnimation& animation : document.animations)
         text +=
             fmt::format("  animation {}: {} channels\n", animation.name, animation.channels.size());

@@ -33,6 +33,8 @@ public:
     /// Nodes of the scene with a mesh that an animation moves or changes; none of a set that stands
     /// still (MeshOptions::stillAt).
     std::vector<int> movingNodes() const;
+    /// The same with a lamp.
+    std::vector<int> movingLampNodes() const;
     /// Of a node's camera: the node's name, or else the camera's; may be empty.
     std::string cameraName(int node) const;
 

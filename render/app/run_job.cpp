@@ -239,11 +239,12 @@ private:
             job_, settings_, cache ? std::optional(cache->header().fingerprint) : std::nullopt,
             plan_.at(i), frame, inputs_);
         if (run_.resume && !run_.explain && isDone(metadata, frame)) return;
+        const bool moved = stage_->pose(frame);
         const double start = secondsNow();
         if (light_.load(plan_.at(i)) || !isLit_) lit_->setEnvironment(light_.environment());
+        if (moved) lit_->moveLamps();
         isLit_ = true;
         timing_.build += secondsNow() - start;
-        stage_->pose(frame);
         const CameraMove camera = camera_->moveAt(frame);
         view_ = pictureView(camera);
         if (run_.explain) {

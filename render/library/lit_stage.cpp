@@ -44,11 +44,23 @@ void LitStage::updateLamps() {
     predictLamps();
 }
 
+void LitStage::moveLamps() {
+    estimator_.reset();
+    groups_.reset();
+    if (light_) light_->moveLamps();
+    groupLamps();
+    makeEstimator();
+}
+
 /// What shines, and in which group.
 void LitStage::findLamps() {
     groups_.reset();
     light_ = SetLight::of(scene_, cache_);
     if (light_ && !entry_.lit) refuseEmitters(entry_, *light_);
+    groupLamps();
+}
+
+void LitStage::groupLamps() {
     if (options_.groups.empty()) return;
     groups_ = std::make_unique<LightGroups>(options_.groups, scene_.mesh(),
                                             light_ ? &light_->emitters() : nullptr);
@@ -95,6 +107,10 @@ void LitStage::requirePrediction(const RenderOptions& options) const {
         throwFileError(cacheName_,
                        "does not count the lamps as they stand in the set, of which a preview is "
                        "made: bake without --no-lamps");
+    if (light_ && light_->moves())
+        throwFileError(cacheName_,
+                       "does not count lamps that move, of which a preview is made: render with "
+                       "rays and without --preview, or take the set by --set-frame");
 }
 
 std::size_t LitStage::bounceBytes() const {
@@ -122,8 +138,13 @@ void LitStage::setEnvironment(const Environment& environment) {
             groupedSolve_ = std::make_unique<GroupedSolve>(
                 *solve_, *transport_, looks_, lightOfGroups_, environment.luminanceIntegral() > 0);
     }
+    environment_ = &environment;
+    makeEstimator();
+}
+
+void LitStage::makeEstimator() {
     estimator_ = entry_.make({.scene = scene_,
-                              .environment = environment,
+                              .environment = *environment_,
                               .cache = cache_,
                               .sequence = options_.sequence,
                               .solve = solve_.get(),

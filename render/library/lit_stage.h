@@ -97,6 +97,11 @@ public:
     /// @throws Error as the constructor
     void updateLamps();
 
+    /// Learns where the lamps of the scene's set that move stand now, which solves nothing again.
+    ///
+    /// @pre setEnvironment() was called, and its environment is there
+    void moveLamps();
+
     /// Of the environment that was set last.
     const Estimator& estimator() const { return *estimator_; }
 
@@ -114,7 +119,9 @@ private:
     bool missesTransport() const;
     bool missesLamps() const;
     void findLamps();
+    void groupLamps();
     void predictLamps();
+    void makeEstimator();
 
     const Scene& scene_;
     const ShadowCache* cache_;
@@ -123,7 +130,7 @@ private:
     const std::string cacheName_;
     std::optional<ItemTable> items_;
     std::optional<Transport> transport_;
-    std::unique_ptr<const SetLight> light_;        ///< null: nothing shines
+    std::unique_ptr<SetLight> light_;              ///< null: nothing shines
     std::vector<ItemLook> looks_;                  ///< by item
     std::vector<Rgb> ofEmitters_;                  ///< by item: as BounceSolve wants it
     std::unique_ptr<const LightGroups> groups_;    ///< null: none are asked for
@@ -131,6 +138,7 @@ private:
     std::unique_ptr<BounceSolve> solve_;
     std::unique_ptr<GroupedSolve> groupedSolve_;
     std::unique_ptr<RadiosityTree> radiosity_;  ///< of `solve_`
+    const Environment* environment_ = nullptr;  ///< null: none was set
     std::unique_ptr<Estimator> estimator_;
 };
 

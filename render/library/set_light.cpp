@@ -41,46 +41,55 @@ void spread(const Receiver& middle, float side, std::vector<Receiver>& places) {
             places.push_back({middle.position + s * along(i) + t * along(k), middle.normal});
 }
 
+Emitters emittersOf(const Scene& scene) {
+    const TriangleMesh* const meshes[] = {&scene.mesh()};
+    return Emitters(meshes);
+}
+
 }  // namespace
 
 std::unique_ptr<SetLight> SetLight::of(const Scene& scene, const ShadowCache* cache) {
-    const TriangleMesh* const meshes[] = {&scene.mesh()};
-    Emitters emitters(meshes);
+    Emitters emitters = emittersOf(scene);
     if (emitters.empty()) return nullptr;
-    std::unique_ptr<SetLight> light(new SetLight(scene, std::move(emitters)));
-    if (cache) light->readCounts(*cache);
-    light->light_.emplace(scene, light->emitters_, cache,
-                          light->visibility_ ? &*light->visibility_ : nullptr);
-    return light;
+    return std::unique_ptr<SetLight>(new SetLight(scene, cache, std::move(emitters)));
 }
 
-SetLight::SetLight(const Scene& scene, Emitters emitters)
-    : scene_(scene), emitters_(std::move(emitters)) {}
+SetLight::SetLight(const Scene& scene, const ShadowCache* cache, Emitters emitters)
+    : scene_(scene), cache_(cache), emitters_(std::move(emitters)) {
+    if (cache_) readCounts(*cache_);
+    light_.emplace(scene_, emitters_, cache_, visibility_ ? &*visibility_ : nullptr);
+}
+
+void SetLight::moveLamps() {
+    light_.reset();
+    emitters_ = emittersOf(scene_);
+    light_.emplace(scene_, emitters_, cache_, visibility_ ? &*visibility_ : nullptr);
+}
 
 /// The counts of an emitter are those of the one of the same shape and place.
 void SetLight::readCounts(const ShadowCache& cache) {
     const std::vector<std::uint64_t>& counted = cache.header().emitters;
     std::vector<std::size_t> columns;
     std::size_t known = 0;
-    for (std::size_t e = 0; e < emitters_.size(); ++e) {
+    for (std::size_t e = 0; e < emitters_.size() && !emitters_.moves(e); ++e) {
         const auto found = std::ranges::find(counted, emitters_.shapeOf(e));
         known += found != counted.end() ? 1 : 0;
         columns.push_back(static_cast<std::size_t>(found - counted.begin()));
     }
-    knowsAll_ = known == emitters_.size();
+    const std::size_t still = columns.size();
+    knowsAll_ = known == still;
     if (known == 0) return;
     const std::vector<std::uint16_t> codes = readEmitterCodes(cache);
     const std::size_t items = codes.size() / counted.size();
-    std::vector<EmitterVisibility::Count> counts(items * emitters_.size());
+    std::vector<EmitterVisibility::Count> counts(items * still);
     for (std::size_t i = 0; i < items; ++i)
-        for (std::size_t e = 0; e < emitters_.size(); ++e) {
+        for (std::size_t e = 0; e < still; ++e) {
             if (columns[e] == counted.size()) continue;
             const std::uint16_t code = codes[i * counted.size() + columns[e]];
-            counts[i * emitters_.size() + e] = {
-                static_cast<std::uint8_t>(EmitterCode::visible(code)),
-                static_cast<std::uint8_t>(EmitterCode::rays(code))};
+            counts[i * still + e] = {static_cast<std::uint8_t>(EmitterCode::visible(code)),
+                                     static_cast<std::uint8_t>(EmitterCode::rays(code))};
         }
-    visibility_.emplace(emitters_.size(), std::move(counts));
+    visibility_.emplace(still, std::move(counts));
 }
 
 std::vector<bool> SetLight::brightItems(const ItemTable& items) const {
@@ -123,7 +132,7 @@ void SetLight::forEachItem(const ItemTable& items, const Visit& visit) const {
 }
 
 std::vector<Rgb> SetLight::predictItems(const ItemTable& items) const {
-    if (!knowsAll_) return {};
+    if (!knowsAll_ || !visibility_) return {};
     std::vector<Rgb> irradiance(items.size(), Rgb(0, 0, 0));
     forEachItem(items, [&](std::size_t i, std::span<const Receiver> places, auto& tools) {
         for (const Receiver& place : places) irradiance[i] += light_->predictItem(i, place, tools);

@@ -19,17 +19,23 @@ public:
 
     const EmitterLight& light() const { return *light_; }
     const Emitters& emitters() const { return emitters_; }
-    /// Whether the cache counts each emitter as it stands in the set.
+    /// Whether the cache counts each emitter as it stands in the set, but for lamps that move.
     bool knowsAll() const { return knowsAll_; }
+    /// Whether lamps move, which no cache counts.
+    bool moves() const { return emitters_.moves(emitters_.size() - 1); }
 
-    /// Irradiance of each item by its own counts; empty if some emitter is not counted.
+    /// Learns where lamps that move stand now. What is known of the others stays.
+    void moveLamps();
+
+    /// Irradiance of each item by its own counts, without lamps that move; empty if some other
+    /// emitter is not counted.
     std::vector<Rgb> predictItems(const ItemTable& items) const;
     /// The same of each light group, [group][item]; empty for the sky's.
     std::vector<std::vector<Rgb>> predictItems(const ItemTable& items,
                                                const LightGroups& groups) const;
 
 private:
-    explicit SetLight(const Scene& scene, Emitters emitters);
+    SetLight(const Scene& scene, const ShadowCache* cache, Emitters emitters);
     void readCounts(const ShadowCache& cache);
     Receiver placeOf(const ItemTable& items, std::size_t item) const;
     /// Items to whose middle emitters send much more than to the mean one's.
@@ -40,9 +46,10 @@ private:
     void forEachItem(const ItemTable& items, const Visit& visit) const;
 
     const Scene& scene_;
-    const Emitters emitters_;
+    const ShadowCache* cache_;
+    Emitters emitters_;
     bool knowsAll_ = false;
-    std::optional<EmitterVisibility> visibility_;
+    std::optional<EmitterVisibility> visibility_;  ///< of the emitters that do not move
     std::optional<EmitterLight> light_;
 };
 

@@ -2,6 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "common/base/process.h"
 #include "common/import/load_mesh.h"
 #include "common/mesh/mesh_fingerprint.h"
@@ -18,8 +21,16 @@ void Stage::load(const std::function<void()>& onStep) {
     const MeshOptions meshOptions = meshOptionsOf(set);
     mesh_ = loadMesh(set.files, meshOptions);
     note_(fmt::format("set: {}", describe(mesh_.report)), NoteKind::note);
+    stillLamps_ = mesh_.lamps.size();
+    movingLamps_.emplace(shots_, meshOptions, mesh_.origin);
+    placeLamps(1);
     requireMatches(meshOptions.gains, mesh_);
     if (!mesh_.lamps.empty()) note_(fmt::format("lamps: {}", mesh_.lamps.size()), NoteKind::note);
+    if (const std::size_t moving = mesh_.lamps.size() - stillLamps_; moving > 0)
+        note_(fmt::format("moving lamps: {}, not in the cache; while a frame is exposed they stand "
+                          "still",
+                          moving),
+              NoteKind::note);
     onStep();
     moving_.emplace(shots_, set.dynamic, meshOptions, mesh_.origin, set.fps);
     for (GltfShot& shot : shots_) shot.dropData();
@@ -45,6 +56,22 @@ void Stage::setGains(std::span<const LampGain> gains) {
     requireMatches(gains, mesh_);
     applyGains(gains, mesh_);
     moving_->setGains(gains);
+    movingLamps_->setGains(gains);
+}
+
+/// @return whether some are not as they were
+bool Stage::placeLamps(int frame) {
+    std::vector<Lamp> lamps = movingLamps_->at(frame);
+    const auto first = mesh_.lamps.begin() + static_cast<std::ptrdiff_t>(stillLamps_);
+    if (std::equal(first, mesh_.lamps.end(), lamps.begin(), lamps.end())) return false;
+    mesh_.lamps.resize(stillLamps_);
+    std::ranges::move(lamps, std::back_inserter(mesh_.lamps));
+    return true;
+}
+
+bool Stage::pose(int frame) {
+    scene_->setMoving(moving_->pose(frame));
+    return placeLamps(frame);
 }
 
 }  // namespace shadowcache

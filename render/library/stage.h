@@ -7,6 +7,7 @@
 
 #include "common/shot/camera_source.h"
 #include "common/shot/gltf_shot.h"
+#include "common/shot/moving_lamps.h"
 #include "common/shot/moving_set.h"
 #include "render/library/job.h"
 #include "render/library/stale_cache.h"
@@ -50,15 +51,22 @@ public:
 
     /// @throws Error if a track has no such frame
     void requireFrame(int frame) const { moving_->requireFrame(frame); }
-    /// Puts what moves where it is in a frame. @throws Error if a track has no such frame
-    void pose(int frame) { scene_->setMoving(moving_->pose(frame)); }
+    /// Puts what moves where it is in a frame.
+    ///
+    /// @return whether lamps are not where they were: a LitStage is told by LitStage::moveLamps()
+    /// @throws Error if a track has no such frame
+    bool pose(int frame);
 
 private:
+    bool placeLamps(int frame);
+
     const StageOptions options_;
     const NoteSink note_;
     std::vector<GltfShot> shots_;
-    TriangleMesh mesh_;
+    TriangleMesh mesh_;           ///< its last lamps are those that move
+    std::size_t stillLamps_ = 0;  ///< number of its first ones, which do not
     std::optional<MovingSet> moving_;
+    std::optional<MovingLamps> movingLamps_;
     std::unique_ptr<ShadowCache> cache_;
     bool stale_ = false;
     std::optional<Scene> scene_;

@@ -162,7 +162,8 @@ RawMesh meshOf(const SetArrays& arrays) {
 void warnOfMoving(const std::vector<fs::path>& files, const MeshOptions& options, double fps) {
     if (options.stillAt) return;
     std::size_t moving = 0;
-    for (const GltfShot& shot : openShots(files, options, fps)) moving += shot.movingNodes().size();
+    for (const GltfShot& shot : openShots(files, options, fps))
+        moving += shot.movingNodes().size() + shot.movingLampNodes().size();
     if (moving == 0) return;
     const std::string text = std::to_string(moving) +
                              " nodes move and are left out; frame=N loads them as they stand then";

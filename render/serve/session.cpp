@@ -147,6 +147,7 @@ void Session::makeLit(const PictureSettings& settings) {
     lit_->requirePrediction(settings.options);
     if (!isLit_) lit_->setEnvironment(light_.environment());
     isLit_ = true;
+    if (std::exchange(hasMoved_, false)) lit_->moveLamps();
 }
 
 Session::Reply Session::render(std::uint64_t number, const RenderRequest& request) {
@@ -163,8 +164,8 @@ Session::Reply Session::render(std::uint64_t number, const RenderRequest& reques
     PixelFile pixels(request.pixels);
     if (pixels.isNew()) pixelFiles_.insert(request.pixels);
     const double start = secondsNow();
+    if (stage_->pose(request.frame)) hasMoved_ = true;
     makeLit(settings);
-    stage_->pose(request.frame);
     const double lit = secondsNow();
     const auto show = [&](const Film& film) {
         const std::vector<Channel> planes = channels(film, asked.aovs);

@@ -61,6 +61,7 @@ private:
     std::optional<LitStage> lit_;
     bool isLit_ = false;     ///< lit_, by light_
     bool isDimmed_ = false;  ///< lit_ has yet to learn of other gains
+    bool hasMoved_ = false;  ///< lit_ has yet to learn of lamps elsewhere
     std::set<std::filesystem::path> pixelFiles_;
 };
 

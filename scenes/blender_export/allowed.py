@@ -41,7 +41,6 @@ def inputs(rule, names):
 
 
 BLACK, WHITE, NEUTRAL = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0.0,)
-SPREAD = 3.1415927410125732  # pi, as RNA has it
 
 PROPERTIES = {
     "ID": of(ID, "name name_full rna_type tag use_fake_user use_extra_user users library library_weak_reference "
@@ -132,7 +131,7 @@ PROPERTIES = {
     "PointLight": of(READ, "shadow_soft_size"),
     "SpotLight": {**of(READ, "shadow_soft_size spot_size spot_blend"), "use_square": EEVEE, "show_cone": UI},
     "SunLight": of(READ, "angle"),
-    "AreaLight": {**of(READ, "shape size size_y"), "spread": (SPREAD,)},
+    "AreaLight": of(READ, "shape size size_y spread"),
     "CyclesLightSettings": {"is_portal": READ, "cast_shadow": (True,), "use_multiple_importance_sampling": METHOD,
                             "is_caustics_light": GLASS},
     "Mesh": {

@@ -43,9 +43,7 @@ class GltfExport:
             seconds = numpy.array(motion.frames, float) * render.fps_base / render.fps
             times = self.file.add_accessor(seconds.astype(numpy.float32), bounds=True)
         for row, node in entries:
-            of = matrices.of_mesh if "mesh" in node else matrices.of_camera
-            if row in tracks and "extensions" in node:
-                self.report.add("light %s: it moves" % node["name"])
+            of = matrices.of_mesh if "mesh" in node else matrices.of_camera if "camera" in node else matrices.of_lamp
             if row in tracks:
                 self._add_moving(node, of(tracks[row]), times)
             else:

@@ -14,6 +14,7 @@ from .node_values import Reader, source
 EXTENSION = "KHR_lights_punctual"
 SHAPES = {"SQUARE": "rectangle", "RECTANGLE": "rectangle", "DISK": "ellipse", "ELLIPSE": "ellipse"}
 OF_CAMERA = "hidden from the camera"
+NO_SPREAD = math.pi - 1e-6
 
 
 def entry(thing, report):
@@ -101,13 +102,16 @@ def of_spot(thing, power):
 
 
 def of_area(thing, power):
-    """The object's scale is that of the area, and not of its power."""
+    """The node's scale is that of the area, and not of its power; neither is its spread."""
     lamp = thing.data
-    width, height, _ = (axis.length for axis in thing.matrix_world.to_3x3().col)
-    size = [lamp.size * width, (lamp.size if lamp.shape in ("SQUARE", "DISK") else lamp.size_y) * height]
+    size = [lamp.size, lamp.size if lamp.shape in ("SQUARE", "DISK") else lamp.size_y]
     intensity = power / 4 if all(size) else 0
-    return {"type": "spot", "intensity": intensity, "spot": {"outerConeAngle": math.pi / 2},
-            "extras": {"shape": SHAPES[lamp.shape], "size": [max(s, 1e-9) for s in size]}}
+    extras = {"shape": SHAPES[lamp.shape], "size": [max(s, 1e-9) for s in size]}
+    if lamp.spread < NO_SPREAD:
+        half = lamp.spread / 2
+        intensity /= 1 - half / math.tan(half)
+        extras["spread"] = lamp.spread
+    return {"type": "spot", "intensity": intensity, "spot": {"outerConeAngle": math.pi / 2}, "extras": extras}
 
 
 EXTENT = {"POINT": "shadow_soft_size", "SUN": "angle", "SPOT": "shadow_soft_size", "AREA": "size"}

@@ -20,6 +20,11 @@ def of_camera(matrices):
     return turned
 
 
+def of_lamp(matrices):
+    """World matrices of lamps, which shine along -Z in both worlds."""
+    return TURN @ matrices
+
+
 def quaternion(m):
     """x, y, z, w of a rotation matrix."""
     w = numpy.array([1 + m[0, 0] + m[1, 1] + m[2, 2], 1 + m[0, 0] - m[1, 1] - m[2, 2],

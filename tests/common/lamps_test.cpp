@@ -1,9 +1,10 @@
 // Lamps: irradiance by points, discs, suns, spots and areas in closed form; directions are drawn
-// with the density that is claimed; a thousand of them are 32 emitters; rays meet those with an
-// extent.
+// with the density that is claimed, areas with a spread, too, beside numeric integrals; a thousand
+// of them are 32 emitters; rays meet those with an extent; those that move change no others.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -180,6 +181,198 @@ TEST(Lamp, IsDrawnAsItShines) {
     }
 }
 
+/// An area with a spread, and a place that it lights.
+struct SpreadCase {
+    Lamp lamp;
+    Receiver at;
+};
+
+/// Wide and narrow, near and far, from below and from the side, cut by the horizon.
+std::vector<SpreadCase> spreadCases() {
+    std::vector<SpreadCase> cases;
+    const Vec3f tilted(Vec3d(1, 0.5, 0.2).normalized());
+    for (const Lamp::Form form : {Lamp::Form::rectangle, Lamp::Form::ellipse})
+        for (const double spread : {0.05, 0.6, 2.0, 3.1})
+            for (const double height : {0.05, 0.8, 6.0}) {
+                Lamp lamp = areaAt(form, {0.1, height, 0.05}, 1, 0.5);
+                lamp.spread = spread;
+                cases.push_back({lamp, kFloor});
+                // As far aside as half of the spread shines.
+                const double aside = 0.5 * height * std::tan(0.25 * spread);
+                cases.push_back({lamp, {Vec3f(Vec3d(-aside, 0, 0)), tilted}});
+            }
+    return cases;
+}
+
+/// What a point of an area with a spread sends to a place, by a radiance of 1 along its axis and by
+/// its area. @param way  to it
+double sentFrom(const Lamp& lamp, const Receiver& at, const Vec3d& way) {
+    const Vec3d w = way.normalized();
+    const double cosine = -lamp.direction.dot(w);
+    if (cosine <= 0) return 0;
+    const double angle = std::acos(std::min(1.0, cosine));
+    const double left = 1 - std::tan(angle) / std::tan(0.5 * lamp.spread);
+    return std::max(0.0, left) * std::max(0.0, Vec3d(at.normal).dot(w)) * cosine / way.length2();
+}
+
+/// Whether points of a part light a place.
+bool lights(const Lamp& lamp, const EmitterPart& part, const Receiver& at) {
+    constexpr int kSide = 12;
+    const Vec3d side1(part.corner[1] - part.corner[0]), side2(part.corner[2] - part.corner[0]);
+    const Vec3d way(part.corner[0] - at.position);
+    for (int i = 0; i < kSide; ++i)
+        for (int k = 0; i + k < kSide; ++k)
+            if (sentFrom(lamp, at,
+                         way + side1 * ((i + 1.0 / 3) / kSide) + side2 * ((k + 1.0 / 3) / kSide)) >
+                0)
+                return true;
+    return false;
+}
+
+bool holds(const EmitterPart& part, const Vec3d& point) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3d side(part.corner[(i + 1) % 3] - part.corner[i]);
+        const Vec3d inwards = Vec3d(part.normal).cross(side);
+        if (inwards.dot(Vec3d(part.corner[(i + 2) % 3] - part.corner[i])) *
+                inwards.dot(point - Vec3d(part.corner[i])) <
+            0)
+            return false;
+    }
+    return true;
+}
+
+/// Irradiance in green by an area, by a grid of points of each part.
+double byGrid(const Lamp& lamp, const Emitters& emitters, const Receiver& at) {
+    constexpr int kSide = 60;
+    double sum = 0;
+    for (const EmitterPart& part : emitters.parts()) {
+        const Vec3d side1(part.corner[1] - part.corner[0]), side2(part.corner[2] - part.corner[0]);
+        const Vec3d way(part.corner[0] - at.position);
+        for (int i = 0; i < kSide; ++i)
+            for (int k = 0; k < 2 * (kSide - i) - 1; ++k) {
+                const int column = k / 2;
+                const double shift = k % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
+                sum += static_cast<double>(part.area * part.radiance.y) *
+                       sentFrom(lamp, at,
+                                way + side1 * ((i + shift) / kSide) +
+                                    side2 * ((column + shift) / kSide));
+            }
+    }
+    return sum / (kSide * kSide);
+}
+
+/// The same by rings around the point that is nearest to the place, where they are small.
+double byRings(const Lamp& lamp, const Emitters& emitters, const Receiver& at, double front) {
+    constexpr int kRings = 300, kSectors = 300;
+    const Vec3d place(at.position), foot = place - lamp.direction * front;
+    const double most = front * std::tan(0.5 * lamp.spread);
+    Vec3d s, t;
+    tangentFrame(lamp.direction, s, t);
+    double sum = 0;
+    for (int i = 0; i < kRings; ++i)
+        for (int k = 0; k < kSectors; ++k) {
+            const double radius = most * (i + 0.5) / kRings, turn = 2 * kPi * (k + 0.5) / kSectors;
+            const Vec3d point = foot + (s * std::cos(turn) + t * std::sin(turn)) * radius;
+            const bool isOn = std::ranges::any_of(
+                emitters.parts(), [&](const EmitterPart& part) { return holds(part, point); });
+            if (isOn) sum += radius * sentFrom(lamp, at, point - place);
+        }
+    return sum * (most / kRings) * (2 * kPi / kSectors) *
+           static_cast<double>(emitters.parts()[0].radiance.y);
+}
+
+double integrated(const Lamp& lamp, const Emitters& emitters, const Receiver& at) {
+    const double front = lamp.direction.dot(Vec3d(at.position) - lamp.position);
+    const bool isSmall = front * std::tan(0.5 * lamp.spread) < 0.3;
+    return isSmall ? byRings(lamp, emitters, at, front) : byGrid(lamp, emitters, at);
+}
+
+/// Values of samples of an area; each has the radiance that a ray meets there.
+std::vector<double> drawn(const Emitters& emitters, const Receiver& at) {
+    std::mt19937_64 generator(3);
+    std::uniform_real_distribution<double> uniform;
+    std::vector<double> values;
+    for (int i = 0; i < 40000; ++i) {
+        double u = uniform(generator);
+        double& value = values.emplace_back(0);
+        const Emitters::Choice choice = emitters.choose(0, at, u);
+        if (!(choice.chance > 0)) continue;
+        const EmitterPart& part = emitters.parts()[choice.part];
+        const EmitterPoint point = samplePoint(part, at, uniform(generator), uniform(generator));
+        if (!(point.density > 0)) continue;
+        const Rgb radiance = emitters.radianceAt(part, point);
+        const float cosine = std::max(0.0f, point.direction.dot(at.normal));
+        value = static_cast<double>(radiance.y * cosine / (point.density * choice.chance));
+        const auto met = meetLamp(part, at, point.direction);
+        if (!met) continue;  // by rounding, at its edge
+        EXPECT_NEAR(met->radiance.y, radiance.y, 1e-3f * part.radiance.y);
+        if (radiance.y > 0) {
+            EXPECT_NEAR(met->density / point.density, 1, 1e-2);
+        }
+    }
+    return values;
+}
+
+// With its control: 5 % more must be rejected.
+TEST(AreaWithASpread, IsDrawnAsItShines) {
+    const std::vector<SpreadCase> cases = spreadCases();
+    const double level = test::significance(cases.size());
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        const auto& [lamp, at] = cases[i];
+        const TriangleMesh mesh = meshOf({lamp});
+        const Emitters emitters = emittersOfLamps(mesh);
+        const double truth = integrated(lamp, emitters, at);
+        ASSERT_GT(truth, 0) << i;
+        const std::vector<double> values = drawn(emitters, at);
+        // A grid tells the truth to half a per cent: less does not count.
+        double mean = 0;
+        for (const double value : values) mean += value / static_cast<double>(values.size());
+        if (std::abs(mean / truth - 1) > 0.005) {
+            EXPECT_GT(test::meanPValue(values, truth), level) << i;
+        }
+        EXPECT_LT(test::meanPValue(values, truth * 1.05), level) << i << ": 5 % more is accepted";
+    }
+}
+
+TEST(AreaWithASpread, LightsAboutAsItsIntegral) {
+    for (const auto& [lamp, at] : spreadCases()) {
+        const TriangleMesh mesh = meshOf({lamp});
+        const Emitters emitters = emittersOfLamps(mesh);
+        EXPECT_NEAR(lit(lamp, at) / integrated(lamp, emitters, at), 1, 0.25)
+            << static_cast<int>(lamp.form) << " " << lamp.spread << " " << lamp.position.y;
+    }
+}
+
+TEST(AreaWithASpread, MayBeChosenWhereverItShines) {
+    std::mt19937_64 generator(13);
+    std::normal_distribution<double> normal;
+    const auto vector = [&] {
+        return Vec3d(normal(generator), normal(generator), normal(generator));
+    };
+    int found = 0;
+    for (const double spread : {0.05, 0.6, 2.0, 3.1})
+        for (int i = 0; i < 400; ++i) {
+            Lamp lamp =
+                areaAt(i % 2 == 0 ? Lamp::Form::ellipse : Lamp::Form::rectangle, vector(), 1, 0.3);
+            lamp.spread = spread;
+            const TriangleMesh mesh = meshOf({lamp});
+            const Emitters emitters = emittersOfLamps(mesh);
+            const double below = 4 * std::abs(normal(generator));
+            const Vec3d aside = vector() * (0.3 + 0.3 * below * std::tan(0.25 * spread));
+            const Receiver at{Vec3f(lamp.position + Vec3d(aside.x, -below, aside.z)),
+                              Vec3f(vector().normalized())};
+            for (std::size_t k = 0; k < emitters.parts().size(); ++k) {
+                const EmitterPart& part = emitters.parts()[k];
+                if (!lights(lamp, part, at)) continue;
+                ++found;
+                ASSERT_GT(roughWeightBy(part, at), 0.0f) << spread << ' ' << i << ' ' << k;
+                ASSERT_GT(emitters.roughWeight(0, at), 0.0f) << spread << ' ' << i;
+                ASSERT_GT(emitters.chanceOf(k, at), 0.0f) << spread << ' ' << i << ' ' << k;
+            }
+        }
+    EXPECT_GT(found, 3000);
+}
+
 /// p-value that directions of a cap fall into rings and sectors of one solid angle.
 double capPValue(double sineSquared, const std::function<double(double)>& bend) {
     constexpr int kSamples = 400000;
@@ -295,6 +488,25 @@ TEST(Lamps, KeepTheirShapesWhateverTheyEmit) {
     for (std::size_t e = 0; e < 2; ++e) EXPECT_NE(moved.shapeOf(e), before.shapeOf(e));
     mesh.lamps[0].strength = Rgb(0, 0, 0);
     EXPECT_EQ(emittersOfLamps(mesh).size(), 1u);
+}
+
+TEST(Lamps, ThatMoveChangeNoOthers) {
+    TriangleMesh mesh = hall();
+    const Emitters still = emittersOfLamps(mesh);
+    for (int i = 0; i < 3; ++i) {
+        mesh.lamps.insert(mesh.lamps.begin() + 5 * i, pointAt({1.5 * i, 1, 0}, 0.1));
+        mesh.lamps[static_cast<std::size_t>(5 * i)].moves = true;
+    }
+    const Emitters all = emittersOfLamps(mesh);
+    ASSERT_EQ(all.size(), still.size() + 3);
+    for (std::size_t e = 0; e < still.size(); ++e) {
+        EXPECT_EQ(all.shapeOf(e), still.shapeOf(e));
+        EXPECT_FALSE(all.moves(e));
+    }
+    for (std::size_t e = still.size(); e < all.size(); ++e) EXPECT_TRUE(all.moves(e));
+    // A bake counts none of them.
+    const TriangleMesh* const meshes[] = {&mesh};
+    EXPECT_EQ(Emitters(meshes, EmitterWeight::shape).parts().size(), still.parts().size());
 }
 
 }  // namespace

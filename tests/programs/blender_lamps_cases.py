@@ -82,6 +82,38 @@ def ellipse():
 
 
 @shows
+def spread():
+    lamp("AREA", turn=(0.3, 0.1, 0), energy=100, shape="RECTANGLE", size=0.8, size_y=0.3, spread=1.2)
+
+
+@shows
+def narrow_spread():
+    """A bright spot, around which all light bounces."""
+    bpy.context.scene.cycles.samples, bpy.context.scene.shadowcache.camera_rays = 20000, 512
+    lamp("AREA", turn=(-0.1, 0.3, 0), energy=100, shape="DISK", size=1.5, spread=0.2)
+
+
+@shows
+def wide_spread():
+    """Near the floor, and seen from the side."""
+    lamp("AREA", place=(0.9, -0.6, 0.3), turn=(0.9, 0.2, 0), energy=20, size=0.8, spread=2.6).visible_camera = True
+
+
+@shows
+def moving():
+    """Seen where it is in frame 4, as large as it is there."""
+    thing = lamp("AREA", turn=(0, 0, 0), energy=100, shape="RECTANGLE", size=0.3, size_y=0.6, spread=2)
+    thing.visible_camera = True
+    scene = bpy.context.scene
+    for frame, place, turn, scale in ((1, (3, 0, 3), (0, 0, 0), (1, 1, 1)), (7, (-1, -1, 0.6), (0.4, 0.8, 0.3), (2, 3, 1))):
+        thing.location, thing.rotation_euler, thing.scale = place, turn, scale
+        for path in ("location", "rotation_euler", "scale"):
+            thing.keyframe_insert(path, frame=frame)
+    scene.frame_start, scene.frame_end = 1, 7
+    scene.frame_set(4)
+
+
+@shows
 def nodes():
     thing = lamp("POINT", place=(-1, -1, 1.5), energy=50, shadow_soft_size=0.1)
     thing.data.use_nodes = True
@@ -118,11 +150,6 @@ def several():
 def seen_by_chance():
     thing = lamp("AREA")
     thing.visible_camera, thing.data.cycles.use_multiple_importance_sampling = True, False
-
-
-@names("light lamp: Spread is 1")
-def spread():
-    lamp("AREA", spread=1)
 
 
 @names("light lamp: Cast Shadow is off")

@@ -52,6 +52,9 @@ TriangleMesh underLamps() {
     area.halfWidth = Vec3d(0.4, 0, 0);
     area.halfHeight = Vec3d(0, 0, 0.2);
     mesh.lamps.push_back(area);
+    area.position = Vec3d(1.2, 0.9, -1);
+    area.spread = 1.2;
+    mesh.lamps.push_back(area);
     return mesh;
 }
 
@@ -170,6 +173,94 @@ TEST(LampGloss, IsTheIntegralOverTheLamp) {
         }
     EXPECT_GT(tests * least, test::significance(4));
     EXPECT_LT(leastOfControl, test::significance(4));
+}
+
+/// An area with a spread over a floor.
+TriangleMesh underSpread(double spread) {
+    TriangleMesh mesh;
+    test::addFloor(mesh, 0, -2, 2, -2, 2);
+    Lamp area = bulb({0.1, 1, 0.2}, 0, 1);
+    area.form = Lamp::Form::rectangle;
+    area.direction = Vec3d(0.1, -1, 0).normalized();
+    area.halfWidth = Vec3d(0, 0, 0.3);
+    area.halfHeight = area.direction.cross(Vec3d(0, 0, 0.2));
+    area.spread = spread;
+    mesh.lamps = {area};
+    return mesh;
+}
+
+/// Calls visit(direction, green light from there by solid angle) for all parts of an area.
+template <class Visit>
+void overArea(const Lamp& lamp, const Vec3d& place, const Visit& visit) {
+    constexpr int kSide = 1000;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const Vec3d way = lamp.position + lamp.halfWidth * ((i % kSide + 0.5) * 2 / kSide - 1) +
+                          lamp.halfHeight * ((i / kSide + 0.5) * 2 / kSide - 1) - place;
+        const Vec3d w = way.normalized();
+        const double cosine = -lamp.direction.dot(w), angle = std::acos(std::min(1.0, cosine));
+        const double left = std::max(0.0, 1 - std::tan(angle) / std::tan(0.5 * lamp.spread));
+        visit(w, static_cast<double>(lamp.strength.y) * left * cosine /
+                     (way.length2() * kSide * kSide));
+    }
+}
+
+// By every estimator that lights sets, with a control.
+TEST(LampWithASpread, LightsByItsIntegral) {
+    constexpr double kSpreads[] = {0.2, 1.5};
+    double least = 1, leastOfControl = 1;
+    int tests = 0;
+    for (const double spread : kSpreads) {
+        const test::World world(underSpread(spread), darkSky());
+        const ShadingPoint point = test::pointAlong(world.scene, {0.2f, 0.5f, 0.25f}, {0, -1, 0});
+        double truth = 0;
+        overArea(world.mesh.lamps[0], Vec3d(point.place.rayOrigin),
+                 [&](const Vec3d& w, double light) { truth += light * std::max(0.0, w.y); });
+        const auto green = static_cast<float>(truth);
+        const Rgb expected(green / 2, green, green * 1.5f);
+        for (const EstimatorEntry& entry : estimatorTable()) {
+            if (!entry.lit) continue;
+            const auto estimator = entry.make(world.context(), {});
+            const test::Estimates found = test::runEstimator(*estimator, point, 8, 400);
+            least = std::min(least, test::agreementPValue(found, expected));
+            leastOfControl =
+                std::min(leastOfControl, test::agreementPValue(found, expected * 1.05f));
+            ++tests;
+        }
+    }
+    EXPECT_GT(tests * least, test::significance(2));
+    EXPECT_LT(leastOfControl, test::significance(2));
+}
+
+TEST(LampWithASpread, IsReflectedByItsIntegral) {
+    double least = 1, leastOfControl = 1;
+    const test::World world(underSpread(0.5), darkSky());
+    const ShadingPoint point = test::pointAlong(world.scene, {0.2f, 0.5f, 0.25f}, {0, -1, 0});
+    const auto estimator = findEstimator("cache").make(world.context(), {});
+    const auto workspace = estimator->makeWorkspace();
+    for (const float roughness : {0.15f, 0.5f}) {
+        const Surface surface = glossy(Rgb(1), Gloss{.metallic = 1, .roughness = roughness});
+        const GlossyLobe lobe(surface, point.place.normal, Vec3f(-0.1f, 1, 0.1f).normalized());
+        double truth = 0;
+        overArea(world.mesh.lamps[0], Vec3d(point.place.rayOrigin),
+                 [&](const Vec3d& w, double light) {
+                     if (light > 0) truth += light * static_cast<double>(lobe.value(Vec3f(w)).y);
+                 });
+        std::vector<double> found;
+        for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+            ShadingPoint seeded = point;
+            seeded.slot.seed = hashWords(seed);
+            const GlossyPoint glossyPoint{seeded, lobe};
+            GlossEstimate estimate;
+            const PointBatch batch{.points = std::span(&seeded, 1), .samples = 8};
+            estimator->estimateGloss(batch, std::span(&glossyPoint, 1), *workspace,
+                                     std::span(&estimate, 1));
+            found.push_back(static_cast<double>(estimate.radiance.y));
+        }
+        least = std::min(least, test::meanPValue(found, truth));
+        leastOfControl = std::min(leastOfControl, test::meanPValue(found, truth * 1.05));
+    }
+    EXPECT_GT(2 * least, test::significance(2));
+    EXPECT_LT(leastOfControl, test::significance(2));
 }
 
 // Inside of a sphere around a lamp: albedo / pi I / r^2 times the sum of albedo^k, k = 0 to B.

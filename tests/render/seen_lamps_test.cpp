@@ -136,6 +136,19 @@ TEST(SeenLamps, ShowTheirRadianceOnTheirArea) {
     EXPECT_NEAR(areaShown(filmOfWall(wallWith({askew}))), kDisc / 2, 0.01);
 }
 
+// As slats at right angles let through what passes one of them.
+TEST(SeenLamps, AreDarkerFromTheSideByTheirSpread) {
+    for (const double angle : {0.0, 0.2, 0.6}) {
+        Lamp panel = seenPanel();
+        panel.spread = 1;
+        panel.direction = Vec3d(std::sin(angle), 0, std::cos(angle));
+        panel.halfWidth = Vec3d(0.5 * std::cos(angle), 0, -0.5 * std::sin(angle));
+        const double left = std::max(0.0, 1 - std::tan(angle) / std::tan(0.5));
+        EXPECT_NEAR(areaShown(filmOfWall(wallWith({panel}))), left * std::cos(angle), 0.01)
+            << angle;
+    }
+}
+
 TEST(SeenLamps, AddUp) {
     Lamp behind = seenPanel();
     behind.position.z = -1;

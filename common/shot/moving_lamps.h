@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/import/mesh_options.h"
+#include "common/mesh/lamp.h"
+#include "common/shot/gltf_shot.h"
+
+namespace shadowcache {
+
+/// The lamps of a set that an animation moves.
+class MovingLamps {
+public:
+    /// @param shots    outlive it
+    /// @param options  of the set: what moves is its world's
+    /// @param origin   the set's, to which places are relative
+    MovingLamps(std::span<const GltfShot> shots, const MeshOptions& options, const Vec3d& origin);
+
+    /// Has them other gains than those of the options.
+    void setGains(std::span<const LampGain> gains);
+
+    /// The lamps in a frame, always as many in the same order. One that is scaled to 0 there has a
+    /// gain of 0.
+    ///
+    /// @throws Error naming the file: a lamp is out of reach
+    std::vector<Lamp> at(int frame) const;
+
+private:
+    std::span<const GltfShot> shots_;
+    MeshOptions options_;
+    Vec3d origin_;
+};
+
+}  // namespace shadowcache
