@@ -1,6 +1,7 @@
 #include "render/bounces/exchange.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -21,29 +22,77 @@ constexpr float kLeastDensity = 1e-12f;
 /// Densities of a group's members sum to a finite number.
 constexpr float kMostDensity = std::numeric_limits<float>::max() / 1024;
 
-/// How the diffuse rays of one vertex meet the surface at another one, if nothing lies between; 0
-/// where it does not see its lit side.
-struct Meeting {
-    float byCosine = 0;  ///< density of rays drawn by the cosine, times pi
-    float density = 0;   ///< that of its own
-};
-
 /// From a density of directions to one of places, within what a float can hold.
 float atPlace(float cosine, float squared, float cosineThere) {
     return std::min(cosine / squared * (cosineThere / squared), kMostDensity);
 }
 
-Meeting meetingOf(const PathVertex& from, const DirectionGuide& guide, const PathVertex& to) {
-    const Vec3f way = to.target - from.origin;
-    const float cosine = way.dot(from.normal), cosineThere = -way.dot(to.geometricNormal);
-    if (cosine <= 0 || cosineThere <= 0 || way.dot(from.geometricNormal) <= 0) return {};
-    const float squared = std::max(way.length2(), std::numeric_limits<float>::min());
-    const float byCosine = atPlace(cosine, squared, cosineThere);
-    if (guide.isCosine()) return {byCosine, byCosine};
-    const float length = std::sqrt(squared);
-    const float density = guide.density(from.origin, cosine / length, way / length);
-    return {byCosine, atPlace(density * length, squared, cosineThere)};
-}
+/// Vertices of a group as arrays, so that one loop does several at a time.
+class GroupMembers {
+public:
+    void assign(const PathLevel& level, std::span<const std::uint32_t> members) {
+        vertices_.clear();
+        guides_.clear();
+        for (std::vector<float>& values : values_) values.clear();
+        for (const std::uint32_t member : members) {
+            const PathVertex& v = level.at.vertices[member];
+            vertices_.push_back(&v);
+            guides_.push_back(&level.guides.of(member));
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const int a = static_cast<int>(axis);
+                values_[axis].push_back(v.origin[a]);
+                values_[3 + axis].push_back(v.normal[a]);
+                values_[6 + axis].push_back(v.geometricNormal[a]);
+            }
+        }
+    }
+
+    std::size_t size() const { return vertices_.size(); }
+    const PathVertex& operator[](std::size_t member) const { return *vertices_[member]; }
+    const DirectionGuide& guideOf(std::size_t member) const { return *guides_[member]; }
+
+    /// Densities, times pi and by place, with which the diffuse rays of each member meet the
+    /// surface at another vertex if nothing lies between; 0 where it does not see its lit side.
+    ///
+    /// @param byCosine  receives those of rays drawn by the cosine
+    /// @param density   and those of the member's own
+    void meet(const PathVertex& to, std::span<float> byCosine, std::span<float> density) const {
+        const auto *ox = values_[0].data(), *oy = values_[1].data(), *oz = values_[2].data();
+        const auto *nx = values_[3].data(), *ny = values_[4].data(), *nz = values_[5].data();
+        const auto *gx = values_[6].data(), *gy = values_[7].data(), *gz = values_[8].data();
+        const float tx = to.target.x, ty = to.target.y, tz = to.target.z;
+        const float hx = to.geometricNormal.x, hy = to.geometricNormal.y, hz = to.geometricNormal.z;
+        for (std::size_t k = 0; k < byCosine.size(); ++k) {
+            const float x = tx - ox[k], y = ty - oy[k], z = tz - oz[k];
+            const float cosine = x * nx[k] + y * ny[k] + z * nz[k];
+            const float facing = x * gx[k] + y * gy[k] + z * gz[k];
+            const float cosineThere = -(x * hx + y * hy + z * hz);
+            const float least = std::min(std::min(cosine, facing), cosineThere);
+            const float squared =
+                std::max(x * x + y * y + z * z, std::numeric_limits<float>::min());
+            const float there = atPlace(cosine, squared, cosineThere);
+            byCosine[k] = least > 0 ? there : 0.0f;
+        }
+        for (std::size_t k = 0; k < byCosine.size(); ++k)
+            density[k] =
+                guideOf(k).isCosine() || !(byCosine[k] > 0) ? byCosine[k] : guidedDensity(k, to);
+    }
+
+private:
+    float guidedDensity(std::size_t member, const PathVertex& to) const {
+        const PathVertex& from = *vertices_[member];
+        const Vec3f way = to.target - from.origin;
+        const float squared = std::max(way.length2(), std::numeric_limits<float>::min());
+        const float length = std::sqrt(squared);
+        const float density =
+            guideOf(member).density(from.origin, way.dot(from.normal) / length, way / length);
+        return atPlace(density * length, squared, -way.dot(to.geometricNormal));
+    }
+
+    std::vector<const PathVertex*> vertices_;
+    std::vector<const DirectionGuide*> guides_;
+    std::array<std::vector<float>, 9> values_;  ///< origins, normals, geometric normals, by axis
+};
 
 /// One group of vertices at a time.
 class GroupExchange {
@@ -53,35 +102,42 @@ public:
         : scene_(scene), level_(level), next_(next), out_(out), grouped_(grouped) {}
 
     std::uint64_t run(std::span<const std::uint32_t> members) {
+        members_.assign(level_, members);
         findMeetings(members);
         const std::size_t n = members.size();
+        sums_.assign(n, Rgb(0, 0, 0));
         for (std::size_t j = 0; j < n; ++j) {
             const std::int32_t child = childOf(members[j]);
             if (child == VertexChildren::kNone) continue;
-            const auto column = std::span(meetings_).subspan(j * n, n);
+            const auto byCosine = column(byCosine_, j), density = column(density_, j);
             float sum = 0;
-            for (const Meeting& meeting : column) sum += meeting.density;
+            for (const float d : density) sum += d;
             const VertexLight& light = next_.light[static_cast<std::size_t>(child)];
             const Rgb radiance = diffuseRadiance(vertexMet(child), light) * static_cast<float>(kPi);
             findGroups(child);
             for (std::size_t k = 0; k < n; ++k) {
-                if (!(column[k].byCosine > 0)) continue;
-                const Rgb tint = tintOf(members[k], vertexMet(child), k == j);
-                const float weight = column[k].byCosine / sum;
-                out_[members[k]] += radiance * tint * weight;
+                if (!(byCosine[k] > 0)) continue;
+                const Rgb tint = tintOf(k, vertexMet(child), k == j);
+                const float weight = byCosine[k] / sum;
+                sums_[k] += radiance * tint * weight;
                 if (!ofGroups_.empty()) addTo(grouped_[members[k]], ofGroups_, tint * weight);
             }
-            const Rgb share = vertexMet(child).tint *
-                              (static_cast<float>(kPi) * (column[j].byCosine / column[j].density));
-            out_[members[j]] += light.mirrored * share;
+            const Rgb share =
+                vertexMet(child).tint * (static_cast<float>(kPi) * (byCosine[j] / density[j]));
+            sums_[j] += light.mirrored * share;
             if (!next_.groupedLight.mirrored.empty())
                 addTo(grouped_[members[j]],
                       next_.groupedLight.mirrored[static_cast<std::size_t>(child)], share);
         }
+        for (std::size_t k = 0; k < n; ++k) out_[members[k]] = sums_[k];
         return rays_;
     }
 
 private:
+    /// Of the rays of all members with what member j's ray met.
+    std::span<float> column(std::vector<float>& values, std::size_t j) const {
+        return std::span(values).subspan(j * members_.size(), members_.size());
+    }
     std::int32_t childOf(std::uint32_t member) const { return level_.children[member].diffuse; }
     const PathVertex& vertexMet(std::int32_t child) const {
         return next_.at.vertices[static_cast<std::size_t>(child)];
@@ -98,55 +154,54 @@ private:
     }
 
     /// By panes between a member and what it met itself, or another.
-    Rgb tintOf(std::uint32_t member, const PathVertex& met, bool itself) const {
+    Rgb tintOf(std::size_t member, const PathVertex& met, bool itself) const {
         if (itself) return met.tint;
         if (!scene_.tints()) return {1, 1, 1};
-        const Vec3f& origin = level_.at.vertices[member].origin;
+        const Vec3f& origin = members_[member].origin;
         return scene_.tint(origin, wayBetween(origin, met.target, met.geometricNormal), 1);
     }
 
-    /// meetings_[j n + k]: that of member k's rays with what j's ray met.
     void findMeetings(std::span<const std::uint32_t> members) {
         const std::size_t n = members.size();
-        meetings_.assign(n * n, {});
+        byCosine_.assign(n * n, 0);
+        density_.assign(n * n, 0);
         rays_ = 0;
         for (std::size_t j = 0; j < n; ++j) {
             const std::int32_t child = childOf(members[j]);
             if (child == VertexChildren::kNone) continue;
             const PathVertex& met = vertexMet(child);
-            for (std::size_t k = 0; k < n; ++k) {
-                const PathVertex& from = level_.at.vertices[members[k]];
-                const DirectionGuide& guide = level_.guides.of(members[k]);
-                Meeting& meeting = meetings_[j * n + k];
-                meeting = meetingOf(from, guide, met);
-                if (k == j)
-                    meeting = ownMeeting(meeting, guide, level_.children[members[j]]);
-                else if (meeting.density > 0)
-                    enqueue(from.origin, wayBetween(from.origin, met.target, met.geometricNormal),
-                            meeting);
-            }
+            const auto byCosine = column(byCosine_, j), density = column(density_, j);
+            members_.meet(met, byCosine, density);
+            meetOwn(j, level_.children[members[j]]);
+            for (std::size_t k = 0; k < n; ++k)
+                if (k != j && density[k] > 0) {
+                    const Vec3f& origin = members_[k].origin;
+                    enqueue(origin, wayBetween(origin, met.target, met.geometricNormal), j * n + k);
+                }
         }
         flush();
     }
 
-    /// Of a member with what its own ray met: that drew it, whatever rounding makes of its
-    /// direction.
-    static Meeting ownMeeting(Meeting found, const DirectionGuide& guide,
-                              const VertexChildren& children) {
-        found.byCosine = std::max(found.byCosine, kLeastDensity);
-        if (guide.isCosine()) return {found.byCosine, found.byCosine};
-        const float ratio = children.density / children.cosine;
-        found.byCosine = std::min(found.byCosine, kMostDensity / std::max(1.0f, ratio));
-        return {found.byCosine, found.byCosine * ratio};
+    /// A member with what its own ray met: that drew it, whatever rounding makes of its direction.
+    void meetOwn(std::size_t j, const VertexChildren& children) {
+        float& byCosine = column(byCosine_, j)[j];
+        byCosine = std::max(byCosine, kLeastDensity);
+        float ratio = 1;
+        if (!members_.guideOf(j).isCosine()) {
+            ratio = children.density / children.cosine;
+            byCosine = std::min(byCosine, kMostDensity / std::max(1.0f, ratio));
+        }
+        column(density_, j)[j] = byCosine * ratio;
     }
 
-    void enqueue(const Vec3f& origin, const Vec3f& way, Meeting& meeting) {
+    /// @param meeting  number that it tests
+    void enqueue(const Vec3f& origin, const Vec3f& way, std::size_t meeting) {
         for (int k = 0; k < 3; ++k) {
             stream_.origin[k][queued_] = origin[k];
             stream_.direction[k][queued_] = way[k];
         }
         stream_.reach[queued_] = 1;
-        asked_[queued_] = &meeting;
+        asked_[queued_] = meeting;
         if (++queued_ == RayStream::kSize) flush();
     }
 
@@ -161,7 +216,7 @@ private:
             };
             if (stream_.reach[i] < 0 ||
                 (moves && !scene_.isFree(vector(stream_.origin), vector(stream_.direction))))
-                *asked_[i] = {};
+                byCosine_[asked_[i]] = density_[asked_[i]] = 0;
         }
         rays_ += queued_;
         queued_ = 0;
@@ -173,9 +228,11 @@ private:
     std::vector<Rgb>& out_;
     GroupedLight& grouped_;
     std::vector<Rgb> ofGroups_;
-    std::vector<Meeting> meetings_;
+    GroupMembers members_;
+    std::vector<Rgb> sums_;                  ///< that members receive
+    std::vector<float> byCosine_, density_;  ///< GroupMembers::meet(), column by column
     RayStream stream_{};
-    Meeting* asked_[RayStream::kSize] = {};
+    std::size_t asked_[RayStream::kSize] = {};  ///< numbers of what the rays test
     std::size_t queued_ = 0;
     std::uint64_t rays_ = 0;
 };
