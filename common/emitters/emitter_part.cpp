@@ -228,10 +228,22 @@ EmitterPoint sampleCapOf(const EmitterPart& lamp, const Receiver& at, double u, 
     return point;
 }
 
+/// Whether a triangle is so narrow that rounding decides how its corners lie.
+bool isThin(const EmitterPart& t) noexcept {
+    constexpr double kRounding = 0x1p-20;
+    double far = 0;
+    for (const Vec3f& corner : t.corner) far = std::max(far, Vec3d(corner).length());
+    const double twiceArea = (Vec3d(t.corner[1]) - Vec3d(t.corner[0]))
+                                 .cross(Vec3d(t.corner[2]) - Vec3d(t.corner[0]))
+                                 .length();
+    return twiceArea < kRounding * far * static_cast<double>(t.size);
+}
+
 /// Whether points of a triangle are drawn in solid angle.
 bool isNear(const EmitterPart& t, const Receiver& at) noexcept {
-    return (t.centre - at.position).length2() < kNear * kNear * t.size * t.size ||
-           isHiddenInPart(t, at);
+    return ((t.centre - at.position).length2() < kNear * kNear * t.size * t.size ||
+            isHiddenInPart(t, at)) &&
+           !isThin(t);
 }
 
 /// Density of points drawn in area, as seen from a place.

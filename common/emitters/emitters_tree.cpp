@@ -233,6 +233,8 @@ void Emitters::findShapes() {
             if (t.form == Form::triangle) {
                 std::uint64_t corners = 0;
                 for (const Vec3f& corner : t.corner) corners += hashOf(corner);
+                // Where slats leave no light, nothing is counted.
+                if (t.slats > 0) corners += hashOf({t.slats, 0, 0});
                 hash += hashWords(corners, t.twoSided);
             } else {
                 const Vec3f& place = t.form == Form::sun ? t.normal : t.centre;

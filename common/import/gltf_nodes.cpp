@@ -89,7 +89,9 @@ Affine fromParts(const Vec3d& translation, const std::array<double, 4>& rotation
     return {{right * scale.x, up * scale.y, back * scale.z}, translation};
 }
 
-std::vector<double> GltfTrack::at(double seconds) const {
+std::vector<double> GltfTrack::at(double time) const {
+    // Keys have their times as floats: at one that stands for this time, its value holds.
+    const auto seconds = static_cast<double>(static_cast<float>(time));
     const bool cubic = channel.interpolation == Interpolation::cubicSpline;
     // `part` of a cubic key: 0 in-tangent, 1 value, 2 out-tangent.
     const auto key = [&](std::size_t i, std::size_t part) {

@@ -20,7 +20,7 @@ struct GltfTrack {
                                  ///< out-tangent
 
     /// The value at a time, held before the first and after the last.
-    std::vector<double> at(double seconds) const;
+    std::vector<double> at(double time) const;
     bool varies() const;
 };
 

@@ -1,5 +1,7 @@
 #include "common/import/gltf_placed_lamps.h"
 
+#include <algorithm>
+
 #include "common/import/lamp_place.h"
 
 namespace shadowcache {
@@ -16,9 +18,13 @@ std::vector<int> lampNodes(const GltfDocument& document) {
     return found;
 }
 
+/// Scale of a node that moves below which its lamp is off: less than an animation that hides it
+/// shows a frame's rounding away from its key.
+constexpr double kLeastScale = 1e-4;
+
 bool hasSize(const Affine& place) {
-    return place.axis[0].length2() > 0 || place.axis[1].length2() > 0 ||
-           place.axis[2].length2() > 0;
+    return std::ranges::any_of(
+        place.axis, [](const Vec3d& axis) { return axis.length2() > kLeastScale * kLeastScale; });
 }
 
 }  // namespace
@@ -29,7 +35,8 @@ GltfLampPlace gltfLampAt(const GltfDocument& document, const GltfNodes& nodes, i
     const Lamp& light = document.lights[static_cast<std::size_t>(from.light)];
     const Affine place = nodes.at(node, seconds);
     const std::optional<Lamp> placed = placedLamp(light, place);
-    GltfLampPlace found{placed.value_or(light), placed && (hasSize(place) || !nodes.moves(node))};
+    const bool isThere = placed && (hasSize(place) || !nodes.moves(node));
+    GltfLampPlace found{isThere ? *placed : light, isThere};
     if (!from.name.empty()) found.lamp.name = from.name;
     return found;
 }

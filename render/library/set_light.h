@@ -22,7 +22,7 @@ public:
     /// Whether the cache counts each emitter as it stands in the set, but for lamps that move.
     bool knowsAll() const { return knowsAll_; }
     /// Whether lamps move, which no cache counts.
-    bool moves() const { return emitters_.moves(emitters_.size() - 1); }
+    bool moves() const { return !emitters_.empty() && emitters_.moves(emitters_.size() - 1); }
 
     /// Learns where lamps that move stand now. What is known of the others stays.
     void moveLamps();

@@ -405,6 +405,25 @@ TEST(Emitters, KeepTheirShapesWhateverTheyEmit) {
     EXPECT_TRUE(emittersOf(mesh).empty());
 }
 
+// A bake counts nothing where slats leave no light.
+TEST(Emitters, HaveAnotherShapeByAnotherSpread) {
+    Lamp lamp;
+    lamp.form = Lamp::Form::rectangle;
+    lamp.strength = Rgb(1);
+    lamp.halfWidth = Vec3d(1, 0, 0);
+    lamp.halfHeight = Vec3d(0, 0, 1);
+    lamp.direction = Vec3d(0, -1, 0);
+    const auto shapeBy = [&](double spread) {
+        lamp.spread = spread;
+        TriangleMesh mesh;
+        mesh.lamps = {lamp};
+        return emittersOf(mesh).shapeOf(0);
+    };
+    EXPECT_EQ(shapeBy(0.4), shapeBy(0.4));
+    EXPECT_NE(shapeBy(0.4), shapeBy(0.5));
+    EXPECT_NE(shapeBy(0.4), shapeBy(kPi));
+}
+
 TEST(Emitters, EmitFromTheSidesThatTheirFileSays) {
     const Corners overhead{Vec3d(-1, 1, -1), Vec3d(1, 1, -1), Vec3d(0, 1, 1)};
     for (const bool twoSided : {false, true}) {

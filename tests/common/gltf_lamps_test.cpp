@@ -205,6 +205,28 @@ TEST(MovingLamps, AreWhereTheirNodesAre) {
     EXPECT_TRUE(openShots(path, other, 24)[0].movingLampNodes().empty());
 }
 
+// Keys have their times as floats, which frames have not.
+TEST(MovingLamps, AreOffInEachFrameThatHidesThem) {
+    for (const double fps : {24.0, 25.0, 30.0, 24 / 1.001}) {
+        for (const char* interpolation : {"LINEAR", "STEP"}) {
+            GltfBuilder file = setWith({{"type", "point"}});
+            std::vector<float> times, scales;
+            for (int frame = 0; frame <= 120; ++frame) {
+                times.push_back(static_cast<float>(frame / fps));
+                scales.insert(scales.end(), 3, frame % 2 == 0 ? 0.0f : 1.0f);
+            }
+            file.animate(1, "scale", interpolation, times, scales);
+            const test::TemporaryFolder folder;
+            const std::filesystem::path path[] = {folder.write("a.glb", file.glb())};
+            std::vector<GltfShot> shots = openShots(path, {}, fps);
+            const MovingLamps lamps(shots, {}, {0, 0, 0});
+            for (int frame = 0; frame <= 120; ++frame)
+                ASSERT_EQ(lamps.at(frame).front().gain, Rgb(frame % 2 == 0 ? 0.0f : 1.0f))
+                    << frame << " at " << fps << ", " << interpolation;
+        }
+    }
+}
+
 TEST(GltfLamps, AreOffWhereTheyAreHiddenOrSwitchedOff) {
     GltfBuilder file = setWith({{"type", "point"}});
     EXPECT_TRUE(loaded(file, {.lamps = false}).lamps.empty());

@@ -201,6 +201,12 @@ std::vector<SpreadCase> spreadCases() {
                 const double aside = 0.5 * height * std::tan(0.25 * spread);
                 cases.push_back({lamp, {Vec3f(Vec3d(-aside, 0, 0)), tilted}});
             }
+    // Narrower than floats tell corners apart.
+    for (const Lamp::Form form : {Lamp::Form::rectangle, Lamp::Form::ellipse}) {
+        Lamp lamp = areaAt(form, {0.3, 2, 0.1}, 5e-9, 0.5);
+        lamp.spread = 0.5;
+        cases.push_back({lamp, kFloor});
+    }
     return cases;
 }
 
