@@ -16,6 +16,7 @@
 #include "common/mesh/placed_mesh.h"
 #include "render/frame/integrator.h"
 #include "render/library/lit_stage.h"
+#include "tests/support/glossy_reference.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
 
@@ -252,7 +253,6 @@ TEST_F(ClosedBox, ShowsAGeometricSum) {
 TEST_F(ClosedBox, ShowsTheAlbedoOfALobe) {
     const ShadingPoint point = test::pointAlong(world_->scene, {0.2f, 0, 0.1f}, {0, -1, 0});
     const auto estimator = findEstimator("cache").make(world_->context(), {});
-    const auto workspace = estimator->makeWorkspace();
     double least = 1, leastOfControl = 1;
     for (const float roughness : {0.05f, 0.3f, 0.8f}) {
         const Surface surface = glossy(Rgb(1), Gloss{.metallic = 1, .roughness = roughness});
@@ -266,17 +266,7 @@ TEST_F(ClosedBox, ShowsTheAlbedoOfALobe) {
             if (w.dot(point.place.geometricNormal) > 0 && lobe.density(w) > 0)
                 truth += static_cast<double>(lobe.value(w).y / lobe.density(w)) / (kSide * kSide);
         }
-        std::vector<double> found;
-        for (std::uint64_t seed = 1; seed <= 400; ++seed) {
-            ShadingPoint seeded = point;
-            seeded.slot.seed = hashWords(seed);
-            const GlossyPoint glossyPoint{seeded, lobe};
-            GlossEstimate estimate;
-            const PointBatch batch{.points = std::span(&seeded, 1), .samples = 8};
-            estimator->estimateGloss(batch, std::span(&glossyPoint, 1), *workspace,
-                                     std::span(&estimate, 1));
-            found.push_back(static_cast<double>(estimate.radiance.y));
-        }
+        const std::vector<double> found = test::reflectedBySeeds(*estimator, point, lobe, 400);
         least = std::min(least, test::meanPValue(found, truth));
         leastOfControl = std::min(leastOfControl, test::meanPValue(found, truth * 1.02));
     }

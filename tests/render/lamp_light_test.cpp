@@ -13,6 +13,7 @@
 #include "common/emitters/lit_cap.h"
 #include "render/frame/integrator.h"
 #include "render/library/lit_stage.h"
+#include "tests/support/glossy_reference.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
 
@@ -150,18 +151,7 @@ TEST(LampGloss, IsTheIntegralOverTheLamp) {
             const double truth =
                 reflected(lobe, mesh.lamps[0].position - Vec3d(point.place.rayOrigin), radius, 2);
             const auto estimator = findEstimator("cache").make(world.context(), {});
-            const auto workspace = estimator->makeWorkspace();
-            std::vector<double> found;
-            for (std::uint64_t seed = 1; seed <= 300; ++seed) {
-                ShadingPoint seeded = point;
-                seeded.slot.seed = hashWords(seed);
-                const GlossyPoint glossyPoint{seeded, lobe};
-                GlossEstimate estimate;
-                const PointBatch batch{.points = std::span(&seeded, 1), .samples = 8};
-                estimator->estimateGloss(batch, std::span(&glossyPoint, 1), *workspace,
-                                         std::span(&estimate, 1));
-                found.push_back(static_cast<double>(estimate.radiance.y));
-            }
+            const std::vector<double> found = test::reflectedBySeeds(*estimator, point, lobe, 300);
             if (radius == 0) {
                 // One direction, which only rays to the lamp find.
                 for (const double value : found) EXPECT_NEAR(value / truth, 1, 1e-3);
@@ -236,7 +226,6 @@ TEST(LampWithASpread, IsReflectedByItsIntegral) {
     const test::World world(underSpread(0.5), darkSky());
     const ShadingPoint point = test::pointAlong(world.scene, {0.2f, 0.5f, 0.25f}, {0, -1, 0});
     const auto estimator = findEstimator("cache").make(world.context(), {});
-    const auto workspace = estimator->makeWorkspace();
     for (const float roughness : {0.15f, 0.5f}) {
         const Surface surface = glossy(Rgb(1), Gloss{.metallic = 1, .roughness = roughness});
         const GlossyLobe lobe(surface, point.place.normal, Vec3f(-0.1f, 1, 0.1f).normalized());
@@ -245,17 +234,7 @@ TEST(LampWithASpread, IsReflectedByItsIntegral) {
                  [&](const Vec3d& w, double light) {
                      if (light > 0) truth += light * static_cast<double>(lobe.value(Vec3f(w)).y);
                  });
-        std::vector<double> found;
-        for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
-            ShadingPoint seeded = point;
-            seeded.slot.seed = hashWords(seed);
-            const GlossyPoint glossyPoint{seeded, lobe};
-            GlossEstimate estimate;
-            const PointBatch batch{.points = std::span(&seeded, 1), .samples = 8};
-            estimator->estimateGloss(batch, std::span(&glossyPoint, 1), *workspace,
-                                     std::span(&estimate, 1));
-            found.push_back(static_cast<double>(estimate.radiance.y));
-        }
+        const std::vector<double> found = test::reflectedBySeeds(*estimator, point, lobe, 1000);
         least = std::min(least, test::meanPValue(found, truth));
         leastOfControl = std::min(leastOfControl, test::meanPValue(found, truth * 1.05));
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "tests/support/test_scenes.h"
 
@@ -142,6 +143,23 @@ Rgb tracedReflection(const Scene& scene, const ShadingPoint& point, const Glossy
                (n.dot(w) * static_cast<double>(texel.solidAngle));
     }
     return Rgb(sum);
+}
+
+std::vector<double> reflectedBySeeds(const Estimator& estimator, const ShadingPoint& point,
+                                     const GlossyLobe& lobe, std::uint64_t seeds) {
+    const auto workspace = estimator.makeWorkspace();
+    std::vector<double> found;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        ShadingPoint seeded = point;
+        seeded.slot.seed = hashWords(seed);
+        const GlossyPoint glossyPoint{seeded, lobe};
+        GlossEstimate estimate;
+        const PointBatch batch{.points = std::span(&seeded, 1), .samples = 8};
+        estimator.estimateGloss(batch, std::span(&glossyPoint, 1), *workspace,
+                                std::span(&estimate, 1));
+        found.push_back(static_cast<double>(estimate.radiance.y));
+    }
+    return found;
 }
 
 }  // namespace shadowcache::test

@@ -38,4 +38,9 @@ double visibleNormalProbability(double alpha, double cosine, double a0, double a
 Rgb tracedReflection(const Scene& scene, const ShadingPoint& point, const GlossyLook& look,
                      const Vec3d& toViewer, const Environment& environment);
 
+/// Radiance of green, by seeds 1 to `seeds`, that an estimator finds reflected by a lobe at a place
+/// with 8 samples.
+std::vector<double> reflectedBySeeds(const Estimator& estimator, const ShadingPoint& point,
+                                     const GlossyLobe& lobe, std::uint64_t seeds);
+
 }  // namespace shadowcache::test
