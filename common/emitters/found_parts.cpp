@@ -106,6 +106,7 @@ std::vector<Vec3d> outlineOf(const Lamp& lamp) {
     constexpr double kStep = 2 * kPi / kEllipseSides;
     const double size = std::sqrt(kStep / std::sin(kStep));
     std::vector<Vec3d> outline;
+    outline.reserve(kEllipseSides);
     for (int k = 0; k < kEllipseSides; ++k)
         outline.push_back(at(size * std::cos(k * kStep), size * std::sin(k * kStep)));
     return outline;

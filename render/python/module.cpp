@@ -311,7 +311,7 @@ static void define(pybind11::module_& module) {
         "An input or a file that is refused; the text names it, what was found and expected.";
     py::register_exception_translator([](std::exception_ptr thrown) {
         try {
-            std::rethrow_exception(thrown);
+            std::rethrow_exception(std::move(thrown));
         } catch (const shadowcache::Error& e) {
             error(shadowcache::python::inPythonsWords(e.what()).c_str());
         } catch (const std::filesystem::filesystem_error& e) {  // as the size of a device
