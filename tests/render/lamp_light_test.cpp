@@ -128,8 +128,9 @@ double reflected(const GlossyLobe& lobe, const Vec3d& way, double radius, double
     constexpr int kSide = 400;
     double sum = 0;
     for (int i = 0; i < kSide * kSide; ++i) {
-        const Vec3d w = sampleCap(way.normalized(), sineSquared, (i % kSide + 0.5) / kSide,
-                                  (i / kSide + 0.5) / kSide);
+        const int column = i % kSide, row = i / kSide;
+        const Vec3d w =
+            sampleCap(way.normalized(), sineSquared, (column + 0.5) / kSide, (row + 0.5) / kSide);
         sum += static_cast<double>(lobe.value(Vec3f(w)).y) / (kSide * kSide);
     }
     return sum * capSolidAngle(sineSquared) * intensity / (kPi * radius * radius);
@@ -184,8 +185,9 @@ template <class Visit>
 void overArea(const Lamp& lamp, const Vec3d& place, const Visit& visit) {
     constexpr int kSide = 1000;
     for (int i = 0; i < kSide * kSide; ++i) {
-        const Vec3d way = lamp.position + lamp.halfWidth * ((i % kSide + 0.5) * 2 / kSide - 1) +
-                          lamp.halfHeight * ((i / kSide + 0.5) * 2 / kSide - 1) - place;
+        const int column = i % kSide, row = i / kSide;
+        const Vec3d way = lamp.position + lamp.halfWidth * ((column + 0.5) * 2 / kSide - 1) +
+                          lamp.halfHeight * ((row + 0.5) * 2 / kSide - 1) - place;
         const Vec3d w = way.normalized();
         const double cosine = -lamp.direction.dot(w), angle = std::acos(std::min(1.0, cosine));
         const double left = std::max(0.0, 1 - std::tan(angle) / std::tan(0.5 * lamp.spread));
