@@ -233,13 +233,15 @@ void Emitters::findShapes() {
             if (t.form == Form::triangle) {
                 std::uint64_t corners = 0;
                 for (const Vec3f& corner : t.corner) corners += hashOf(corner);
-                // Where slats leave no light, nothing is counted.
-                if (t.slats > 0) corners += hashOf({t.slats, 0, 0});
+                // Where a lamp does not shine, nothing is counted.
+                if (!t.isSurface()) corners += hashOf(t.normal) + hashOf({t.slats, 0, 0});
                 hash += hashWords(corners, t.twoSided);
             } else {
                 const Vec3f& place = t.form == Form::sun ? t.normal : t.centre;
                 hash += hashWords(hashOf(place), hashOf({t.radius, t.sineSquared, 0}),
                                   static_cast<std::uint64_t>(t.form));
+                if (t.cone)
+                    hash += hashOf(t.normal) + hashOf({static_cast<float>(t.cone->cosOuter), 0, 0});
             }
         }
         shapes_.push_back(mixBits(hash));

@@ -405,23 +405,43 @@ TEST(Emitters, KeepTheirShapesWhateverTheyEmit) {
     EXPECT_TRUE(emittersOf(mesh).empty());
 }
 
-// A bake counts nothing where slats leave no light.
-TEST(Emitters, HaveAnotherShapeByAnotherSpread) {
-    Lamp lamp;
-    lamp.form = Lamp::Form::rectangle;
-    lamp.strength = Rgb(1);
-    lamp.halfWidth = Vec3d(1, 0, 0);
-    lamp.halfHeight = Vec3d(0, 0, 1);
-    lamp.direction = Vec3d(0, -1, 0);
-    const auto shapeBy = [&](double spread) {
-        lamp.spread = spread;
+// A bake counts nothing where a lamp does not shine: one that shines elsewhere is another.
+TEST(Emitters, HaveAnotherShapeWhereTheyShineElsewhere) {
+    const auto shapeOf = [](const Lamp& lamp) {
         TriangleMesh mesh;
         mesh.lamps = {lamp};
         return emittersOf(mesh).shapeOf(0);
     };
-    EXPECT_EQ(shapeBy(0.4), shapeBy(0.4));
-    EXPECT_NE(shapeBy(0.4), shapeBy(0.5));
-    EXPECT_NE(shapeBy(0.4), shapeBy(kPi));
+    Lamp area;
+    area.form = Lamp::Form::rectangle;
+    area.strength = Rgb(1);
+    area.halfWidth = Vec3d(1, 0, 0);
+    area.halfHeight = Vec3d(0, 0, 1);
+    area.direction = Vec3d(0, -1, 0);
+    area.spread = 0.4;
+    Lamp spot;
+    spot.strength = Rgb(1);
+    spot.direction = Vec3d(0, -1, 0);
+    spot.cone = LampCone{.cosInner = 0.9, .cosOuter = 0.8};
+    for (const Lamp& lamp : {area, spot}) {
+        Lamp other = lamp;
+        other.gain = Rgb(2);
+        other.strength = Rgb(3);
+        EXPECT_EQ(shapeOf(other), shapeOf(lamp));
+        other = lamp;
+        other.direction = Vec3d(0, 1, 0);
+        EXPECT_NE(shapeOf(other), shapeOf(lamp));
+    }
+    Lamp other = area;
+    for (const double spread : {0.5, kPi}) {
+        other.spread = spread;
+        EXPECT_NE(shapeOf(other), shapeOf(area));
+    }
+    other = spot;
+    other.cone->cosOuter = 0.7;
+    EXPECT_NE(shapeOf(other), shapeOf(spot));
+    other.cone.reset();
+    EXPECT_NE(shapeOf(other), shapeOf(spot));
 }
 
 TEST(Emitters, EmitFromTheSidesThatTheirFileSays) {
