@@ -75,7 +75,7 @@ const double kHalved = 1 - std::exp2(-kStratification);
 /// Rays of one kind for a pixel, for each camera ray that is asked for.
 struct Rays {
     int factor = 1;
-    double error = 0;  ///< that they leave, over that of the camera rays that are asked for
+    double error = 0;  ///< that they leave, times K^kStratification for K that are asked for
     double cost = 0;   ///< [camera rays that are asked for]
 };
 
