@@ -35,16 +35,22 @@ std::atomic<int> threadLimit{0};
 /// Limit that withThreads gave what this thread does, 0 for none.
 thread_local int callLimit = 0;
 
-/// Sets the limit of a call until its end.
-class CallLimit {
+/// Whether this thread runs the body of a loop.
+thread_local bool inLoop = false;
+
+/// Sets a variable until the end of a scope.
+template <class T>
+class Setting {
 public:
-    explicit CallLimit(int threads) : before_(std::exchange(callLimit, threads)) {}
-    ~CallLimit() { callLimit = before_; }
-    CallLimit(const CallLimit&) = delete;
-    CallLimit& operator=(const CallLimit&) = delete;
+    Setting(T& variable, T value)
+        : variable_(variable), before_(std::exchange(variable, value)) {}
+    ~Setting() { variable_ = before_; }
+    Setting(const Setting&) = delete;
+    Setting& operator=(const Setting&) = delete;
 
 private:
-    int before_;
+    T& variable_;
+    const T before_;
 };
 
 #ifdef SHADOWCACHE_STD_THREADS
@@ -82,7 +88,12 @@ void runInArena(int, const std::function<void()>& work) {
 #else
 
 void runAll(std::size_t count, const std::function<void(std::size_t)>& run) {
-    tbb::parallel_for(std::size_t{0}, count, run);
+    const auto all = [&] { tbb::parallel_for(std::size_t{0}, count, run); };
+    // While a loop in a loop waits for its last chunk, its thread begins none of the outer loop's.
+    if (inLoop)
+        tbb::this_task_arena::isolate(all);
+    else
+        all();
 }
 
 void applyLimit(int threads) {
@@ -121,7 +132,7 @@ void withThreads(int threads, const std::function<void()>& work) {
         work();
         return;
     }
-    const CallLimit limit(threads);
+    const Setting limit(callLimit, threads);
     runInArena(threadCount(), work);
 }
 
@@ -133,7 +144,8 @@ void parallelFor(std::size_t count, std::size_t chunkSize,
     const int limit = callLimit;
     runAll(chunks, [&](std::size_t index) {
         const WatchScope scope(watch);
-        const CallLimit ofCall(limit);
+        const Setting ofCall(callLimit, limit);
+        const Setting ofLoop(inLoop, true);
         throwIfStopped();
         const std::size_t begin = index * chunkSize;
         body({begin, std::min(begin + chunkSize, count), index});

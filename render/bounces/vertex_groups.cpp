@@ -35,7 +35,7 @@ struct Range {
     std::size_t size() const { return end - begin; }
 };
 
-/// Halves ranges of vertices at the median of the axis that they differ most along.
+/// Splits ranges of vertices across the axis that they differ most along.
 class ClusterTree {
 public:
     ClusterTree(std::span<const PathVertex> vertices, std::span<const VertexChoice> choices) {
@@ -69,7 +69,7 @@ public:
             std::vector<std::uint32_t> middles(parts.size());
             parallelFor(parts.size(), 1, [&](const Chunk& chunk) {
                 for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-                    middles[i] = parts[i].size() > most ? halve(parts[i]) : parts[i].end;
+                    middles[i] = split(parts[i], most);
             });
             std::vector<Range> halves;
             for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -92,16 +92,19 @@ public:
 
 private:
     void splitBelow(const Range& part, std::size_t most, std::vector<Range>& out) {
-        if (part.size() <= most) {
+        const std::uint32_t middle = split(part, most);
+        if (middle == part.end) {
             out.push_back(part);
             return;
         }
-        const std::uint32_t middle = halve(part);
         splitBelow({part.begin, middle}, most, out);
         splitBelow({middle, part.end}, most, out);
     }
 
-    std::uint32_t halve(const Range& part) {
+    /// Splits a range in two whose sizes are as whole numbers of parts that are alike, of as many
+    /// as there must be; where the second begins, or the end of what has at most `most`.
+    std::uint32_t split(const Range& part, std::size_t most) {
+        if (part.size() <= most) return part.end;
         const auto some = std::span(placed_).subspan(part.begin, part.size());
         std::array<float, 6> low = some.front().at, high = low;
         for (const Placed& p : some)
@@ -112,13 +115,14 @@ private:
         std::size_t axis = 0;
         for (std::size_t k = 1; k < low.size(); ++k)
             if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
-        const std::size_t half = some.size() / 2;
-        std::nth_element(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(half), some.end(),
+        const std::size_t parts = (some.size() + most - 1) / most;
+        const std::size_t first = some.size() * (parts / 2) / parts;
+        std::nth_element(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(first), some.end(),
                          [&](const Placed& a, const Placed& b) {
                              return std::pair(a.at[axis], a.number) <
                                     std::pair(b.at[axis], b.number);
                          });
-        return part.begin + static_cast<std::uint32_t>(half);
+        return part.begin + static_cast<std::uint32_t>(first);
     }
 
     std::vector<Placed> placed_;

@@ -11,7 +11,7 @@ namespace shadowcache {
 namespace {
 
 /// Blocks of one tile that a thread takes at a time.
-constexpr std::size_t kBlocksOfChunk = 4;
+constexpr std::size_t kTilesOfChunk = 4;
 
 /// How far `passes` over a block are.
 BlockProgress progressOf(const TileBlock& block, int passes, const LoopObserver& observer) {
@@ -51,19 +51,18 @@ FrameLoop::FrameLoop(const FrameRequest& frame, std::vector<TileBlock> blocks,
 
 RayCounts FrameLoop::run(RayRange rays, RenderStats& stats, const LoopObserver& observer) {
     const RenderTimer time(stats);
-    const bool inTurn = frame_.options.bounces != 0;
+    const std::size_t blocksOfChunk = frame_.options.bounces != 0 ? 1 : kTilesOfChunk;
     const bool isLast = rays.first + rays.count >= frame_.options.cameraRays;
     std::vector<RayCounts> counts(blocks_.size());
     std::vector<BounceCounts> bounces(blocks_.size());
-    parallelFor(blocks_.size(), inTurn ? std::max<std::size_t>(1, blocks_.size()) : kBlocksOfChunk,
-                [&](const Chunk& chunk) {
-                    for (std::size_t b = chunk.begin; b < chunk.end; ++b) {
-                        observer.onBlock();
-                        render(b, rays, bounces[b], observer);
-                        counts[b] = finish(b, observer);
-                        if (isLast) pixels_[b] = {};
-                    }
-                });
+    parallelFor(blocks_.size(), blocksOfChunk, [&](const Chunk& chunk) {
+        for (std::size_t b = chunk.begin; b < chunk.end; ++b) {
+            observer.onBlock();
+            render(b, rays, bounces[b], observer);
+            counts[b] = finish(b, observer);
+            if (isLast) pixels_[b] = {};
+        }
+    });
     renderer_.tools().addCounts(stats);
     RayCounts all;
     for (const RayCounts& count : counts) all.add(count);

@@ -36,8 +36,7 @@ struct RayCounts {
     void addTo(RenderStats& stats) const;
 };
 
-/// The loop over the blocks of a frame: in parallel, or, if light bounces, one after another, each
-/// in parallel.
+/// The loop over the blocks of a frame, in parallel; if light bounces, each in parallel as well.
 class FrameLoop {
 public:
     /// @param frame   outlives this object
