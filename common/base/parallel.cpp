@@ -42,8 +42,7 @@ thread_local bool inLoop = false;
 template <class T>
 class Setting {
 public:
-    Setting(T& variable, T value)
-        : variable_(variable), before_(std::exchange(variable, value)) {}
+    Setting(T& variable, T value) : variable_(variable), before_(std::exchange(variable, value)) {}
     ~Setting() { variable_ = before_; }
     Setting(const Setting&) = delete;
     Setting& operator=(const Setting&) = delete;

@@ -117,8 +117,8 @@ private:
             if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
         const std::size_t parts = (some.size() + most - 1) / most;
         const std::size_t first = some.size() * (parts / 2) / parts;
-        std::nth_element(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(first), some.end(),
-                         [&](const Placed& a, const Placed& b) {
+        std::nth_element(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(first),
+                         some.end(), [&](const Placed& a, const Placed& b) {
                              return std::pair(a.at[axis], a.number) <
                                     std::pair(b.at[axis], b.number);
                          });
