@@ -25,9 +25,6 @@ constexpr Named<Falloff> kFalloffs[] = {{"square", {false, false}},
 constexpr Named<Lamp::Form> kShapes[] = {{"rectangle", Lamp::Form::rectangle},
                                          {"ellipse", Lamp::Form::ellipse}};
 
-/// Least spread of an area [rad]: less would be a laser.
-constexpr double kLeastSpread = 0.01;
-
 /// Angles in single precision may be so much more than half a circle.
 constexpr double kRounding = 1 + 1e-6;
 
@@ -58,8 +55,8 @@ void readArea(const GltfObject& extras, Lamp& lamp) {
     lamp.halfWidth = Vec3d(size[0] / 2, 0, 0);
     lamp.halfHeight = Vec3d(0, size[1] / 2, 0);
     lamp.spread = extras.number("spread", kPi);
-    if (!(lamp.spread >= kLeastSpread && lamp.spread <= kPi * kRounding))
-        extras.refuse("spread", fmt::format("{:g} to {:.4g}", kLeastSpread, kPi));
+    if (!(lamp.spread >= Lamp::kLeastSpread && lamp.spread <= kPi * kRounding))
+        extras.refuse("spread", fmt::format("{:g} to {:.4g}", Lamp::kLeastSpread, kPi));
 }
 
 LampCone coneOf(const GltfObject& light, const GltfObject& extras) {

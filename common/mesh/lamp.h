@@ -27,6 +27,8 @@ struct Lamp {
         rectangle,  ///< lit on one side, like an ellipse
         ellipse
     };
+    static constexpr double kLeastSpread = 0.01;  ///< [rad]: less would be a laser
+
     std::string name;
     Form form = Form::point;
     /// Of a point, and of areas along `direction`: radiant intensity, [radiance] times m^2. Of a
@@ -39,7 +41,7 @@ struct Lamp {
     double radius = 0;                              ///< of points
     double angle = 0;                ///< of suns: diameter of the disc, 0 to pi [rad]
     std::optional<LampCone> cone{};  ///< of points: makes a spot
-    /// Of areas, 0.01 to pi [rad]: at an angle t to `direction` slats before them leave the share
+    /// Of areas, kLeastSpread to pi [rad]: at an angle t to `direction` slats before them leave the share
     /// max(0, 1 - tan(t) / tan(spread / 2)); pi: there are none.
     double spread = kPi;
     bool moves = false;  ///< an animation moves it: this is its place in one frame

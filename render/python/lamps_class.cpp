@@ -132,15 +132,17 @@ LampsObject suns(const py::object& directions, const py::object& irradiance,
 }
 
 LampsObject areas(const py::object& positions, const py::object& widths, const py::object& heights,
-                  const py::object& radiance, const std::string& shape, bool camera) {
+                  const py::object& radiance, const std::string& shape, const py::object& spread,
+                  bool camera) {
     if (shape != "rectangle" && shape != "ellipse")
         throw py::value_error("shape: '" + shape + "', expected 'rectangle' or 'ellipse'");
     const bool isRound = shape == "ellipse";
-    const py::object strengths = colors(radiance, "radiance");
+    const py::object strengths = colors(radiance, "radiance"), spreads = tripled(spread, "spread");
     const Broadcast all({{"positions", positions},
                          {"widths", widths},
                          {"heights", heights},
-                         {"radiance", strengths}});
+                         {"radiance", strengths},
+                         {"spread", spreads}});
     return lampsOf(all, camera, [isRound](std::size_t i, const auto& v) {
         Lamp lamp;
         lamp.form = isRound ? Lamp::Form::ellipse : Lamp::Form::rectangle;
@@ -152,6 +154,9 @@ LampsObject areas(const py::object& positions, const py::object& widths, const p
         lamp.direction = across.normalized();
         const double area = across.length() * (isRound ? kPi / 4 : 1);
         lamp.strength = strengthOf(v[3][i], "radiance", i, area);
+        lamp.spread = v[4][i].x * kPi / 180;
+        if (!(lamp.spread >= Lamp::kLeastSpread && lamp.spread <= kPi))
+            refuse("spread", i, "degrees, 0.573 to 180");
         return lamp;
     });
 }
@@ -216,11 +221,13 @@ void defineLamps(py::module_& module) {
         .def_static(
             "areas", areas, py::arg("positions"), py::arg("widths"), py::arg("heights"),
             py::arg("radiance"), py::kw_only(), py::arg("shape") = "rectangle",
-            py::arg("camera") = false,
+            py::arg("spread") = 180.0, py::arg("camera") = false,
             "Areas that shine on one side, that of the cross product of width and height.\n\n"
             "positions: of their middles. widths, heights: vectors along two sides, as long\n"
             "    as these [m]; of an ellipse its diameters.\n"
-            "radiance: of the area. shape: 'rectangle' or 'ellipse'. camera: as of Lamps.")
+            "radiance: of the area, along its axis. shape: 'rectangle' or 'ellipse'.\n"
+            "spread: slats before it leave the share max(0, 1 - tan(t) / tan(spread / 2)) at an\n"
+            "    angle t to its axis [degrees, 0.573 to 180]; 180: none. camera: as of Lamps.")
         .def("__add__", together, py::arg("other"))
         .def("__len__", [](const LampsObject& l) { return l.lamps.size(); })
         .def("__repr__", [](const LampsObject& l) {

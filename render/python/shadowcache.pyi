@@ -59,6 +59,7 @@ class Lamps:
         radiance: ArrayLike,
         *,
         shape: str = ...,
+        spread: ArrayLike = ...,
         camera: bool = ...,
     ) -> Lamps: ...
     def __add__(self, other: Lamps) -> Lamps: ...

@@ -22,8 +22,8 @@ class GltfExport:
         self.with_cameras = with_cameras
         self.stand_in = stand_in
         self.file = GltfFile()
-        materials = Materials(self.file, Pictures(self.file, report), report, panes)
-        self.meshes = MeshWriter(self.file, materials, report)
+        self.materials = Materials(self.file, Pictures(self.file, report), report, panes)
+        self.meshes = MeshWriter(self.file, self.materials, report)
         self.by_data = {}
         self.channels, self.samplers = [], []
 
@@ -55,7 +55,7 @@ class GltfExport:
 
     def _entries(self):
         """Row and node of all that is shown."""
-        known, entries, scene, seen = {}, [], self.depsgraph.scene, set()
+        known, entries, scene, seen, through_glass = {}, [], self.depsgraph.scene, set(), []
         for shown in walk(self.depsgraph, self.report):
             if shown.kind == "CAMERA":
                 if not self.with_cameras:
@@ -69,11 +69,15 @@ class GltfExport:
                 light = lamps.entry(shown.thing, self.report)
                 if light:
                     entries.append((shown.row, {"name": shown.name, "extensions": self._light(light)}))
+                    if lamps.is_seen_through_glass(shown.thing):
+                        through_glass.append(shown.name)
                 continue
             if shown.key not in known:
                 known[shown.key] = self._mesh_of(shown.thing)
             if known[shown.key] is not None:
                 entries.append((shown.row, {"name": shown.name, "mesh": known[shown.key]}))
+        for name in through_glass if self.materials.has_glass else ():
+            self.report.share(lamps.THROUGH_GLASS, name)
         if self.with_cameras and scene.camera and scene.camera.name not in seen | {cameras.STAND_IN}:
             self.report.add("camera %s: renders hide it" % scene.camera.name)
         return entries

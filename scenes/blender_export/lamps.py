@@ -14,6 +14,7 @@ from .node_values import Reader, source
 EXTENSION = "KHR_lights_punctual"
 SHAPES = {"SQUARE": "rectangle", "RECTANGLE": "rectangle", "DISK": "ellipse", "ELLIPSE": "ellipse"}
 OF_CAMERA = "hidden from the camera"
+THROUGH_GLASS = "lights that are hidden from the camera: seen through glass in Cycles, not here"
 NO_SPREAD = math.pi - 1e-6
 
 
@@ -48,7 +49,17 @@ def name_differences(thing, report):
 
 def is_seen(thing):
     """Whether the camera sees a lamp: Cycles shows those that have an extent."""
-    return thing.visible_camera and getattr(thing.data, EXTENT[thing.data.type]) > 0
+    return thing.visible_camera and has_extent(thing)
+
+
+def is_seen_through_glass(thing):
+    """Whether rays that glass refracted see in Cycles a lamp that the camera does not see."""
+    return thing.visible_transmission and not thing.visible_camera and has_extent(thing) and \
+        thing.data.cycles.use_multiple_importance_sampling
+
+
+def has_extent(thing):
+    return getattr(thing.data, EXTENT[thing.data.type]) > 0
 
 
 def has_shear(thing):

@@ -43,6 +43,7 @@ class Materials:
         self.pictures = pictures
         self.report = report
         self.known = {}
+        self.has_glass = False  # that refracts in Cycles
 
     def find(self, material):
         """The look of a material, or of none."""
@@ -50,6 +51,7 @@ class Materials:
         if name not in self.known:
             writer = MaterialWriter(self.file, self.pictures, self.report, material, self.panes)
             self.known[name] = writer.write() if material else writer.write_nothing()
+            self.has_glass |= writer.is_glass
         return self.known[name]
 
 
@@ -62,6 +64,7 @@ class MaterialWriter:
         self.pictures = pictures
         self.report = report
         self.material = material
+        self.is_glass = False  # that refracts in Cycles
         self.reader = Reader()
         self.look = Look()
         self.entry = {"name": material.name if material else "no material", "doubleSided": True}
@@ -86,6 +89,7 @@ class MaterialWriter:
         if layers.cover < 1:
             self._write_opacity(layers.cover * self.entry["pbrMetallicRoughness"]["baseColorFactor"][3])
         for remark in layers.remarks:
+            self.is_glass |= remark == glass.STRAIGHT
             if remark in SHARED:
                 self.report.share(remark, self.material.name)
             else:
@@ -147,6 +151,7 @@ class MaterialWriter:
         self._write_specular(self._specular_of(shader), self._tint_of(shader, base))
         if glass.transmits(shader, self.reader):
             self.leave_out(glass.STRAIGHT)
+            self.is_glass = True
             if self.panes:
                 self._write_transmission(value(versions.principled_input(shader, "Transmission")))
         self._write_emission(versions.principled_input(shader, "Emission"), inputs["Emission Strength"])

@@ -162,6 +162,14 @@ def not_glossy():
     lamp("POINT").visible_glossy = False
 
 
+@names("lights that are hidden from the camera: seen through glass in Cycles, not here (lamp)")
+def behind_glass():
+    lamp("POINT", shadow_soft_size=0.2).visible_camera = False
+    lamp("POINT", shadow_soft_size=0).visible_camera = False  # a point is not seen
+    tree = bpy.data.objects["Cube"].active_material.node_tree
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfGlass").outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
+
+
 @names("light lamp: Color: node Blackbody")
 def driven_by_nodes():
     thing = lamp("POINT")

@@ -34,14 +34,17 @@ def at(places, lamp):
     return distance, way[..., 1] / distance
 
 
-def rectangle(places, centre, width, height, side=64):
-    """Irradiance by a rectangle of radiance 1 that shines down, by a lattice of its points."""
+def rectangle(places, centre, width, height, side=64, spread=180):
+    """Irradiance by a rectangle of radiance 1 that shines down, by a lattice of its points; slats leave `spread` degrees."""
     u = (np.arange(side) + 0.5) / side - 0.5
     points = np.asarray(centre) + u[:, None, None] * np.asarray(width) + u[:, None] * np.asarray(height)
     way = points.reshape(-1, 3) - places[:, None]
     distance = np.linalg.norm(way, axis=-1)
     area = np.linalg.norm(np.cross(width, height))
-    return (way[..., 1] ** 2 / distance ** 4).mean(axis=1) * area
+    cosine = way[..., 1] / distance
+    tangent = np.sqrt(1 - cosine ** 2) / cosine
+    left = np.maximum(0, 1 - tangent / np.tan(np.radians(spread / 2)))
+    return (left * cosine ** 2 / distance ** 2).mean(axis=1) * area
 
 
 COLOR = np.array((3.0, 2, 1))
@@ -63,6 +66,8 @@ def test_closed_forms(floor):
             (Lamps.suns(sun, COLOR, angle=1), np.full(len(places), 1 / np.linalg.norm(sun))),
             (Lamps.spots((0.5, 3, 2), axis, COLOR, inner=20, outer=60), spot * cosine / distance ** 2),
             (Lamps.areas((0.5, 3, 2), wide, deep, COLOR), rectangle(places, (0.5, 3, 2), wide, deep)),
+            (Lamps.areas((0.5, 3, 2), wide, deep, COLOR, spread=[120]),
+             rectangle(places, (0.5, 3, 2), wide, deep, spread=120)),
             (Lamps.areas((0.5, 3, 2), 0.2 * wide, 0.4 * deep, COLOR, shape="ellipse"),
              np.pi / 4 * rectangle(places, (0.5, 3, 2), 0.2 * wide, 0.4 * deep)),
             (Lamps.areas((0.5, 3, 2), deep, wide, COLOR), np.zeros(len(places)))):  # it shines up
@@ -201,6 +206,8 @@ def test_lamps_are_broadcast(floor):
     (lambda: Lamps.suns((0, -1, 0), 1, angle=181), r"angle\[0\]"),
     (lambda: Lamps.areas((0, 1, 0), (1, 0, 0), (2, 0, 0), 1), r"heights\[0\]: expected another direction"),
     (lambda: Lamps.areas((0, 1, 0), (1, 0, 0), (0, 0, 1), 1, shape="disk"), "shape: 'disk', expected 'rectangle' or 'ellipse'"),
+    (lambda: Lamps.areas((0, 1, 0), (1, 0, 0), (0, 0, 1), 1, spread=[90, 0.5]), r"spread\[1\]: expected degrees, 0.573 to 180"),
+    (lambda: Lamps.areas((0, 1, 0), (1, 0, 0), (0, 0, 1), 1, spread=np.nan), r"spread\[0\]"),
     (lambda: Lamps.points([(0, 1, 0)] * 2, [(1, 1, 1)] * 3), "broadcast"),
 ])
 def test_refusals(call, text):
