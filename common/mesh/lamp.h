@@ -41,8 +41,8 @@ struct Lamp {
     double radius = 0;                              ///< of points
     double angle = 0;                ///< of suns: diameter of the disc, 0 to pi [rad]
     std::optional<LampCone> cone{};  ///< of points: makes a spot
-    /// Of areas, kLeastSpread to pi [rad]: at an angle t to `direction` slats before them leave the share
-    /// max(0, 1 - tan(t) / tan(spread / 2)); pi: there are none.
+    /// Of areas, kLeastSpread to pi [rad]: at an angle t to `direction` slats before them leave the
+    /// share max(0, 1 - tan(t) / tan(spread / 2)); pi: there are none.
     double spread = kPi;
     bool moves = false;  ///< an animation moves it: this is its place in one frame
     /// Cameras see it where it has an extent: it adds its radiance to that of what is behind it.

@@ -14,7 +14,7 @@ from .node_values import Reader, source
 EXTENSION = "KHR_lights_punctual"
 SHAPES = {"SQUARE": "rectangle", "RECTANGLE": "rectangle", "DISK": "ellipse", "ELLIPSE": "ellipse"}
 OF_CAMERA = "hidden from the camera"
-THROUGH_GLASS = "lights that are hidden from the camera: seen through glass in Cycles, not here"
+THROUGH_GLASS = "light hidden from the camera: seen through glass in Cycles, not here"
 NO_SPREAD = math.pi - 1e-6
 
 

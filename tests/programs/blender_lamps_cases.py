@@ -162,7 +162,7 @@ def not_glossy():
     lamp("POINT").visible_glossy = False
 
 
-@names("lights that are hidden from the camera: seen through glass in Cycles, not here (lamp)")
+@names("light hidden from the camera: seen through glass in Cycles, not here (lamp)")
 def behind_glass():
     lamp("POINT", shadow_soft_size=0.2).visible_camera = False
     lamp("POINT", shadow_soft_size=0).visible_camera = False  # a point is not seen
