@@ -253,16 +253,18 @@ TEST_F(Room, IsGuidedToABrightSpot) {
     setMaterials({{0, plain}, {first, lamp}});
     const test::World world(mesh_, sky(), {.spacing = 0.25});
     constexpr int kBounces = 1;
+    // Their variances have a ratio of .59, which is known to .08.
+    constexpr int kFilms = 240;
     const Solved solved(world.scene, world.environment, world.cache.cache(), {}, kBounces,
                         world.light.get());
     EstimatorContext context = world.context();
     context.solve = &solved.solve;
     const RenderOptions options = optionsOf(kBounces);
-    const test::Estimates byCosine = films(context, "cache", options, 80);
+    const test::Estimates byCosine = films(context, "cache", options, kFilms);
     context.radiosity = &solved.radiosity;
-    const test::Estimates guided = films(context, "cache", options, 80);
+    const test::Estimates guided = films(context, "cache", options, kFilms);
     expectSameMean(guided, byCosine.color, test::significance(1), 1.05);
-    EXPECT_LT(guided.sampleVariance(1), 0.67 * byCosine.sampleVariance(1));
+    EXPECT_LT(guided.sampleVariance(1), 0.75 * byCosine.sampleVariance(1));
 }
 
 // Counts and hits of another set, and looks that are wrong, cost rays and change no mean.
