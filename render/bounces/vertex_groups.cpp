@@ -101,8 +101,10 @@ private:
         splitBelow({middle, part.end}, most, out);
     }
 
-    /// Splits a range in two whose sizes are as whole numbers of parts that are alike, of as many
-    /// as there must be; where the second begins, or the end of what has at most `most`.
+    /// Splits a range that makes n clusters of at most `most` into one that makes n / 2 of them and
+    /// one that makes the others, in proportion.
+    ///
+    /// @return where the second begins; the end, if the range is one cluster
     std::uint32_t split(const Range& part, std::size_t most) {
         if (part.size() <= most) return part.end;
         const auto some = std::span(placed_).subspan(part.begin, part.size());

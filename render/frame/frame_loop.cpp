@@ -11,7 +11,7 @@ namespace shadowcache {
 namespace {
 
 /// Blocks of one tile that a thread takes at a time.
-constexpr std::size_t kTilesOfChunk = 4;
+constexpr std::size_t kBlocksOfChunk = 4;
 
 /// How far `passes` over a block are.
 BlockProgress progressOf(const TileBlock& block, int passes, const LoopObserver& observer) {
@@ -51,11 +51,11 @@ FrameLoop::FrameLoop(const FrameRequest& frame, std::vector<TileBlock> blocks,
 
 RayCounts FrameLoop::run(RayRange rays, RenderStats& stats, const LoopObserver& observer) {
     const RenderTimer time(stats);
-    const std::size_t blocksOfChunk = frame_.options.bounces != 0 ? 1 : kTilesOfChunk;
+    const std::size_t chunkSize = frame_.options.bounces != 0 ? 1 : kBlocksOfChunk;
     const bool isLast = rays.first + rays.count >= frame_.options.cameraRays;
     std::vector<RayCounts> counts(blocks_.size());
     std::vector<BounceCounts> bounces(blocks_.size());
-    parallelFor(blocks_.size(), blocksOfChunk, [&](const Chunk& chunk) {
+    parallelFor(blocks_.size(), chunkSize, [&](const Chunk& chunk) {
         for (std::size_t b = chunk.begin; b < chunk.end; ++b) {
             observer.onBlock();
             render(b, rays, bounces[b], observer);

@@ -2,15 +2,16 @@
 
 #include <algorithm>
 
+#include "common/base/tuned.h"
 #include "render/frame/tiles.h"
 
 namespace shadowcache {
 
 namespace {
 
-/// Camera rays of a block in a pass, about. What bounces takes 900 bytes for each, and rooms and
-/// groves take a sixth less time than with eight times as many, whose vertices leave the caches.
-constexpr std::size_t kBlockRays = std::size_t{1} << 17;
+/// Camera rays of a block in a pass, about. The vertices of a block should fit the processor's
+/// caches, and fill clusters of near ones.
+SHADOWCACHE_TUNED(std::size_t, kBlockRays, 131072);
 
 std::size_t tilesOfBlock(const RenderOptions& options, std::size_t tiles) {
     if (options.bounces == 0) return 1;

@@ -1,4 +1,4 @@
-// Large arrays ask for large pages.
+// Large arrays ask for huge pages.
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 namespace shadowcache {
 namespace {
 
-/// Whether the kernel was asked for large pages at an address, as /proc/self/smaps tells.
-bool asksForLargePages(const void* address) {
+/// Whether the kernel was asked for huge pages at an address, as /proc/self/smaps tells.
+bool asksForHugePages(const void* address) {
     const auto at = reinterpret_cast<std::uintptr_t>(address);
     std::ifstream maps("/proc/self/smaps");
     bool isHere = false;
@@ -28,14 +28,14 @@ bool asksForLargePages(const void* address) {
     return false;
 }
 
-TEST(LargePages, AreAskedForByLargeArrays) {
+TEST(HugePages, AreAskedForByLargeArrays) {
     const std::vector<char> large(std::size_t{64} << 20, 1);
-    EXPECT_TRUE(asksForLargePages(large.data() + large.size() / 2));
+    EXPECT_TRUE(asksForHugePages(large.data() + large.size() / 2));
     const std::vector<char> small(std::size_t{1} << 20, 1);  // the control
-    EXPECT_FALSE(asksForLargePages(small.data()));
+    EXPECT_FALSE(asksForHugePages(small.data()));
 }
 
-TEST(LargePages, HoldWhatTheyShould) {
+TEST(HugePages, HoldWhatTheyShould) {
     // Sizes at and beside whole pages.
     for (const std::size_t size : {std::size_t{1} << 21, (std::size_t{1} << 21) - 1,
                                    (std::size_t{1} << 21) + 1, std::size_t{5} << 20}) {
