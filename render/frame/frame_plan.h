@@ -8,6 +8,7 @@
 
 namespace shadowcache {
 
+class PreviewCorrection;
 class VisibleEmitters;
 
 /// All that is decided of a frame before any of its pixels. As it is made: what holds without a
@@ -19,6 +20,8 @@ struct FramePlan {
     std::shared_ptr<const VisibleEmitters> visibleEmitters = {};
     /// None: each pixel has just the camera rays that are asked for.
     std::optional<AntialiasingRule> antialiasing = {};
+    /// What is added to a picture without samples; null: nothing.
+    std::shared_ptr<const PreviewCorrection> previewCorrection = {};
     /// BounceOptions::trust.
     float bounceTrust = 1;
 };

@@ -4,8 +4,8 @@
 
 namespace shadowcache {
 
-/// Lets the estimator's pilot look at a frame through a few of its pixels, and decides with what it
-/// predicts there where pixels get more camera rays.
+/// Decides all that is decided of a frame before any of its pixels: with samples by the estimator's
+/// pilot, without them by a small picture that tells how wrong the prediction is.
 ///
 /// @param stats  gets what that took
 FramePlan planFrame(const FrameRequest& frame, RenderStats& stats);

@@ -1,10 +1,11 @@
 #include "render/frame/preview.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/base/parallel.h"
 #include "render/frame/film_parts.h"
+#include "render/frame/pixel_width.h"
+#include "render/frame/preview_correction.h"
 #include "render/frame/render_timer.h"
 #include "render/frame/residual_filter.h"
 
@@ -14,12 +15,6 @@ namespace {
 
 /// Pixels that one thread takes at a time.
 constexpr std::size_t kPixelsOfChunk = 4096;
-
-/// Width of a pixel at each unit of distance, or everywhere if the camera is orthographic.
-float pixelWidth(const Camera& camera, const RenderOptions& options, float depth) {
-    if (camera.height > 0) return static_cast<float>(camera.height / options.height);
-    return depth * static_cast<float>(2 * std::tan(camera.fovY / 2) / options.height);
-}
 
 /// What rays add to the predicted irradiance.
 Rgb addedIrradiance(const Pixel& pixel) {
@@ -76,8 +71,12 @@ FrameRequest withPreviewMargin(const FrameRequest& frame) {
 }
 
 Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats) {
-    if (!frame.options.preview) return film;
+    if (!frame.options.preview && !frame.plan.previewCorrection) return film;
     const RenderTimer time(stats);
+    if (frame.plan.previewCorrection) {
+        frame.plan.previewCorrection->correct(film);
+        return film;
+    }
     const Environment& environment = frame.estimator.context().environment;
     ResidualImage residuals{film.width, film.height, {}};
     residuals.pixels.resize(film.pixels.size());

@@ -318,8 +318,8 @@ void addRays(Rows& rows, PictureOptions& picture) {
         {spp, bouncesRow(picture.bounces).inBlender(),
          flagRow("preview", rays.preview,
                  "Show what the cache predicts, and of --spp [4] shadow rays a pixel what they "
-                 "add, filtered. Biased, less so with more rays; with --spp 0 no ray is traced "
-                 "but the camera's. For a viewport: --preview --spp 1")
+                 "add, filtered. Biased, less so with more rays; with --spp 0 a small picture "
+                 "with rays corrects it. For a viewport: --preview --spp 1")
              .needing("cache|bake")
              .excluding("target-error debug"),
          numberRow("target-error", rays.targetError, {kLeastTargetError, 1e6},
