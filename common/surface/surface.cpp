@@ -91,6 +91,14 @@ GlossyLobe::GlossyLobe(const Surface& surface, const Vec3f& normal, const Vec3f&
     meanWeight_ = meanSchlickWeight(normal.dot(toViewer));
 }
 
+GlossyLobe GlossyLobe::seenFrom(const Vec3f& normal, const Vec3f& toViewer) const noexcept {
+    GlossyLobe lobe = *this;
+    lobe.n_ = facing(normal, toViewer);
+    tangentFrame(lobe.n_, lobe.s_, lobe.t_);
+    lobe.o_ = lobe.local(toViewer);
+    return lobe;
+}
+
 Rgb GlossyLobe::value(const Vec3f& toLight) const noexcept {
     const Vec3f i = local(toLight);
     if (!(i.z > 0)) return Rgb(0.0f);

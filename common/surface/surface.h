@@ -93,6 +93,11 @@ public:
         lobe.alpha_ = alpha_ > alpha ? alpha_ : alpha;
         return lobe;
     }
+    /// The same place's lobe toward another viewer. What the base loses on the mean is that of this
+    /// one, whose diffuseAlbedo() it adds to.
+    ///
+    /// @param normal  that this lobe was made with
+    GlossyLobe seenFrom(const Vec3f& normal, const Vec3f& toViewer) const noexcept;
     /// Unit vector from which a smooth surface would reflect light to the viewer.
     Vec3f mirrored() const noexcept;
 

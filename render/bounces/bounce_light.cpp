@@ -9,6 +9,7 @@
 #include "common/base/tuned.h"
 #include "common/predict/grouped_solve.h"
 #include "render/bounces/exchange.h"
+#include "render/bounces/mirrored_sky.h"
 #include "render/bounces/path_steps.h"
 #include "render/bounces/russian_roulette.h"
 #include "render/bounces/vertex_items.h"
@@ -28,6 +29,10 @@ SHADOWCACHE_TUNED(std::size_t, kVertexGroup, 8);
 
 /// Groups of vertices that have one sequence of directions, about.
 SHADOWCACHE_TUNED(std::size_t, kGroupsOfCluster, 4);
+
+/// Neighbouring clusters of vertices of paths that have one guide: few rays tell where all of them
+/// are lit from.
+SHADOWCACHE_TUNED(std::size_t, kClustersOfGuide, 64);
 
 /// Vertices that a thread takes at a time.
 constexpr std::size_t kChunk = 4096;
@@ -90,6 +95,7 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
         PathStep step = nextVertices(context, options_.plain, level, numbers);
         level.children = std::move(step.children);
         vertices = std::move(step.next);
+        if (bounce == 0 && options_.shared) shareMirroredSky(context, vertices);
         counts.pathRays += step.rays;
         counts.vertices += vertices.vertices.size();
     }
@@ -101,7 +107,7 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
             GroupedLight grouped;
             if (context.groups) grouped.assign(level.size(), context.groups->size());
             const std::vector<Rgb> found =
-                exchange(context.scene, level, next, counts.sharedRays, grouped);
+                exchange(context, level, next, counts.sharedRays, grouped);
             if (check) comparePredicted(level, found, *check);
             addBounced(found, next, level);
             if (context.groups) addBounced(grouped, next, level);
@@ -120,10 +126,9 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
 
 Guides BounceLight::guide(const PathLevel& level, int bounce, BounceCounts& counts) const {
     const EstimatorContext& context = estimator_.context();
-    // Guides of later vertices, item by item, cost a small frame of a large set more than they
-    // gain.
-    if (!options_.shared || !context.radiosity || bounce > 0) return {};
-    return Guides::ofClusters(context, level.at.vertices, level.groups, counts.pathRays);
+    if (!options_.shared || !context.radiosity) return {};
+    return Guides::ofClusters(context, level.at.vertices, level.groups,
+                              bounce == 0 ? 1 : kClustersOfGuide, counts.pathRays);
 }
 
 void BounceLight::addGroups(PathLevel& level) const {

@@ -8,6 +8,8 @@
 #include <span>
 
 #include "common/base/parallel.h"
+#include "render/bounces/mirrored_sky.h"
+#include "render/estimators/light_groups.h"
 
 namespace shadowcache {
 
@@ -97,15 +99,22 @@ private:
 /// One group of vertices at a time.
 class GroupExchange {
 public:
-    GroupExchange(const Scene& scene, const PathLevel& level, const PathLevel& next,
+    GroupExchange(const EstimatorContext& context, const PathLevel& level, const PathLevel& next,
                   std::vector<Rgb>& out, GroupedLight& grouped)
-        : scene_(scene), level_(level), next_(next), out_(out), grouped_(grouped) {}
+        : scene_(context.scene),
+          level_(level),
+          next_(next),
+          out_(out),
+          grouped_(grouped),
+          sky_(context) {}
 
+    /// @return rays so far
     std::uint64_t run(std::span<const std::uint32_t> members) {
         members_.assign(level_, members);
         findMeetings(members);
         const std::size_t n = members.size();
         sums_.assign(n, Rgb(0, 0, 0));
+        mirrored_.assign(n, Rgb(0, 0, 0));
         for (std::size_t j = 0; j < n; ++j) {
             const std::int32_t child = childOf(members[j]);
             if (child == VertexChildren::kNone) continue;
@@ -121,6 +130,10 @@ public:
                 const float weight = byCosine[k] / sum;
                 sums_[k] += radiance * tint * weight;
                 if (!ofGroups_.empty()) addTo(grouped_[members[k]], ofGroups_, tint * weight);
+                if (vertexMet(child).sharesMirroredSky)
+                    sky_.add(vertexMet(child), next_.at.lobeOf(vertexMet(child)),
+                             members_[k].origin, static_cast<std::uint32_t>(k),
+                             tint * (weight * static_cast<float>(kPi)), mirrored_);
             }
             const Rgb share =
                 vertexMet(child).tint * (static_cast<float>(kPi) * (byCosine[j] / density[j]));
@@ -129,8 +142,12 @@ public:
                 addTo(grouped_[members[j]],
                       next_.groupedLight.mirrored[static_cast<std::size_t>(child)], share);
         }
-        for (std::size_t k = 0; k < n; ++k) out_[members[k]] = sums_[k];
-        return rays_;
+        sky_.finish(mirrored_);
+        for (std::size_t k = 0; k < n; ++k) {
+            out_[members[k]] = sums_[k] + mirrored_[k];
+            if (!grouped_.empty()) grouped_[members[k]][LightGroups::kSky] += mirrored_[k];
+        }
+        return rays_ + sky_.rays();
     }
 
 private:
@@ -165,7 +182,6 @@ private:
         const std::size_t n = members.size();
         byCosine_.assign(n * n, 0);
         density_.assign(n * n, 0);
-        rays_ = 0;
         for (std::size_t j = 0; j < n; ++j) {
             const std::int32_t child = childOf(members[j]);
             if (child == VertexChildren::kNone) continue;
@@ -230,6 +246,8 @@ private:
     std::vector<Rgb> ofGroups_;
     GroupMembers members_;
     std::vector<Rgb> sums_;                  ///< that members receive
+    std::vector<Rgb> mirrored_;              ///< and what they see mirrored of the sky
+    MirroredSky sky_;
     std::vector<float> byCosine_, density_;  ///< GroupMembers::meet(), column by column
     RayStream stream_{};
     std::size_t asked_[RayStream::kSize] = {};  ///< numbers of what the rays test
@@ -239,15 +257,15 @@ private:
 
 }  // namespace
 
-std::vector<Rgb> exchange(const Scene& scene, const PathLevel& level, const PathLevel& next,
+std::vector<Rgb> exchange(const EstimatorContext& context, const PathLevel& level, const PathLevel& next,
                           std::uint64_t& rays, GroupedLight& grouped) {
     const VertexGroups& groups = level.groups;
     std::vector<Rgb> out(level.size(), Rgb(0.0f));
     std::vector<std::uint64_t> counts((groups.count() + kGroupsOfChunk - 1) / kGroupsOfChunk);
     parallelFor(groups.count(), kGroupsOfChunk, [&](const Chunk& chunk) {
-        GroupExchange exchange(scene, level, next, out, grouped);
+        GroupExchange exchange(context, level, next, out, grouped);
         for (std::size_t g = chunk.begin; g < chunk.end; ++g)
-            counts[chunk.index] += exchange.run(groups.group(g));
+            counts[chunk.index] = exchange.run(groups.group(g));
     });
     rays = std::accumulate(counts.begin(), counts.end(), rays);
     return out;

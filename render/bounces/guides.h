@@ -19,12 +19,13 @@ public:
     Guides(Guides&&) = default;
     Guides& operator=(Guides&&) = default;
 
-    /// Camera points: alike in each cluster.
+    /// Alike in each run of so many clusters.
     ///
     /// @param context  with a RadiosityTree
     /// @param rays     counts trial rays
     static Guides ofClusters(const EstimatorContext& context, std::span<const PathVertex> vertices,
-                             const VertexGroups& groups, std::uint64_t& rays);
+                             const VertexGroups& groups,
+                             std::size_t clustersOfGuide, std::uint64_t& rays);
 
     const DirectionGuide& of(std::uint32_t vertex) const {
         return byVertex_.empty() || !byVertex_[vertex] ? cosine_ : *byVertex_[vertex];
@@ -32,7 +33,7 @@ public:
 
 private:
     DirectionGuide cosine_;
-    std::vector<DirectionGuide> clusters_;
+    std::vector<DirectionGuide> guides_;
     std::vector<const DirectionGuide*> byVertex_;  ///< null: by the cosine
 };
 

@@ -33,6 +33,9 @@ struct PathVertex {
     Rgb throughLobe{0, 0, 0};  ///< reflected share of its radiance, if a lobe's ray met it
     Rgb tint{1, 1, 1};         ///< by panes on the way of the ray that met it
 
+    bool sharesMirroredSky = false;  ///< what it mirrors of the sky is for all places that share
+                                     ///< it (mirrored_sky.h), not in VertexLight::mirrored
+
     bool isGlossy() const { return lobe != kNotGlossy; }
 };
 

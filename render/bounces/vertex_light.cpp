@@ -7,6 +7,7 @@
 #include "common/base/parallel.h"
 #include "common/base/tuned.h"
 #include "common/random/salts.h"
+#include "render/estimators/emitter_light.h"
 #include "render/estimators/group_split.h"
 
 namespace shadowcache {
@@ -60,24 +61,50 @@ public:
 
 private:
     std::uint64_t lightLobes(const PointBatch& batch, Workspace& workspace) {
-        std::vector<GlossyPoint> glossy;
-        std::vector<std::uint32_t> of;
+        GlossyVertices whole, withoutSky;
         for (std::size_t i = 0; i < points_.size(); ++i) {
             const PathVertex& v = level_.at.vertices[numbers_[i]];
             if (!v.isGlossy()) continue;
-            glossy.push_back({points_[i], level_.at.lobeOf(v)});
-            of.push_back(numbers_[i]);
+            GlossyVertices& some = v.sharesMirroredSky ? withoutSky : whole;
+            some.points.push_back({points_[i], level_.at.lobeOf(v)});
+            some.numbers.push_back(numbers_[i]);
         }
-        if (glossy.empty()) return 0;
-        std::vector<GlossEstimate> estimates(glossy.size());
-        estimator_.estimateGloss(batch, glossy, workspace, estimates);
-        const GroupedLight grouped = splitLight<GlossEstimate>(estimator_.context(), estimates,
-                                                               &GlossEstimate::radiance, workspace);
+        const EstimatorContext& context = estimator_.context();
         std::uint64_t rays = 0;
-        for (std::size_t i = 0; i < glossy.size(); ++i) {
-            level_.light[of[i]].mirrored += estimates[i].radiance;
+        if (!whole.points.empty()) {
+            std::vector<GlossEstimate> estimates(whole.points.size());
+            estimator_.estimateGloss(batch, whole.points, workspace, estimates);
+            rays += addMirrored(whole, estimates,
+                                splitLight<GlossEstimate>(
+                                    context, estimates, &GlossEstimate::radiance, workspace));
+        }
+        if (!withoutSky.points.empty() && context.emitters) {
+            std::vector<GlossEstimate> estimates(withoutSky.points.size());
+            GroupedLight grouped;
+            if (context.groups) grouped.assign(estimates.size(), context.groups->size());
+            EmitterLight::Tools tools(*context.emitters);
+            context.emitters->addGloss(
+                batch, withoutSky.points, context.environment.luminanceWeights(), tools, estimates,
+                context.groups ? GroupSink{context.groups, &grouped} : GroupSink{});
+            rays += addMirrored(withoutSky, estimates, grouped);
+        }
+        return rays;
+    }
+
+    /// Glossy ones of the batch's vertices.
+    struct GlossyVertices {
+        std::vector<GlossyPoint> points;
+        std::vector<std::uint32_t> numbers;  ///< in the level
+    };
+
+    std::uint64_t addMirrored(const GlossyVertices& glossy,
+                              std::span<const GlossEstimate> estimates,
+                              const GroupedLight& grouped) {
+        std::uint64_t rays = 0;
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            level_.light[glossy.numbers[i]].mirrored += estimates[i].radiance;
             if (!grouped.empty())
-                addTo(level_.groupedLight.mirrored[of[i]], grouped[i], Rgb(1, 1, 1));
+                addTo(level_.groupedLight.mirrored[glossy.numbers[i]], grouped[i], Rgb(1, 1, 1));
             rays += estimates[i].rays;
         }
         return rays;
