@@ -66,7 +66,7 @@ enum class RenderSalt : std::uint64_t {
     shutterTime = 106,      ///< a pixel's seed for when its camera rays are sent
     clusterTrial = 114,     ///< a cluster's seed for rays that try where its light comes from
     trialRay = 115,         ///< direction of such a ray
-    mirroredSky = 117,      ///< what a vertex mirrors to a place; third word: its number in the group
+    mirroredSky = 117,  ///< what a vertex mirrors to a place; third word: its number in the group
     mirroredSkyTurn = 118,  ///< which members of its group see it
     bounceSender = 108,     ///< which camera ray of a run sends rays; third word: the run
     placeSamples = 107,     ///< the sequence of a place's samples; third word: its number

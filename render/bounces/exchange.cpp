@@ -245,8 +245,8 @@ private:
     GroupedLight& grouped_;
     std::vector<Rgb> ofGroups_;
     GroupMembers members_;
-    std::vector<Rgb> sums_;                  ///< that members receive
-    std::vector<Rgb> mirrored_;              ///< and what they see mirrored of the sky
+    std::vector<Rgb> sums_;      ///< that members receive
+    std::vector<Rgb> mirrored_;  ///< and what they see mirrored of the sky
     MirroredSky sky_;
     std::vector<float> byCosine_, density_;  ///< GroupMembers::meet(), column by column
     RayStream stream_{};
@@ -257,8 +257,8 @@ private:
 
 }  // namespace
 
-std::vector<Rgb> exchange(const EstimatorContext& context, const PathLevel& level, const PathLevel& next,
-                          std::uint64_t& rays, GroupedLight& grouped) {
+std::vector<Rgb> exchange(const EstimatorContext& context, const PathLevel& level,
+                          const PathLevel& next, std::uint64_t& rays, GroupedLight& grouped) {
     const VertexGroups& groups = level.groups;
     std::vector<Rgb> out(level.size(), Rgb(0.0f));
     std::vector<std::uint64_t> counts((groups.count() + kGroupsOfChunk - 1) / kGroupsOfChunk);

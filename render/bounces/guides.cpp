@@ -21,8 +21,8 @@ constexpr std::size_t kGuidesOfChunk = 8;
 }  // namespace
 
 Guides Guides::ofClusters(const EstimatorContext& context, std::span<const PathVertex> vertices,
-                          const VertexGroups& groups,
-                          std::size_t clustersOfGuide, std::uint64_t& rays) {
+                          const VertexGroups& groups, std::size_t clustersOfGuide,
+                          std::uint64_t& rays) {
     Guides guides;
     const std::size_t clusters = groups.clusters.size() - 1;
     const std::size_t count = (clusters + clustersOfGuide - 1) / clustersOfGuide;

@@ -24,8 +24,8 @@ public:
     /// @param context  with a RadiosityTree
     /// @param rays     counts trial rays
     static Guides ofClusters(const EstimatorContext& context, std::span<const PathVertex> vertices,
-                             const VertexGroups& groups,
-                             std::size_t clustersOfGuide, std::uint64_t& rays);
+                             const VertexGroups& groups, std::size_t clustersOfGuide,
+                             std::uint64_t& rays);
 
     const DirectionGuide& of(std::uint32_t vertex) const {
         return byVertex_.empty() || !byVertex_[vertex] ? cosine_ : *byVertex_[vertex];

@@ -20,8 +20,8 @@ SHADOWCACHE_TUNED(std::uint32_t, kMirrorEvery, 4);
 void shareMirroredSky(const EstimatorContext& context, PathVertices& met) {
     if (!(context.environment.luminanceIntegral() > 0)) return;
     for (PathVertex& v : met.vertices)
-        v.sharesMirroredSky = v.isGlossy() && v.throughLobe == Rgb(0, 0, 0) &&
-                              met.lobeOf(v).alpha() <= kSharedAlpha;
+        v.sharesMirroredSky =
+            v.isGlossy() && v.throughLobe == Rgb(0, 0, 0) && met.lobeOf(v).alpha() <= kSharedAlpha;
 }
 
 void MirroredSky::add(const PathVertex& vertex, const GlossyLobe& lobe, const Vec3f& place,
@@ -37,9 +37,9 @@ void MirroredSky::add(const PathVertex& vertex, const GlossyLobe& lobe, const Ve
     const auto at = [&](std::uint64_t dimension) {
         return static_cast<float>(number(dimension)) * 0x1.fffffep-1f;
     };
-    const EnvironmentSample s =
-        number(0) < 0.5 ? context_.environment.sample(number(1), at(2), at(3))
-                        : context_.environment.lookUp(toPlace.sample(at(2), at(3)));
+    const EnvironmentSample s = number(0) < 0.5
+                                    ? context_.environment.sample(number(1), at(2), at(3))
+                                    : context_.environment.lookUp(toPlace.sample(at(2), at(3)));
     const float density = 0.5f * (s.density + toPlace.density(s.direction));
     if (!(density > 0) || !(s.direction.dot(vertex.geometricNormal) > 0)) return;
     const Rgb value = s.radiance * toPlace.value(s.direction) * factor * (kMirrorEvery / density);

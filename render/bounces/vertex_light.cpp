@@ -74,9 +74,9 @@ private:
         if (!whole.points.empty()) {
             std::vector<GlossEstimate> estimates(whole.points.size());
             estimator_.estimateGloss(batch, whole.points, workspace, estimates);
-            rays += addMirrored(whole, estimates,
-                                splitLight<GlossEstimate>(
-                                    context, estimates, &GlossEstimate::radiance, workspace));
+            rays += addMirrored(
+                whole, estimates,
+                splitLight<GlossEstimate>(context, estimates, &GlossEstimate::radiance, workspace));
         }
         if (!withoutSky.points.empty() && context.emitters) {
             std::vector<GlossEstimate> estimates(withoutSky.points.size());

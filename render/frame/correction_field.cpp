@@ -45,10 +45,10 @@ void forEachCorner(const Vec3f& position, float side, const Visit& visit) {
 /// to 1.
 template <class Visit>
 void forEachSide(const Vec3f& normal, const Visit& visit) {
-    for (int axis = 0; axis < 3; ++axis)
-        if (normal[axis] != 0)
-            visit(static_cast<std::size_t>(2 * axis + (normal[axis] < 0 ? 1 : 0)),
-                  normal[axis] * normal[axis]);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float along = normal[static_cast<int>(axis)];
+        if (along != 0) visit(2 * axis + (along < 0 ? 1 : 0), along * along);
+    }
 }
 
 }  // namespace

@@ -33,9 +33,9 @@ constexpr std::size_t kPixelsOfChunk = 1024;
 FrameRequest smallFrame(const FrameRequest& frame) {
     FrameRequest small = frame;
     RenderOptions& options = small.options;
-    const double shrink =
-        std::min(1.0, std::sqrt(kCorrectionPixels / (static_cast<double>(options.width) *
-                                                     static_cast<double>(options.height))));
+    const double shrink = std::min(
+        1.0, std::sqrt(kCorrectionPixels /
+                       (static_cast<double>(options.width) * static_cast<double>(options.height))));
     options.width = std::max(1, static_cast<int>(std::lround(options.width * shrink)));
     options.height = std::max(1, static_cast<int>(std::lround(options.height * shrink)));
     options.crop = {};
@@ -60,7 +60,8 @@ Rgb indirectIrradiance(const Pixel& pixel) {
     Rgb irradiance(0, 0, 0);
     for (int k = 0; k < 3; ++k)
         if (pixel.diffuseAlbedo[k] > 0)
-            irradiance[k] = static_cast<float>(kPi) * pixel.diffuseIndirect[k] / pixel.diffuseAlbedo[k];
+            irradiance[k] =
+                static_cast<float>(kPi) * pixel.diffuseIndirect[k] / pixel.diffuseAlbedo[k];
     return irradiance;
 }
 
@@ -99,8 +100,7 @@ CheckedLight operator*(const CheckedLight& light, const Rgb& factor) {
 /// @return what that adds to it
 Rgb correctPixel(const CheckedPlace& check, Pixel& pixel) {
     const Rgb reflectance = pixel.diffuseAlbedo * static_cast<float>(1 / kPi);
-    const Rgb direct =
-        (check.direct * reflectance).correct(pixel.diffuse - pixel.diffuseIndirect);
+    const Rgb direct = (check.direct * reflectance).correct(pixel.diffuse - pixel.diffuseIndirect);
     const Rgb indirect = (check.indirect * reflectance).correct(pixel.diffuseIndirect);
     const Rgb added = direct + indirect - pixel.diffuse;
     const CheckedLight all{check.direct.predicted + check.indirect.predicted,
@@ -156,8 +156,7 @@ void PreviewCorrection::correct(Film& film) const {
             const CheckedPlace check =
                 learnt_.field.at(pixel.position / pixel.coverage, pixel.normal / length);
             const Rgb added = correctPixel(check, pixel);
-            if (!film.groups.empty())
-                addInProportion(added, learnt_.groups, film.groupColors[i]);
+            if (!film.groups.empty()) addInProportion(added, learnt_.groups, film.groupColors[i]);
         }
     });
 }

@@ -1,14 +1,15 @@
 #pragma once
 
+#include "render/frame/correction_field.h"
 #include "render/frame/film.h"
 #include "render/frame/frame_request.h"
-#include "render/frame/correction_field.h"
 
 namespace shadowcache {
 
-/// How wrong the prediction of a frame is, as a small picture of the same view tells that is rendered
-/// with rays. A preview without samples is corrected by it: its mean is right then, and light that
-/// the counts blur is nearer to where it belongs. Immutable, thread-safe. [docs/estimator.md]
+/// How wrong the prediction of a frame is, as a small picture of the same view tells that is
+/// rendered with rays. A preview without samples is corrected by it: its mean is right then, and
+/// light that the counts blur is nearer to where it belongs. Immutable, thread-safe.
+/// [docs/estimator.md]
 class PreviewCorrection {
 public:
     /// @param frame  without samples

@@ -47,8 +47,8 @@ protected:
         options.samples = 1;
         options.bounces = 1;
         options.sharedBounces = shared;
-        FrameRequest frame{
-            *estimator, lookAt({0.5, 3, 0}, {0.5, 0, 0}, {0, 0, 1}, 0.7), 1, options};
+        FrameRequest frame{*estimator, lookAt({0.5, 3, 0}, {0.5, 0, 0}, {0, 0, 1}, 0.7), 1,
+                           options};
         std::vector<double> means;
         RenderStats stats;
         for (int seed = 1; seed <= kFilms; ++seed) {

@@ -74,8 +74,8 @@ protected:
         options.cameraRays = 4;
         options.samples = samples;
         options.crop = crop_;
-        FrameRequest frame{
-            *estimator, lookAt({-1.8, 1.1, 2.8}, {0, 0.3, 0}, {0, 1, 0}, 0.8), 1, options};
+        FrameRequest frame{*estimator, lookAt({-1.8, 1.1, 2.8}, {0, 0.3, 0}, {0, 1, 0}, 0.8), 1,
+                           options};
         RenderStats stats;
         if (planned) frame.plan = planFrame(frame, stats);
         return shadowcache::render(frame, stats);
@@ -128,8 +128,9 @@ TEST_F(PreviewCorrection, LeavesTheSkyAloneAndCropsShowWhatTheWholeShows) {
     const Film part = render(0);
     for (int y = 0; y < part.height; ++y)
         for (int x = 0; x < part.width; ++x)
-            EXPECT_EQ(part.pixels[static_cast<std::size_t>(y * part.width + x)].color,
-                      whole.pixels[static_cast<std::size_t>((y + 12) * whole.width + x + 20)].color);
+            EXPECT_EQ(
+                part.pixels[static_cast<std::size_t>(y * part.width + x)].color,
+                whole.pixels[static_cast<std::size_t>((y + 12) * whole.width + x + 20)].color);
 }
 
 }  // namespace
