@@ -42,7 +42,8 @@ void MirroredSky::add(const PathVertex& vertex, const GlossyLobe& lobe, const Ve
                                     : context_.environment.lookUp(toPlace.sample(at(2), at(3)));
     const float density = 0.5f * (s.density + toPlace.density(s.direction));
     if (!(density > 0) || !(s.direction.dot(vertex.geometricNormal) > 0)) return;
-    const Rgb value = s.radiance * toPlace.value(s.direction) * factor * (kMirrorEvery / density);
+    const Rgb value = s.radiance * toPlace.value(s.direction) * factor *
+                      (static_cast<float>(kMirrorEvery) / density);
     if (value == Rgb(0, 0, 0)) return;
     packet_.set(queued_, vertex.origin, s.direction);
     origins_[queued_] = vertex.origin;
