@@ -13,7 +13,8 @@ namespace shadowcache {
 FrameRequest withPreviewMargin(const FrameRequest& frame);
 
 /// What is delivered of a film of withPreviewMargin(frame): its region; of a preview with colour,
-/// irradiance and their variances filtered. Adds the time to the statistics.
+/// irradiance and their variances filtered; without samples, as the plan corrects it. Adds the time
+/// to the statistics.
 Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats);
 
 }  // namespace shadowcache

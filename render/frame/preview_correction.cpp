@@ -16,7 +16,7 @@ namespace shadowcache {
 
 namespace {
 
-/// Pixels of the small picture: what is left of its noise is a hundredth of the mean.
+/// Pixels of the small picture.
 SHADOWCACHE_TUNED(double, kCorrectionPixels, 16384);
 
 /// Shadow rays of each.
@@ -134,12 +134,13 @@ PreviewCorrection::Learnt PreviewCorrection::learn(const FrameRequest& frame, Re
             {pixel.position, pixel.normal / length, checkedPlace(predicted.pixels[i], pixel)});
         widths.push_back(pixelWidth(small.camera.open, small.options, pixel.depth));
     }
-    float width = 1;
+    float width = 0;
     if (!widths.empty()) {
         const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
         std::ranges::nth_element(widths, middle);
         width = *middle;
     }
+    if (!(width > 0)) width = 1;  // nothing is seen, or the lens touches it
     std::vector<Rgb> groups(estimated.groups.size(), Rgb(0, 0, 0));
     for (std::size_t i = 0; !groups.empty() && i < estimated.pixels.size(); ++i)
         for (std::size_t g = 0; g < groups.size(); ++g)

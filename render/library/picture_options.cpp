@@ -44,7 +44,7 @@ PictureSettings resolve(const PictureOptions& asked, bool hasCache, bool gloss) 
     if (!asked.groups.empty() && options.preview && options.samples > 0)
         throw Error(
             "--light-groups with --preview: what rays add is filtered for all groups together; "
-            "expected --spp 0, which adds nothing, or no --preview");
+            "expected --spp 0, or no --preview");
     validate(options);
     requireFit(estimator, hasCache, options);
     return settings;

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "render/estimators/light_groups.h"
 #include "render/frame/correction_field.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
@@ -67,7 +68,10 @@ protected:
     PreviewCorrection() : world_(test::slabMesh(), test::noiseMap(64, 32, 5), {.spacing = 4}) {}
 
     Film render(int samples, bool planned = true) const {
-        const auto estimator = findEstimator("cache").make(world_.context());
+        const LightGroups groups({}, world_.mesh, nullptr);
+        EstimatorContext context = world_.context();
+        context.groups = &groups;
+        const auto estimator = findEstimator("cache").make(context);
         RenderOptions options;
         options.width = 64;
         options.height = 40;
@@ -108,7 +112,13 @@ TEST_F(PreviewCorrection, HasTheMeanOfThePicture) {
         return sum;
     };
     EXPECT_LT(error(corrected), 0.7 * error(predicted));
-    for (const Pixel& pixel : corrected.pixels) EXPECT_GE(pixel.diffuse.y, 0);
+    for (std::size_t i = 0; i < corrected.pixels.size(); ++i) {
+        const Pixel& pixel = corrected.pixels[i];
+        EXPECT_GE(pixel.diffuse.y, 0);
+        Rgb sum(0, 0, 0);
+        for (const Rgb& ofGroup : corrected.groupColors[i]) sum += ofGroup;
+        EXPECT_NEAR(sum.y, pixel.color.y, 1e-5f * (1 + pixel.color.y));
+    }
 }
 
 TEST_F(PreviewCorrection, LeavesTheSkyAloneAndCropsShowWhatTheWholeShows) {
