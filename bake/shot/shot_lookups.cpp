@@ -88,7 +88,7 @@ private:
         std::vector<Part> parts((rows + kRowsPerChunk - 1) / kRowsPerChunk);
         parallelFor(rows, kRowsPerChunk, [&](const Chunk& chunk) {
             throwIfInterrupted();
-            std::array<CameraRay, RayPacket::kSize> some;
+            std::array<LookupRay, RayPacket::kSize> some;
             for (std::size_t row = chunk.begin; row < chunk.end; ++row)
                 for (std::size_t first = 0; first < columns; first += some.size()) {
                     const std::size_t count = std::min(some.size(), columns - first);
@@ -97,10 +97,12 @@ private:
                         const std::uint64_t number = row * columns + column;
                         const double u = toUnit(hashWords(seed, BakeSalt::filmColumn, number));
                         const double v = toUnit(hashWords(seed, BakeSalt::filmRow, number));
-                        some[i] = rayThrough(
+                        const FilmPosition at =
                             onFilm((static_cast<double>(column) + u) / static_cast<double>(columns),
-                                   (static_cast<double>(row) + v) / static_cast<double>(rows)),
-                            seed, number);
+                                   (static_cast<double>(row) + v) / static_cast<double>(rows));
+                        const std::uint64_t chance = hashWords(seed, BakeSalt::crossing, number);
+                        some[i] = {rayThrough(at, seed, number),
+                                   toUnitFloat(static_cast<std::uint32_t>(chance))};
                     }
                     look(std::span(some).first(count), parts[chunk.index]);
                 }
@@ -125,6 +127,11 @@ private:
         return {along(x, size_[0]), along(y, size_[1])};
     }
 
+    struct LookupRay {
+        CameraRay ray;
+        float chance;  ///< as CameraPacket has it
+    };
+
     /// One of the rays that meet at a place of the film.
     CameraRay rayThrough(const FilmPosition& at, std::uint64_t seed, std::uint64_t number) const {
         if (!rays_.spread()) return rays_.through(at);
@@ -134,17 +141,19 @@ private:
     }
 
     /// @param rays  as many as a packet has, or fewer
-    void look(std::span<const CameraRay> rays, Part& out) const {
-        RayPacket packet{};
+    void look(std::span<const LookupRay> rays, Part& out) const {
+        CameraPacket packet{};
         std::array<View, RayPacket::kSize> views;
         std::array<Hit, RayPacket::kSize> hits;
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            views[i].direction = Vec3f(rays[i].direction);
-            packet.set(static_cast<int>(i), startIn(scene_, rays[i]), views[i].direction);
+            const CameraRay& ray = rays[i].ray;
+            views[i].direction = Vec3f(ray.direction);
+            packet.set(static_cast<int>(i), startIn(scene_, ray), views[i].direction,
+                       rays[i].chance, ray.reach);
         }
-        scene_.intersect(packet, static_cast<int>(rays.size()), hits.data());
+        scene_.look(packet, static_cast<int>(rays.size()), kLeastOfPanes, hits.data());
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            if (static_cast<double>(hits[i].distance) <= rays[i].reach) views[i].hit = hits[i];
+            views[i].hit = hits[i];
             note(views[i], out);
         }
     }

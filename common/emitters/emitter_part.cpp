@@ -14,8 +14,9 @@ namespace {
 /// away, area does as well.
 constexpr float kNear = 3;
 
-/// Least width of a spot's falloff, in the cosine. [KHR_lights_punctual]
-constexpr double kLeastFalloff = 0.001;
+/// Least width of a spot's falloff, in the cosine: of the square [KHR_lights_punctual], and of
+/// Blender's, which may have an edge.
+constexpr double kLeastFalloff = 0.001, kEdge = 1e-9;
 
 /// Weight of what a spot sends at most to a place that its cone grazes, and an area to one that its
 /// slats hide in part: no direction is missed.
@@ -38,7 +39,8 @@ struct Cap {
 };
 
 double shareOf(const LampCone& cone, double cosine) {
-    const double width = std::max(cone.cosInner - cone.cosOuter, kLeastFalloff);
+    const double width =
+        std::max(cone.cosInner - cone.cosOuter, cone.smooth ? kEdge : kLeastFalloff);
     const double x = std::clamp((cosine - cone.cosOuter) / width, 0.0, 1.0);
     return (cone.smooth ? x * x * (3 - 2 * x) : x * x) * (cone.isFlat ? cosine : 1);
 }

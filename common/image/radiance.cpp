@@ -27,6 +27,10 @@ constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01";
 
 constexpr float kGreatestHalf = 65504.0f;
 
+/// The brightest that a texel may be, so that sums and squares of its light stay finite; that of
+/// what emits is as great.
+constexpr float kMostRadiance = 1e15f;
+
 constexpr std::size_t kTexelsPerChunk = std::size_t{1} << 16;
 
 /// A part of `texels` for each chunk of a parallel loop, which ends where it is asked to.
@@ -48,14 +52,14 @@ float brightest(std::span<Rgb> texels) {
         for (int k = 0; k < 3; ++k)
             if (std::isfinite(texel[k])) most = std::max(most, texel[k]);
     });
-    return std::max(kGreatestHalf, std::ranges::max(greatest));
+    return std::clamp(std::ranges::max(greatest), kGreatestHalf, kMostRadiance);
 }
 
 constexpr double kSeenShare = 1e-3;  // of a map's light that is told
 
 /// Texels that were mended.
 struct Mended {
-    std::size_t notANumber = 0, negative = 0, infinite = 0;
+    std::size_t notANumber = 0, negative = 0, infinite = 0, tooBright = 0;
     double light = 0, below = 0;  ///< sums of what stays, and of what was below 0
 };
 
@@ -65,16 +69,18 @@ void mend(Rgb& texel, float infinity, Mended& mended) {
         ++mended.notANumber;
         return;
     }
-    bool negative = false, infinite = false;
+    bool negative = false, infinite = false, tooBright = false;
     for (int k = 0; k < 3; ++k) {
         negative = negative || texel[k] < 0.0f;
         if (texel[k] < 0.0f) mended.below -= static_cast<double>(std::max(texel[k], -infinity));
         infinite = infinite || texel[k] > std::numeric_limits<float>::max();
+        tooBright = tooBright || texel[k] > kMostRadiance;
         texel[k] = std::clamp(texel[k], 0.0f, infinity);
         mended.light += static_cast<double>(texel[k]);
     }
     mended.negative += negative ? 1 : 0;
     mended.infinite += infinite ? 1 : 0;
+    mended.tooBright += tooBright && !infinite ? 1 : 0;
 }
 
 /// How much of the light was below 0; empty where that cannot be seen.
@@ -88,11 +94,13 @@ void mend(RadianceImage& result) {
     const std::span<Rgb> texels = result.image.pixels;
     const float infinity = brightest(texels);
     double light = 0, below = 0;
+    std::size_t tooBright = 0;
     for (const Mended& part : partsOf<Mended>(
              texels, [&](Rgb&texel, Mended&mended) { mend(texel, infinity, mended); })) {
         result.notANumber += part.notANumber;
         result.negative += part.negative;
         result.infinite += part.infinite;
+        tooBright += part.tooBright;
         light += part.light;
         below += part.below;
     }
@@ -103,6 +111,9 @@ void mend(RadianceImage& result) {
     if (result.infinite > 0)
         result.notes.push_back(fmt::format("{} texels of +Inf, set to {}", result.infinite,
                                            numberText(static_cast<double>(infinity))));
+    if (tooBright > 0)
+        result.notes.push_back(fmt::format("{} texels above {:g}, set to that", tooBright,
+                                           static_cast<double>(kMostRadiance)));
 }
 
 }  // namespace

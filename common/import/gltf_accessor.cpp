@@ -102,7 +102,8 @@ std::vector<double> decode(const GltfAccessor& accessor, std::string& cause) {
                     read(sparse.values, i, k);
         }
     }
-    if (accessor.normalized) {
+    // It means nothing of floats, of which it is an error.
+    if (accessor.normalized && array.type != GltfType::float32) {
         const double scale = 1 / fullScale(array.type);
         for (double& value : values) value = std::max(-1.0, value * scale);
     }

@@ -129,12 +129,12 @@ private:
         const std::vector<double> values = from.attribute("COLOR_0", components);
         const std::size_t vertices = out_.vertices.size();
         if (values.empty()) {
-            if (!out_.colors.empty()) out_.colors.resize(vertices, kUncolored);
+            if (!out_.colors.empty()) out_.colors.resize(vertices, kNoColor);
             return;
         }
         if (components < 3 || values.size() != components * (vertices - first))
             from.fail("COLOR_0 does not match the positions, expected one colour for each");
-        out_.colors.resize(first, kUncolored);
+        out_.colors.resize(first, kNoColor);
         for (std::size_t i = 0; i < values.size(); i += components) {
             bool bad = false;
             const auto share = [&](std::size_t k) { return clampedShare(values[i + k], bad); };

@@ -62,7 +62,7 @@ struct RawMesh {
 /// Corner that names no vertex of the file.
 inline constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
-/// Colour of vertices without one in a file, or a set, where others have one.
+/// Colour of vertices without one in a file where others have one.
 inline const Rgb kUncolored{1.0f, 1.0f, 1.0f};
 
 /// Remark on materials of which a number is not what the file says.

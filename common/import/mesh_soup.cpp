@@ -108,7 +108,7 @@ void appendVertices(const std::filesystem::path& path, const RawMesh& raw,
     for (std::size_t i = direct; i < raw.vertices.size(); ++i)
         soup.vertices.push_back(raw.vertices[i]);
     if (firstVertex + direct < vertices) soup.local.emplace_back(firstVertex + direct, vertices);
-    appendAttribute(firstVertex, vertices, raw.colors, kUncolored, soup.colors);
+    appendAttribute(firstVertex, vertices, raw.colors, kNoColor, soup.colors);
     appendAttribute(firstVertex, vertices, raw.texcoords, Vec3f(0, 0, 1), soup.texcoords);
     soup.moreTexcoords.resize(std::max(soup.moreTexcoords.size(), raw.moreTexcoords.size()));
     static const std::vector<Vec2f> kNone;

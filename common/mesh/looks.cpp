@@ -26,6 +26,11 @@ struct Place {
     T of(const std::vector<T>& values) const {
         return interpolate(values, mesh.triangles[triangle], u, v);
     }
+    /// Whether its file has colours of vertices.
+    bool isColored() const {
+        const auto corner = static_cast<std::size_t>(mesh.triangles[triangle][0]);
+        return !mesh.colors.empty() && mesh.colors[corner] != kNoColor;
+    }
     const Texture& texture(int number) const {
         return mesh.textures[static_cast<std::size_t>(number)];
     }
@@ -49,9 +54,10 @@ struct Place {
 
 Rgb baseColor(const Place& place, const Material* material, const Rgb& fallback) {
     const TriangleMesh& mesh = place.mesh;
-    if (!material && mesh.colors.empty()) return fallback;
+    const bool colored = place.isColored();
+    if (!material && !colored) return fallback;
     Rgb albedo = material ? material->albedo : Rgb(1.0f);
-    if (!mesh.colors.empty()) albedo *= place.of(mesh.colors);
+    if (colored) albedo *= place.of(mesh.colors);
     if (material && material->texture >= 0) albedo *= place.color({material->texture, 0});
     return albedo;
 }

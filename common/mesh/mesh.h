@@ -66,6 +66,9 @@ struct MeshInstance {
     std::uint32_t source = 0;  ///< its number in RawMesh::instances
 };
 
+/// In the place of the colours of vertices that have none, beside others that do.
+inline const Rgb kNoColor{-1.0f, -1.0f, -1.0f};
+
 /// Triangle soup in world space. Positions are relative to `origin`, so that sets far from the
 /// world's origin keep their precision: world = origin + position. Parts from firstSharedPart on,
 /// the last of the triangles, are in the world only through instances, with positions of their own.
@@ -73,7 +76,8 @@ struct TriangleMesh {
     Vec3d origin{0, 0, 0};
     std::vector<Vec3f> positions;
     std::vector<Vec3i> triangles;  ///< three indices into positions each
-    std::vector<Rgb> colors;       ///< linear albedo per vertex, or empty
+    std::vector<Rgb> colors;  ///< linear albedo per vertex, kNoColor where its file has none; or
+                              ///< empty
     std::vector<Vec3f> texcoords;  ///< s, t and opacity of each vertex, or empty
     /// Further texture coordinates of each vertex, by layer (TextureSlot); each may be empty.
     std::vector<std::vector<Vec2f>> moreTexcoords;

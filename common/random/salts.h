@@ -19,6 +19,7 @@ enum class BakeSalt : std::uint64_t {
     lensU = 0x66696c6f,  ///< where on the lens it starts
     lensV = 0x66696c70,
     shutterTime = 0x66696c71,  ///< and when
+    crossing = 0x66696c72,     ///< which of the surfaces that it may pass it shows
     hitOrigins = 0x68697473,   ///< points that an item's hit rays start from
     emitterRays = 0x6c616d70,  ///< an item's rays to an emitter; third word: its number
     sample = 0x73616d70,       ///< voxels that an estimate bakes; third word: their run's number
@@ -64,6 +65,7 @@ enum class RenderSalt : std::uint64_t {
     bounceLobeChild = 104,  ///< and of what a lobe's ray met
     bounceDirect = 105,     ///< seed of a vertex's direct light
     shutterTime = 106,      ///< a pixel's seed for when its camera rays are sent
+    crossing = 119,         ///< and for which of the surfaces that they may pass they show
     clusterTrial = 114,     ///< a cluster's seed for rays that try where its light comes from
     trialRay = 115,         ///< direction of such a ray
     mirroredSky = 117,  ///< what a vertex mirrors to a place; third word: its number in the group

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/base/tuned.h"
 #include "common/mesh/normal_map.h"
 #include "common/mesh/shading_normal.h"
 #include "common/shot/camera_rays.h"
@@ -30,18 +31,20 @@ inline Vec3f startIn(const Scene& scene, const CameraRay& ray) {
     return Vec3f(ray.start - scene.mesh().origin);
 }
 
-/// What a ray meets up to a distance: nothing beyond, but panes.
-inline Hit hitWithin(const Hit& hit, double reach) {
-    if (static_cast<double>(hit.distance) <= reach) return hit;
-    Hit sky;
-    sky.tint = hit.tint;
-    return sky;
-}
+/// Least part of the rays of a pixel that show panes, where one in four is one of them: light that
+/// panes mirror is little, but from few directions and so noisy.
+inline SHADOWCACHE_TUNED(float, kLeastOfPanes, 0.25f);
 
 /// What a camera's ray meets: nothing beyond its reach.
-inline View lookAlong(const CameraRay& ray, const Scene& scene) {
+///
+/// @param chance  as CameraPacket has it
+inline View lookAlong(const CameraRay& ray, const Scene& scene, float chance) {
     const Vec3f direction(ray.direction);
-    return {direction, hitWithin(scene.intersect(startIn(scene, ray), direction), ray.reach)};
+    CameraPacket packet{};
+    packet.set(0, startIn(scene, ray), direction, chance, ray.reach);
+    View view{direction, {}};
+    scene.look(packet, 1, kLeastOfPanes, &view.hit);
+    return view;
 }
 
 /// Where a hit of the scene lies in world space.

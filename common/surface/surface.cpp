@@ -79,6 +79,12 @@ Rgb diffuseAlbedo(const Surface& surface, float cosine) noexcept {
     return surface.diffuse * (1 - loss);
 }
 
+Rgb reflectance(const Surface& surface, float cosine) noexcept {
+    const Rgb mirrors =
+        surface.f0 + (surface.f90 - surface.f0) * schlickWeight(std::max(cosine, 0.0f));
+    return diffuseAlbedo(surface, cosine) + mirrors;
+}
+
 GlossyLobe::GlossyLobe(const Surface& surface, const Vec3f& normal, const Vec3f& toViewer) noexcept
     : n_(facing(normal, toViewer)),
       f0_(surface.f0),

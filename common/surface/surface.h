@@ -55,6 +55,11 @@ Surface scaled(const Surface& surface, const Rgb& factor) noexcept;
 /// @param cosine  between the normal and the direction to the viewer; below 0 it counts as 0
 Rgb diffuseAlbedo(const Surface& surface, float cosine) noexcept;
 
+/// Albedo of all that reflects: the diffuse part, and mirrors as if they were smooth.
+///
+/// @param cosine  as of diffuseAlbedo()
+Rgb reflectance(const Surface& surface, float cosine) noexcept;
+
 /// What a glossy surface reflects to a viewer besides diffuseAlbedo(): the mirrors' lobe, and the
 /// difference between what the base loses to them in a direction and on the mean. Together with
 /// diffuseAlbedo() / pi times the cosine this is the BRDF times the cosine, exactly.

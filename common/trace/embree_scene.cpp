@@ -162,21 +162,28 @@ float EmbreeScene::cosineAt(const RTCFilterFunctionNArguments& hits, unsigned ra
 /// Whether a ray passes the surface that it meets: a hole, or by chance.
 bool EmbreeScene::passes(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray) {
     const Material& material = *part.material;
+    const auto& context = *reinterpret_cast<const QueryContext*>(hits.context);
     const std::uint32_t triangle = part.firstTriangle + RTCHitN_primID(hits.hit, hits.N, ray);
-    float chance = 0;
-    if (material.passesByChance())
-        chance = toUnitFloat(
-            static_cast<std::uint32_t>(hashWords(RTCRayN_id(hits.ray, hits.N, ray), triangle,
-                                                 RTCHitN_instID(hits.hit, hits.N, ray, 0))));
+    const unsigned number = RTCRayN_id(hits.ray, hits.N, ray);
     const float cosine = material.isPane() ? part.scene->cosineAt(hits, ray, triangle) : 1.0f;
     const Passage passage =
         passageAt(*part.mesh, material, triangle, RTCHitN_u(hits.hit, hits.N, ray),
                   RTCHitN_v(hits.hit, hits.N, ray), cosine);
-    const bool passes = passage.stopped <= chance;
-    Rgb* tint = reinterpret_cast<const QueryContext*>(hits.context)->tint;
-    if (!tint) return passes;
-    if (passes) *tint *= passage.tint;
-    return true;
+    if (context.tint) {
+        *context.tint *= passage.tint;
+        return true;
+    }
+    if (context.crossings) {
+        if (passage.stopped <= 0 || passage.stopped >= 1) return passage.stopped <= 0;
+        context.crossings->push_back({number, RTCRayN_tfar(hits.ray, hits.N, ray),
+                                      rtcGetHitFromHitN(hits.hit, hits.N, ray)});
+        return true;
+    }
+    float chance = 0;
+    if (material.passesByChance())
+        chance = toUnitFloat(static_cast<std::uint32_t>(
+            hashWords(number, triangle, RTCHitN_instID(hits.hit, hits.N, ray, 0))));
+    return passage.stopped <= chance;
 }
 
 void EmbreeScene::filterHoles(const RTCFilterFunctionNArguments* hits) {
@@ -185,25 +192,28 @@ void EmbreeScene::filterHoles(const RTCFilterFunctionNArguments* hits) {
         if (hits->valid[i] == -1 && passes(part, *hits, i)) hits->valid[i] = 0;
 }
 
+/// In the geometry's own space, so that a mirroring instance turns no side around.
+bool EmbreeScene::isBackOf(const Part& part, const RTCFilterFunctionNArguments& hits,
+                           unsigned ray) {
+    const Vec3i& t =
+        part.mesh->triangles[part.firstTriangle + RTCHitN_primID(hits.hit, hits.N, ray)];
+    const auto corner = [&](int k) { return part.mesh->positions[static_cast<std::size_t>(t[k])]; };
+    const Vec3f normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    const Vec3f direction(RTCRayN_dir_x(hits.ray, hits.N, ray),
+                          RTCRayN_dir_y(hits.ray, hits.N, ray),
+                          RTCRayN_dir_z(hits.ray, hits.N, ray));
+    return normal.dot(direction) > 0;
+}
+
 void EmbreeScene::filterUnseen(const RTCFilterFunctionNArguments* hits) {
     const Part& part = *static_cast<const Part*>(hits->geometryUserPtr);
     const bool culls = !part.material->doubleSided &&
                        reinterpret_cast<const QueryContext*>(hits->context)->fromCamera;
     for (unsigned i = 0; i < hits->N; ++i) {
         if (hits->valid[i] != -1) continue;
-        if (part.material->isPierced() && passes(part, *hits, i)) hits->valid[i] = 0;
-        if (!culls) continue;
-        // In the geometry's own space, so that a mirroring instance turns no side around.
-        const Vec3i& t =
-            part.mesh->triangles[part.firstTriangle + RTCHitN_primID(hits->hit, hits->N, i)];
-        const auto corner = [&](int k) {
-            return part.mesh->positions[static_cast<std::size_t>(t[k])];
-        };
-        const Vec3f normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
-        const Vec3f direction(RTCRayN_dir_x(hits->ray, hits->N, i),
-                              RTCRayN_dir_y(hits->ray, hits->N, i),
-                              RTCRayN_dir_z(hits->ray, hits->N, i));
-        if (normal.dot(direction) > 0) hits->valid[i] = 0;
+        if ((culls && isBackOf(part, *hits, i)) ||
+            (part.material->isPierced() && passes(part, *hits, i)))
+            hits->valid[i] = 0;
     }
 }
 

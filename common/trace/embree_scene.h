@@ -11,11 +11,21 @@ namespace shadowcache {
 
 // Names Embree's types; for scene.cpp and embree_scene.cpp only.
 
+/// Where a ray meets a surface that it may pass by chance.
+struct ChanceHit {
+    unsigned ray;  ///< RTCRay::id
+    float distance;
+    RTCHit hit;
+};
+
 /// What a query that may call the filters below hands to them.
 struct QueryContext {
     RTCIntersectContext base;
     bool fromCamera = false;  ///< backs of surfaces that are not double-sided are not seen
     Rgb* tint = nullptr;      ///< of a single ray that passes all that is pierced: what it gathers
+    /// Of rays that pass all that they may pass: what that is, in any order, and some that lies
+    /// beyond what they meet. Null: each passes by its own chance.
+    std::vector<ChanceHit>* crossings = nullptr;
 
     QueryContext() { rtcInitIntersectContext(&base); }
 };
@@ -47,6 +57,7 @@ private:
     static void filterHoles(const RTCFilterFunctionNArguments* hits);
     static void filterUnseen(const RTCFilterFunctionNArguments* hits);
     static bool passes(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray);
+    static bool isBackOf(const Part& part, const RTCFilterFunctionNArguments& hits, unsigned ray);
     /// Cosine, in the world, between a ray and the normal of the triangle that it meets.
     float cosineAt(const RTCFilterFunctionNArguments& hits, unsigned ray,
                    std::uint32_t triangle) const noexcept;

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
+#include <tuple>
+#include <vector>
 
 #include "common/base/hash.h"
 #include "common/base/tuned.h"
@@ -38,11 +41,18 @@ unsigned rayNumber(const Vec3f& origin, const Vec3f& direction) {
                                            pair(direction.y, direction.z)));
 }
 
+Vec3f originOf(const RayPacket& rays, int i) {
+    return {rays.originX[i], rays.originY[i], rays.originZ[i]};
+}
+
+Vec3f directionOf(const RayPacket& rays, int i) {
+    return {rays.directionX[i], rays.directionY[i], rays.directionZ[i]};
+}
+
 /// @param numbered  whether rays pass surfaces of the set by chance
 void fillRays(const RayPacket& rays, bool numbered, RTCRay8& out) {
     for (int i = 0; numbered && i < RayPacket::kSize; ++i)
-        out.id[i] = rayNumber({rays.originX[i], rays.originY[i], rays.originZ[i]},
-                              {rays.directionX[i], rays.directionY[i], rays.directionZ[i]});
+        out.id[i] = rayNumber(originOf(rays, i), directionOf(rays, i));
     constexpr std::size_t kBytes = sizeof(float) * RayPacket::kSize;
     std::memcpy(out.org_x, rays.originX, kBytes);
     std::memcpy(out.org_y, rays.originY, kBytes);
@@ -76,12 +86,17 @@ RTCIntersectContextFlags shadowFlags(bool many) {
     return many ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
 }
 
-/// What a pane sends to a ray that it stops counts as much more as it stops fewer.
-float paneWeight(const TriangleMesh& mesh, const Hit& hit, const Vec3f& direction) {
-    const std::uint32_t triangle = placedTriangle(mesh, hit.triangle).triangle;
-    const Material* material = materialOf(mesh, triangle);
-    if (!material || !material->isPane()) return 1;
-    return passageAt(mesh, *material, triangle, hit.u, hit.v, hit.normal.dot(direction)).weight;
+/// How rays pass what was hit.
+Passage passageOf(const Hit& hit, const Material& material, const Vec3f& direction) {
+    const TriangleMesh& mesh = hit.scene->mesh();
+    return passageAt(mesh, material, placedTriangle(mesh, hit.triangle).triangle, hit.u, hit.v,
+                     hit.normal.dot(direction));
+}
+
+/// Of what was hit; null where it has none.
+const Material* materialOf(const Hit& hit) {
+    const TriangleMesh& mesh = hit.scene->mesh();
+    return materialOf(mesh, placedTriangle(mesh, hit.triangle).triangle);
 }
 
 RTCRay rayOf(const Vec3f& origin, const Vec3f& direction, float reach, bool numbered) {
@@ -96,6 +111,15 @@ RTCRay rayOf(const Vec3f& origin, const Vec3f& direction, float reach, bool numb
     ray.mask = ~0u;
     if (numbered) ray.id = rayNumber(origin, direction);
     return ray;
+}
+
+/// What Embree knows of a hit.
+Hit byEmbree(const RTCHit& hit, float distance) {
+    Hit known;
+    known.u = hit.u;
+    known.v = hit.v;
+    known.distance = distance;
+    return known;
 }
 
 /// How far a ray goes before what it hit, which is no pane on the way to itself, up to rounding.
@@ -165,7 +189,10 @@ Hit Scene::hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t tria
     }
     hit.position = Vec3f(a + ab * static_cast<double>(hit.u) + ac * static_cast<double>(hit.v));
     hit.normal = placedNormal(mesh_, triangle, corners);
-    if (panes_) hit.weight = paneWeight(mesh_, hit, direction);
+    // What a pane sends to a ray that it stops counts as much more as it stops fewer.
+    if (const Material* material = panes_ ? materialOf(hit) : nullptr;
+        material && material->isPane())
+        hit.weight = passageOf(hit, *material, direction).weight;
     return hit;
 }
 
@@ -187,9 +214,7 @@ void Scene::meet(const RayPacket& rays, int count, Hit* hits) const noexcept {
 
 void Scene::addTints(const RayPacket& rays, int count, Hit* hits) const noexcept {
     for (int i = 0; i < count; ++i)
-        hits[i].tint =
-            tint({rays.originX[i], rays.originY[i], rays.originZ[i]},
-                 {rays.directionX[i], rays.directionY[i], rays.directionZ[i]}, beforeHit(hits[i]));
+        hits[i].tint = tint(originOf(rays, i), directionOf(rays, i), beforeHit(hits[i]));
 }
 
 Rgb Scene::tint(const Vec3f& origin, const Vec3f& direction, float reach) const noexcept {
@@ -216,11 +241,65 @@ Hit Scene::nearest(const Vec3f& origin, const Vec3f& direction) const noexcept {
     if (moving_) hit = moving_->nearest(origin, direction);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
     if (hit.found && hit.distance < query.ray.tfar) return hit;
-    Hit found;
-    found.u = query.hit.u;
-    found.v = query.hit.v;
-    found.distance = query.ray.tfar;
-    return hitAt(origin, direction, embree_->placedNumber(query.hit), found);
+    return hitAt(origin, direction, embree_->placedNumber(query.hit),
+                 byEmbree(query.hit, query.ray.tfar));
+}
+
+/// A surface that a camera's ray may pass by chance.
+struct Scene::Crossing {
+    int ray;  ///< of its packet
+    Hit hit;
+    Passage passage;
+    bool isPane;
+};
+
+void Scene::look(const CameraPacket& rays, int count, float leastOfPanes, Hit* hits) const {
+    std::vector<Crossing> crossings;
+    nearest(rays, count, hits, crossings);
+    std::ranges::sort(crossings, {}, [](const Crossing& c) {
+        return std::tuple(c.ray, c.hit.distance, c.hit.triangle);
+    });
+    auto next = crossings.begin();
+    for (int i = 0; i < count; ++i) {
+        Hit& hit = hits[i];
+        const auto first = next;
+        while (next != crossings.end() && next->ray == i) ++next;
+        const float end = hit.found ? hit.distance : rays.reach[i];
+        const auto last =
+            std::find_if(first, next, [&](const Crossing& c) { return c.hit.distance > end; });
+        hit = chosen({first, last}, hit, {rays.chance[i], leastOfPanes});
+    }
+}
+
+/// One of the surfaces that a ray crosses, or what it meets at its end.
+Hit Scene::chosen(std::span<const Crossing> crossings, const Hit& end, const Choice& choice) {
+    float passed = 1, atPanes = 0;
+    for (const Crossing& c : crossings) {
+        if (c.isPane) atPanes += passed * c.passage.stopped;
+        passed *= 1 - c.passage.stopped;
+    }
+    // Panes are chosen more often than rays stop there, and all else less.
+    const bool raised = atPanes > 0 && atPanes < choice.leastOfPanes;
+    const float ofPanes = raised ? choice.leastOfPanes / atPanes : 1;
+    const float ofRest = raised ? (1 - choice.leastOfPanes) / (1 - atPanes) : 1;
+    Hit hit = end;
+    hit.share = 1 / ofRest;
+    Rgb tint(1, 1, 1);
+    float left = choice.chance, through = 1;
+    for (const Crossing& c : crossings) {
+        const float raise = c.isPane ? ofPanes : ofRest;
+        left -= through * c.passage.stopped * raise;
+        if (left < 0) {
+            hit = c.hit;
+            hit.share = 1 / raise;
+            break;
+        }
+        through *= 1 - c.passage.stopped;
+        tint *= c.passage.tint;
+    }
+    hit.tint = tint;
+    hit.covered = end.found ? 1 : 1 - passed;
+    return hit;
 }
 
 void Scene::nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept {
@@ -230,27 +309,53 @@ void Scene::nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits
     context.base.flags = fromCamera ? packetFlags(mesh_) : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     alignas(32) RTCRayHit8 query;
     fillRays(rays, byChance_, query.ray);
-    for (int i = 0; i < RayPacket::kSize; ++i)
-        query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-    const Lanes lanes(count);
-    rtcIntersect8(lanes.valid, embree_->root(), &context.base, &query);
     if (moving_)
         moving_->nearest(rays, count, fromCamera, hits);
     else
         std::fill_n(hits, count, Hit{});
+    takeNearer(rays, count, context, query, hits);
+}
+
+void Scene::nearest(const CameraPacket& rays, int count, Hit* hits,
+                    std::vector<Crossing>& crossings) const {
+    std::vector<ChanceHit> met;
+    QueryContext context;
+    context.fromCamera = true;
+    context.crossings = &met;
+    context.base.flags = packetFlags(mesh_);
+    alignas(32) RTCRayHit8 query;
+    fillRays(rays, false, query.ray);
+    for (unsigned i = 0; i < RayPacket::kSize; ++i) query.ray.id[i] = i;
+    std::copy_n(rays.reach, count, query.ray.tfar);
+    if (moving_)
+        moving_->nearest(rays, count, hits, crossings);
+    else
+        std::fill_n(hits, count, Hit{});
+    takeNearer(rays, count, context, query, hits);
+    for (const ChanceHit& c : met) {
+        const auto ray = static_cast<int>(c.ray);
+        const Vec3f direction = directionOf(rays, ray);
+        const Hit hit = hitAt(originOf(rays, ray), direction, embree_->placedNumber(c.hit),
+                              byEmbree(c.hit, c.distance));
+        const Material& material = *materialOf(hit);
+        crossings.push_back({ray, hit, passageOf(hit, material, direction), material.isPane()});
+    }
+}
+
+void Scene::takeNearer(const RayPacket& rays, int count, QueryContext& context, RTCRayHit8& query,
+                       Hit* hits) const noexcept {
+    for (int i = 0; i < RayPacket::kSize; ++i)
+        query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    const Lanes lanes(count);
+    rtcIntersect8(lanes.valid, embree_->root(), &context.base, &query);
     for (int i = 0; i < count; ++i) {
         if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
         const float distance = query.ray.tfar[i];
         if (hits[i].found && hits[i].distance < distance) continue;
         const RTCHit hit = rtcGetHitFromHitN(reinterpret_cast<RTCHitN*>(&query.hit),
                                              RayPacket::kSize, static_cast<unsigned>(i));
-        Hit found;
-        found.u = hit.u;
-        found.v = hit.v;
-        found.distance = distance;
-        hits[i] = hitAt({rays.originX[i], rays.originY[i], rays.originZ[i]},
-                        {rays.directionX[i], rays.directionY[i], rays.directionZ[i]},
-                        embree_->placedNumber(hit), found);
+        hits[i] = hitAt(originOf(rays, i), directionOf(rays, i), embree_->placedNumber(hit),
+                        byEmbree(hit, distance));
     }
 }
 

@@ -6,13 +6,18 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "common/mesh/mesh.h"
+
+struct RTCRayHit8;
 
 namespace shadowcache {
 
 class EmbreeScene;
 class Scene;
+struct QueryContext;
 
 // Whether a ray passes a hole or a pane is decided by passes() of embree_scene.cpp, with
 // passageAt() of common/mesh/looks.h.
@@ -28,6 +33,8 @@ struct Hit {
     float u = 0, v = 0;            ///< barycentric coordinates of the second and third corner
     float weight = 1;              ///< of light from a pane: makes up for rays that pass it
     Rgb tint{1.0f, 1.0f, 1.0f};    ///< by panes on the way; where nothing is found, to the sky
+    float share = 1;    ///< of look(): what the ray counts as in place of one, on the mean 1
+    float covered = 0;  ///< of look(): chance that such a ray meets the set
 };
 
 /// Eight rays, as arrays; origins relative to the mesh's origin, directions
@@ -44,6 +51,19 @@ struct alignas(32) RayPacket {
         directionX[i] = direction.x;
         directionY[i] = direction.y;
         directionZ[i] = direction.z;
+    }
+};
+
+/// Eight rays from a camera.
+struct CameraPacket : RayPacket {
+    float chance[kSize];  ///< in [0, 1): decides which of the surfaces that it may pass a ray shows
+    float reach[kSize];   ///< nothing is met beyond
+
+    void set(int i, const Vec3f& origin, const Vec3f& direction, float chanceOfRay,
+             double farthest) {
+        RayPacket::set(i, origin, direction);
+        chance[i] = chanceOfRay;
+        reach[i] = static_cast<float>(farthest);
     }
 };
 
@@ -106,6 +126,14 @@ public:
     /// @param hits  as many
     void intersect(const RayPacket& rays, int count, Hit* hits) const noexcept;
 
+    /// The same of rays whose given chances, not their own, decide about all that they may pass: so
+    /// rays whose chances are stratified show all of it in even shares. What they show is right on
+    /// the mean if each counts by its Hit::share.
+    ///
+    /// @param leastOfPanes  least part of the rays that meet panes on their way which show what
+    ///                      these mirror and scatter, in [0, 1): it is little light, but noisy
+    void look(const CameraPacket& rays, int count, float leastOfPanes, Hit* hits) const;
+
     /// The same of rays that light travels along: they pass through holes, and backs stop them as
     /// they stop shadow rays.
     void meet(const RayPacket& rays, int count, Hit* hits) const noexcept;
@@ -143,10 +171,23 @@ public:
                     const Vec3f& side) const noexcept;
 
 private:
-    /// Of a camera's ray, without tints; so is the next.
+    struct Crossing;
+    /// Which of the surfaces that a ray crosses it shows: as CameraPacket::chance and look() say.
+    struct Choice {
+        float chance, leastOfPanes;
+    };
+
+    /// Of a camera's ray, without tints; so are the next.
     Hit nearest(const Vec3f& origin, const Vec3f& direction) const noexcept;
     /// @param fromCamera  backs of surfaces that are not double-sided are not seen
     void nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept;
+    /// Of camera's rays that pass all that they may pass.
+    void nearest(const CameraPacket& rays, int count, Hit* hits,
+                 std::vector<Crossing>& crossings) const;
+    /// Traces a packet, and puts what it meets in place of what lies behind it.
+    void takeNearer(const RayPacket& rays, int count, QueryContext& context, RTCRayHit8& query,
+                    Hit* hits) const noexcept;
+    static Hit chosen(std::span<const Crossing> crossings, const Hit& end, const Choice& choice);
     void addTints(const RayPacket& rays, int count, Hit* hits) const noexcept;
     Hit hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t triangle,
               const Hit& byEmbree) const noexcept;

@@ -13,7 +13,7 @@ Surface surfaceOf(const Hit& hit, const PlainLook& plain) {
 }
 
 Surface surfaceSeen(const Hit& hit, const PlainLook& plain) {
-    return scaled(surfaceOf(hit, plain), hit.tint);
+    return scaled(surfaceOf(hit, plain), hit.tint * hit.share);
 }
 
 Vec3f rayStartOf(const Scene& scene, const View& view) {

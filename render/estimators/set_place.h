@@ -10,7 +10,7 @@ namespace shadowcache {
 /// @param plain  of what has no material and no vertex colours
 Surface surfaceOf(const Hit& hit, const PlainLook& plain);
 
-/// The same, as it is seen through the panes on the way.
+/// The same, as a camera's ray shows it through the panes on the way.
 Surface surfaceSeen(const Hit& hit, const PlainLook& plain);
 
 /// Where the rays start that look for the light of a place: off the surface, on the viewer's side,

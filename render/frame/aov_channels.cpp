@@ -110,7 +110,7 @@ std::vector<Channel> channels(const Film& film, const std::vector<std::string>& 
         out.push_back(makeChannel(film, rgb[static_cast<std::size_t>(k)],
                                   [k](const Pixel& p) { return p.color[k]; }));
     if (film.transparent)
-        out.push_back(makeChannel(film, "A", [](const Pixel& p) { return p.coverage; }));
+        out.push_back(makeChannel(film, "A", [](const Pixel& p) { return p.alpha; }));
     for (std::size_t g = 0; g < film.groups.size(); ++g)
         for (std::size_t k = 0; k < rgb.size(); ++k) {
             Channel& channel = out.emplace_back(Channel{film.groups[g] + "." + rgb[k], {}});

@@ -24,7 +24,7 @@ std::optional<AovScale> aovScale(const std::string& name);
 /// Whether an AOV shows what the cache predicts (RenderOptions::insight).
 bool needsInsight(const std::string& aov);
 
-/// R, G, B, the coverage as A if the film is transparent, R, G and B of each light group, and the
+/// R, G, B, alpha as A if the film is transparent, R, G and B of each light group, and the
 /// channels of the AOVs named, for writeExr.
 ///
 /// @throws Error naming the AOVs there are

@@ -26,6 +26,8 @@ void forEachValue(RayValues& a, Other& b, const Visit& visit) {
     visit(a.position, b.position);
     visit(a.depth, b.depth);
     visit(a.axialDepth, b.axialDepth);
+    visit(a.alpha, b.alpha);
+    visit(a.coverage, b.coverage);
     visit(a.openness, b.openness);
     visit(a.items, b.items);
     visit(a.regions, b.regions);
@@ -59,7 +61,7 @@ double meanCameraRays(const Film& film) {
 std::vector<float> alphaOf(const Film& film) {
     std::vector<float> alpha;
     if (film.transparent)
-        for (const Pixel& p : film.pixels) alpha.push_back(p.coverage);
+        for (const Pixel& p : film.pixels) alpha.push_back(p.alpha);
     return alpha;
 }
 

@@ -29,6 +29,9 @@ struct RayValues {
     Vec3f position{0, 0, 0};
     float depth = 0;       ///< distance from the camera; 0: the sky
     float axialDepth = 0;  ///< its part along the view
+    float alpha = 0;       ///< chance that the ray meets the set: less than 1 where it may pass
+    float coverage = 0;    ///< 1 where it does, by the ray's share: all but the light is summed up
+                           ///< over these rays
     // What the cache predicts before any ray, if RenderOptions::insight.
     float openness = 0;  ///< visible share of the sky, weighted by the cosine
     float items = 0;     ///< cache items found
@@ -51,7 +54,6 @@ struct Pixel : RayValues {
     float sampleVariance = 0;  ///< of the luminance of the irradiance over the set, from the
                                ///< samples alone
     float cameraRays = 0;
-    float coverage = 0;       ///< share of the camera rays that meet the set
     float expectedNoise = 0;  ///< standard deviation of the irradiance's luminance that the cache
                               ///< predicts, if RenderOptions::insight
 };
@@ -76,7 +78,7 @@ double meanCameraRays(const Film& film);
 
 Image colorImage(const Film& film);
 
-/// Coverage of the pixels of a transparent film; none of another.
+/// Alpha of the pixels of a transparent film; none of another.
 std::vector<float> alphaOf(const Film& film);
 
 }  // namespace shadowcache

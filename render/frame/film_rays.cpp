@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
@@ -17,7 +18,10 @@ FilmRays::FilmRays(const FrameRequest& frame)
 
 FilmRay FilmRays::look(const FilmPosition& at) const {
     const CameraRay ray = camera_.through(at);
-    return {.ray = ray, .view = lookAlong(ray, scene_)};
+    const std::uint64_t hash =
+        hashWords(std::bit_cast<std::uint64_t>(at.x), std::bit_cast<std::uint64_t>(at.y));
+    const float chance = toUnitFloat(static_cast<std::uint32_t>(hash));
+    return {.ray = ray, .view = lookAlong(ray, scene_, chance), .chance = chance};
 }
 
 std::optional<FilmPosition> FilmRays::project(const Vec3f& point) const {
@@ -58,10 +62,11 @@ std::vector<FilmRay> FilmRays::castEmission(const FilmPlace& place, RayRange ran
     return rays;
 }
 
-/// A pixel's rays are points of one Sobol' sequence: on the film, on the lens, and in time.
+/// A pixel's rays are points of one Sobol' sequence: on the film, on the lens, in time, and of what
+/// they may pass.
 void FilmRays::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, RayRange range,
                    std::vector<FilmRay>& rays) const {
-    std::array<std::vector<std::uint32_t>, 5> words;
+    std::array<std::vector<std::uint32_t>, 6> words;
     const auto draw = [&](std::size_t word, int dimension, std::uint64_t sequence) {
         words[word].resize(static_cast<std::size_t>(range.count));
         owenSobol(static_cast<std::uint32_t>(range.first), dimension, sequence, words[word]);
@@ -76,6 +81,7 @@ void FilmRays::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t se
         for (const int d : {2, 3}) draw(static_cast<std::size_t>(d), d, seed);
         draw(4, 0, hashWords(seed, RenderSalt::shutterTime));
     }
+    draw(5, 0, hashWords(seed, RenderSalt::crossing));
     for (int k = 0; k < range.count; ++k) {
         const double dx = centered ? 0 : filter_.offset(number(0, k));
         const double dy = centered ? 0 : filter_.offset(number(1, k));
@@ -84,25 +90,31 @@ void FilmRays::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t se
         const CameraRay ray = camera_.spread()
                                   ? camera_.through(at, {number(2, k), number(3, k), number(4, k)})
                                   : camera_.through(at);
-        rays.push_back({pixel, range.first + k, ray, {Vec3f(ray.direction), {}}});
+        rays.push_back({pixel,
+                        range.first + k,
+                        ray,
+                        {Vec3f(ray.direction), {}},
+                        toUnitFloat(words[5][static_cast<std::size_t>(k)])});
     }
 }
 
 /// Neighbours together, in packets.
 void FilmRays::intersect(std::span<FilmRay> rays) const {
     constexpr auto kSize = static_cast<std::size_t>(RayPacket::kSize);
-    RayPacket packet{};
+    CameraPacket packet{};
     std::array<Hit, kSize> hits;
+    // Fewer rays show panes by chance, or not.
+    const float leastOfPanes =
+        static_cast<float>(options_.cameraRays) * kLeastOfPanes >= 1 ? kLeastOfPanes : 0;
     for (std::size_t first = 0; first < rays.size(); first += kSize) {
         const auto some = rays.subspan(first, std::min(kSize, rays.size() - first));
         const auto count = static_cast<int>(some.size());
         for (int i = 0; i < count; ++i) {
             const FilmRay& ray = some[static_cast<std::size_t>(i)];
-            packet.set(i, startIn(scene_, ray.ray), ray.view.direction);
+            packet.set(i, startIn(scene_, ray.ray), ray.view.direction, ray.chance, ray.ray.reach);
         }
-        scene_.intersect(packet, count, hits.data());
-        for (std::size_t i = 0; i < some.size(); ++i)
-            some[i].view.hit = hitWithin(hits[i], some[i].ray.reach);
+        scene_.look(packet, count, leastOfPanes, hits.data());
+        for (std::size_t i = 0; i < some.size(); ++i) some[i].view.hit = hits[i];
     }
 }
 

@@ -33,7 +33,7 @@ PlaceLight lightOf(const FrameRequest& frame, const RayBatch& batch, std::size_t
     return light;
 }
 
-/// What a camera ray shows of a place.
+/// What a camera ray shows of a place, by its share: `surface` has that already (surfaceSeen).
 ///
 /// @param emission  that it shows as well
 RayValues valuesOf(const FilmRay& ray, const MetPlace& place, const PlaceLight& light,
@@ -43,6 +43,7 @@ RayValues valuesOf(const FilmRay& ray, const MetPlace& place, const PlaceLight& 
         return place.diffuseAlbedo * irradiance * static_cast<float>(1 / kPi);
     };
     const Rgb diffuse = reflected(light.irradiance.irradiance), glossy = light.gloss.radiance;
+    const float share = ray.view.hit.share;
     const double depth = static_cast<double>(ray.view.hit.distance) + ray.ray.skipped;
     return {.color = diffuse + glossy + emission,
             .diffuse = diffuse,
@@ -51,15 +52,17 @@ RayValues valuesOf(const FilmRay& ray, const MetPlace& place, const PlaceLight& 
             .glossyIndirect = light.bounced.glossy,
             .emission = emission,
             .predicted = reflected(light.irradiance.predicted) + (glossy + emission),
-            .irradiance = light.irradiance.irradiance,
+            .irradiance = light.irradiance.irradiance * share,
             .albedo = surface.baseColor,
             .diffuseAlbedo = place.diffuseAlbedo,
             .mirrorColor = surface.glossy ? surface.f0 : Rgb(0, 0, 0),
-            .roughness = surface.roughness,
-            .normal = place.point.place.normal,
-            .position = Vec3f(place.point.place.position),
-            .depth = static_cast<float>(depth),
-            .axialDepth = static_cast<float>(depth * ray.ray.cosine)};
+            .roughness = surface.roughness * share,
+            .normal = place.point.place.normal * share,
+            .position = Vec3f(place.point.place.position) * share,
+            .depth = static_cast<float>(depth) * share,
+            .axialDepth = static_cast<float>(depth * ray.ray.cosine) * share,
+            .alpha = ray.view.hit.covered,
+            .coverage = share};
 }
 
 /// Adds what a camera ray shows reflected by a place, by light group; as lightOf() and valuesOf()
@@ -80,12 +83,15 @@ void addReflected(const FrameRequest& frame, const RayBatch& batch, std::size_t 
 }
 
 /// Adds what the cache predicts at a place.
-void addInsight(const CacheInsight& insight, PixelSum& pixel, RayValues& values) {
-    pixel.expectedVariance += insight.expectedNoise * insight.expectedNoise;
-    values.openness = insight.openness;
-    values.items = static_cast<float>(insight.items);
-    values.regions = static_cast<float>(insight.regions);
-    values.misses = insight.items == 0 ? 1.0f : 0.0f;
+///
+/// @param share  of the camera ray
+void addInsight(const CacheInsight& insight, float share, PixelSum& pixel, RayValues& values) {
+    const float noise = insight.expectedNoise * share;
+    pixel.expectedVariance += noise * noise;
+    values.openness = insight.openness * share;
+    values.items = static_cast<float>(insight.items) * share;
+    values.regions = static_cast<float>(insight.regions) * share;
+    values.misses = insight.items == 0 ? share : 0.0f;
 }
 
 }  // namespace
@@ -108,12 +114,13 @@ void addToFilm(const FrameRequest& frame, const SpreadRule& rule, const RayBatch
         if (pixel.apart.factor == 0)
             emission = emissionSeen(frame, ray, place ? place->surface.emission : Rgb(0, 0, 0));
         if (!place) {
-            pixel.addSky(emission, rule);
+            pixel.addSky(emission, ray.view.hit.covered, rule);
             continue;
         }
         const PlaceLight light = lightOf(frame, batch, met);
         RayValues values = valuesOf(ray, *place, light, emission.sum());
-        if (!batch.direct.insights.empty()) addInsight(batch.direct.insights[met], pixel, values);
+        if (!batch.direct.insights.empty())
+            addInsight(batch.direct.insights[met], values.coverage, pixel, values);
         pixel.addHit(values, light.irradiance, light.gloss, rule);
         ++met;
     }

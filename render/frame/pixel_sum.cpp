@@ -34,10 +34,13 @@ void EmissionSum::addTo(Pixel& pixel, const SpreadRule& rule) const {
     pixel.colorVariance += static_cast<float>(spread.varianceOfMean(runLength(rule), rays));
 }
 
-void PixelSum::addSky(const SeenEmission& seen, const SpreadRule& rule) {
+void PixelSum::addSky(const SeenEmission& seen, float covered, const SpreadRule& rule) {
     const Rgb radiance = seen.sum();
-    values +=
-        {.color = radiance, .emission = radiance, .environment = seen.sky, .predicted = radiance};
+    values += {.color = radiance,
+               .emission = radiance,
+               .environment = seen.sky,
+               .predicted = radiance,
+               .alpha = covered};
     color.add(rule.luminance(radiance), rule.runLength);
     irradiance.add(0, rule.runLength);
     ++cameraRays;
@@ -49,9 +52,10 @@ void PixelSum::addHit(const RayValues& ray, const Estimate& estimate, const Glos
     color.add(rule.luminance(ray.color), rule.runLength);
     irradiance.add(rule.luminance(ray.irradiance), rule.runLength);
     ++cameraRays;
-    ++hits;
-    variance += estimate.variance;
-    covariance += estimate.covariance;
+    const float squared = ray.coverage * ray.coverage;
+    variance += estimate.variance * squared;
+    // As if what shares rays counted alike.
+    covariance += estimate.covariance * squared;
     glossVariance += gloss.variance;
     rays += static_cast<float>(estimate.rays + estimate.reused + gloss.rays);
     reusedRays += static_cast<float>(estimate.reused);
@@ -59,13 +63,13 @@ void PixelSum::addHit(const RayValues& ray, const Estimate& estimate, const Glos
 
 Pixel PixelSum::average(const SpreadRule& rule) const {
     const float scale = 1.0f / static_cast<float>(std::max(1, cameraRays));
-    const auto ofHits = static_cast<float>(std::max(1, hits));
+    // Camera rays that meet the set, by their shares.
+    const float ofHits = values.coverage > 0 ? values.coverage : 1;
     Pixel pixel{values};
     pixel *= scale;
     // Errors of camera rays are independent.
     pixel.expectedNoise = std::sqrt(expectedVariance) * scale;
     pixel.cameraRays = static_cast<float>(cameraRays);
-    pixel.coverage = static_cast<float>(hits) * scale;
     pixel.rays = rays;
     pixel.reusedRays = reusedRays;
     pixel.covariance = covariance;

@@ -60,14 +60,14 @@ struct EmissionSum {
     void addTo(Pixel& pixel, const SpreadRule& rule) const;
 };
 
-/// What a pixel's camera rays add up to so far. All weigh the same: the filter chooses where they
-/// go (pixel_filter.h).
+/// What a pixel's camera rays add up to so far. All weigh the same, as the filter chooses where
+/// they go (pixel_filter.h), but where panes are shown more often than rays stop there
+/// (Scene::look).
 struct PixelSum {
     RayValues values;
     EmissionSum apart;            ///< what the camera rays leave out
     RunSpread color, irradiance;  ///< of the luminance
     int cameraRays = 0;
-    int hits = 0;          ///< camera rays that meet the set
     float variance = 0;    ///< of the irradiance's luminance, from each ray's own samples
     float covariance = 0;  ///< Estimate::covariance
     float glossVariance = 0;
@@ -76,7 +76,9 @@ struct PixelSum {
     float reusedRays = 0;
 
     /// Adds a camera ray that sees the sky.
-    void addSky(const SeenEmission& seen, const SpreadRule& rule);
+    ///
+    /// @param covered  Hit::covered
+    void addSky(const SeenEmission& seen, float covered, const SpreadRule& rule);
     /// Adds a camera ray that meets the set.
     void addHit(const RayValues& ray, const Estimate& estimate, const GlossEstimate& gloss,
                 const SpreadRule& rule);

@@ -28,7 +28,8 @@ Rgb predictReflected(const FrameRequest& frame, const View& view, const Surface&
         const std::uint32_t item = items.itemAt(at.position, at.geometricNormal);
         if (item != kNoItem) irradiance += context.solve->indirect(item, options.bounces);
     }
-    return surface.baseColor * irradiance * static_cast<float>(1 / kPi);
+    const Rgb share = reflectance(surface, -at.normal.dot(view.direction));
+    return share * irradiance * static_cast<float>(1 / kPi);
 }
 
 /// Adds what a camera ray is predicted to see.

@@ -30,7 +30,8 @@ struct FilmRay {
     std::uint32_t pixel = 0;  ///< number in its batch
     int number = 0;           ///< of the pixel's camera rays
     CameraRay ray;
-    View view;  ///< no hit: the sky
+    View view;         ///< no hit: the sky
+    float chance = 0;  ///< as CameraPacket has it
 };
 
 /// A place on the set that a camera ray met.

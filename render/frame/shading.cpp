@@ -18,7 +18,8 @@ SetPlace placeOf(const Scene& scene, const View& view) {
 
 Rgb skySeen(const FrameRequest& frame, const View& view) {
     if (frame.options.transparent) return {0, 0, 0};
-    return frame.estimator.context().environment.radiance(view.direction) * view.hit.tint;
+    return frame.estimator.context().environment.radiance(view.direction) * view.hit.tint *
+           view.hit.share;
 }
 
 Rgb lampsSeen(const FrameRequest& frame, const FilmRay& ray, std::span<Rgb> byGroup) {
@@ -33,8 +34,9 @@ Rgb lampsSeen(const FrameRequest& frame, const FilmRay& ray, std::span<Rgb> byGr
         // Beyond the far plane suns alone are seen, as the sky is.
         if (std::isfinite(lamp.distance) && static_cast<double>(lamp.distance) > ray.ray.reach)
             continue;
-        sum += lamp.radiance;
-        if (!byGroup.empty()) byGroup[context.groups->ofPart(lamp.part)] += lamp.radiance;
+        const Rgb shown = lamp.radiance * view.hit.share;
+        sum += shown;
+        if (!byGroup.empty()) byGroup[context.groups->ofPart(lamp.part)] += shown;
     }
     return sum;
 }

@@ -172,7 +172,7 @@ double differentLookups(const BakeResult& a, const BakeResult& b, int frame) {
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
             const View view =
-                lookAlong(rays.through({(x + 0.5) / kWidth, (y + 0.5) / kHeight}), scene);
+                lookAlong(rays.through({(x + 0.5) / kWidth, (y + 0.5) / kHeight}), scene, 0.5f);
             if (!view.hit.found) continue;
             const Vec3d place = worldPosition(scene, view.hit);
             const auto countA = readerA.lookUp(place, view.geometricNormal(), itemsA);

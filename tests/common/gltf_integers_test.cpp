@@ -195,6 +195,17 @@ TEST(GltfIntegers, MayBeWrittenAsOtherNumbers) {
 }
 
 /// Control: other numbers are refused by their names. Those of what no node leads to are not read.
+// Of floats `normalized` is an error of the file: it stands for nothing.
+TEST(GltfIntegers, AloneAreNormalized) {
+    GltfBuilder file;
+    const int positions = file.vectors({-3, 0, 0, 3, 0, 0, 3, 0, 3});
+    file.mesh({{"attributes", {{"POSITION", positions}}}});
+    file.root({{"mesh", 0}});
+    const TriangleMesh plain = loadGlb(file);
+    file.json["accessors"][static_cast<std::size_t>(positions)]["normalized"] = true;
+    EXPECT_EQ(loadGlb(file).positions, plain.positions);
+}
+
 TEST(GltfIntegers, ThatAreNoneAreRefusedByName) {
     Written file = written(everything());
     std::set<std::string> unread, refused;

@@ -275,6 +275,19 @@ TEST(Radiance, MendsAndCountsBadTexels) {
                                         "1 texels of +Inf, set to 80000"}));
 }
 
+TEST(Radiance, OfTexelsEndsWhereSumsOverflow) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "a.exr";
+    const float inf = std::numeric_limits<float>::infinity();
+    writeExr(path, 3, 1, {{"R", {1e25f, 1, 1e15f}}, {"G", {1, inf, 1}}, {"B", {1, 3e38f, 1}}}, {},
+             PixelType::full);
+    const RadianceImage read = readRadiance(path);
+    EXPECT_EQ(read.image.pixels,
+              (std::vector<Rgb>{{1e15f, 1, 1}, {1, 1e15f, 1e15f}, {1e15f, 1, 1}}));
+    EXPECT_EQ(read.notes, (std::vector<std::string>{"1 texels of +Inf, set to 1e+15",
+                                                    "1 texels above 1e+15, set to that"}));
+}
+
 TEST(Radiance, TellsHowMuchOfTheLightWasBelowZero) {
     const TemporaryFolder folder;
     const auto path = folder.path() / "a.exr";

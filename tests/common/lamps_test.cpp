@@ -119,6 +119,17 @@ TEST(Spot, FallsOffBetweenItsAngles) {
     const double x = (std::cos(0.4) - std::cos(0.5)) / (std::cos(0.2) - std::cos(0.5));
     EXPECT_NEAR(at(0.4, false), x * x, 1e-5);
     EXPECT_NEAR(at(0.4, true), x * x * (3 - 2 * x), 1e-5);
+    // Blender's has an edge where it has no falloff, and none that is wider than it says.
+    for (const double outer : {0.04, 0.5}) {
+        Lamp hard = spotAt({0, 1, 0}, true);
+        hard.cone->cosInner = hard.cone->cosOuter = std::cos(outer);
+        const auto shines = [&](double angle) {
+            return lit(hard, {Vec3f(Vec3d(std::tan(angle), 0, 0)), Vec3f(0, 1, 0)}) *
+                   std::pow(std::cos(angle), -3) / 2;
+        };
+        EXPECT_NEAR(shines(0.97 * outer), 1, 1e-5);
+        EXPECT_EQ(shines(1.03 * outer), 0);
+    }
     Lamp flat = spotAt({0, 1, 0}, true);
     flat.cone->isFlat = true;
     const Receiver aside{Vec3f(Vec3d(std::tan(0.15), 0, 0)), Vec3f(0, 1, 0)};

@@ -9,6 +9,7 @@
 
 #include "common/image/srgb.h"
 #include "common/import/load_mesh.h"
+#include "common/mesh/looks.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/loaded_mesh.h"
 #include "tests/support/mesh_files.h"
@@ -180,6 +181,42 @@ TEST(FaceColors, OfOffThatAreLeftOutAreSaid) {
     const auto [both, saidOfBoth] = colored("255 0 0", "255 0 0", "COFF");
     expectFaces(both, {0, 0, 1}, {0, 0, 1});
     EXPECT_NE(saidOfBoth.find("colours of the faces"), std::string::npos) << saidOfBoth;
+}
+
+/// Albedo of a triangle, of a set where `.3` is what has no colour of its own.
+Rgb albedoOf(const TriangleMesh& mesh, std::uint32_t triangle) {
+    return albedoAt(mesh, triangle, 0.25f, 0.25f, Rgb(0.3f));
+}
+
+// Each file tells about its own surfaces alone, whichever comes first.
+TEST(UncoloredFiles, StayWithoutColorBesideOthers) {
+    const TemporaryFolder folder;
+    const auto plain = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+    const auto red =
+        folder.write("b.obj", "v 2 0 0 1.0 0 0\nv 3 0 0 1 0 0\nv 2 0 1 1 0 0\nf 1 2 3\n");
+    const std::vector<std::filesystem::path> orders[] = {{plain, red}, {red, plain}};
+    for (std::uint32_t k = 0; k < 2; ++k) {
+        const TriangleMesh mesh = loadMesh(orders[k]);
+        EXPECT_EQ(albedoOf(mesh, k), Rgb(0.3f));
+        EXPECT_EQ(albedoOf(mesh, 1 - k), Rgb(1, 0, 0));
+    }
+}
+
+// And so does each primitive of glTF; one with a material has its colour.
+TEST(UncoloredFiles, AreLikeUncoloredPrimitives) {
+    GltfBuilder file = squareGltf();
+    const nlohmann::json plain = file.json["meshes"][0]["primitives"][0];
+    nlohmann::json red = plain, blue = plain;
+    red["attributes"]["COLOR_0"] = file.vectors({1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0});
+    blue["material"] =
+        file.append("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 1, 1}}}}});
+    file.json["meshes"][0]["primitives"] = {plain, red, blue};
+    file.root({{"mesh", 0}});
+    const TriangleMesh mesh = loadBytes("a.glb", file.glb());
+    ASSERT_EQ(mesh.triangles.size(), 6u);
+    EXPECT_EQ(albedoOf(mesh, 0), Rgb(0.3f));
+    EXPECT_EQ(albedoOf(mesh, 2), Rgb(1, 0, 0));
+    EXPECT_EQ(albedoOf(mesh, 4), Rgb(0, 0, 1));
 }
 
 TEST(ColorNumbers, OfGltfAreLinearAndClamped) {
