@@ -24,7 +24,7 @@ void Stage::load(const std::function<void()>& onStep) {
     stillLamps_ = mesh_.lamps.size();
     movingLamps_.emplace(shots_, meshOptions, mesh_.origin);
     placeLamps(1);
-    requireMatches(meshOptions.gains, mesh_);
+    requireMatches(meshOptions.gains, lampNames(mesh_));
     if (!mesh_.lamps.empty()) note_(fmt::format("lamps: {}", mesh_.lamps.size()), NoteKind::note);
     if (const std::size_t moving = mesh_.lamps.size() - stillLamps_; moving > 0)
         note_(fmt::format("moving lamps: {}, not in the cache; while a frame is exposed they stand "
@@ -53,7 +53,7 @@ void Stage::loadCache(const std::filesystem::path& cache) {
 }
 
 void Stage::setGains(std::span<const LampGain> gains) {
-    requireMatches(gains, mesh_);
+    requireMatches(gains, lampNames(mesh_));
     applyGains(gains, mesh_);
     moving_->setGains(gains);
     movingLamps_->setGains(gains);

@@ -256,8 +256,9 @@ TEST(LampGain, OfBadTextIsRefused) {
     test::expectError([] { parseLampGain("desk=-1"); }, "--lamp desk=-1", "0 to 1e6");
     const TriangleMesh mesh = loaded(setWith({{"type", "point"}, {"name", "desk"}}));
     const LampGain known[] = {parseLampGain("d*=2")}, unknown[] = {parseLampGain("dusk=2")};
-    EXPECT_NO_THROW(requireMatches(known, mesh));
-    test::expectError([&] { requireMatches(unknown, mesh); }, "--lamp dusk", "did you mean desk?");
+    EXPECT_NO_THROW(requireMatches(known, lampNames(mesh)));
+    test::expectError([&] { requireMatches(unknown, lampNames(mesh)); }, "--lamp dusk",
+                      "did you mean desk?");
 }
 
 }  // namespace
