@@ -25,7 +25,7 @@ MovingShots movingShotsOf(std::span<const std::filesystem::path> files, const Me
 
 std::vector<Lamp> movingLampsOf(const LoadedSet& set, int frame) {
     if (!set.shots) return {};
-    return MovingLamps(*set.shots, set.options, set.mesh.origin).at(frame);
+    return MovingLamps(*set.shots, {}, set.options, set.mesh.origin).at(frame);
 }
 
 }  // namespace
@@ -39,8 +39,7 @@ LoadedSet::LoadedSet(TriangleMesh loaded, const MeshOptions& loadedWith, MovingS
       scene(mesh),
       fingerprint(shadowcache::fingerprint(mesh)) {
     if (!shots || !frame) return;
-    moving_.emplace(*shots, std::span<const DynamicFile>(), options, mesh.origin,
-                    shots->front().fps());
+    moving_.emplace(*shots, std::span<const DynamicObject>(), options, mesh.origin);
     scene.setMoving(moving_->pose(*frame));
 }
 
@@ -56,7 +55,7 @@ std::unique_ptr<const LoadedSet> setAt(const LoadedSet& set, int frame) {
     return std::make_unique<const LoadedSet>(std::move(mesh), set.options, set.shots, frame);
 }
 
-std::vector<std::string> lampNames(const LoadedSet& set) {
+std::vector<std::string> namesForGains(const LoadedSet& set) {
     std::vector<std::string> names = lampNames(set.mesh);
     for (const Lamp& lamp : movingLampsOf(set, 1)) names.push_back(lamp.name);
     return names;

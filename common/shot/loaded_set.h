@@ -55,7 +55,7 @@ std::unique_ptr<const LoadedSet> loadSet(std::span<const std::filesystem::path> 
 std::unique_ptr<const LoadedSet> setAt(const LoadedSet& set, int frame);
 
 /// Names that gains may have, those of lamps that move with them.
-std::vector<std::string> lampNames(const LoadedSet& set);
+std::vector<std::string> namesForGains(const LoadedSet& set);
 
 /// The set that faces in memory make.
 ///

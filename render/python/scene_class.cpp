@@ -160,7 +160,7 @@ SceneObject loadScene(const py::object& set, const py::object& triangles, const 
     readKeywords("load_set", keywords, optionRows(Part::set, job));
     const MeshOptions options = meshOptionsOf(job.stage.set);
     const auto checked = [&](std::shared_ptr<const LoadedSet> loaded) {
-        requireMatches(options.gains, lampNames(*loaded));
+        requireMatches(options.gains, namesForGains(*loaded));
         return loaded;
     };
     if (!namesFiles(set)) {

@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         for (const int node : shot.movingNodes()) shot.place(node, 3);
         for (const int node : shot.cameraNodes()) shot.camera(node, 3);
         describe(shot);
-        MovingSet moving({&shot, 1}, {}, {}, Vec3d(0.0), 24);
+        MovingSet moving({&shot, 1}, {}, {}, Vec3d(0.0));
         moving.pose(3);
     });
     return 0;

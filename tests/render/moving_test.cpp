@@ -36,8 +36,8 @@ protected:
         folder_.write("track.json",
                       R"({"frames": [{"translation": [0, 50, 0]},
                           {"translation": [0.2, 0.6, 0.1], "scale": [1.2, 1, 1]}]})");
-        moving_.emplace(std::span<const GltfShot>(), std::span(&slab, 1), MeshOptions(),
-                        mesh_.origin, 24);
+        objects_ = openDynamic(std::span(&slab, 1), {}, 24);
+        moving_.emplace(std::span<const GltfShot>(), objects_, MeshOptions(), mesh_.origin);
     }
 
     ShadingPoint floorPoint(float x, float z) const {
@@ -48,6 +48,7 @@ protected:
     TriangleMesh mesh_;
     std::optional<Scene> scene_;
     std::optional<test::TestCache> cache_;
+    std::vector<DynamicObject> objects_;
     std::optional<MovingSet> moving_;
 };
 
