@@ -6,7 +6,9 @@
 
 #include "common/import/load_mesh.h"
 #include "common/mesh/mesh_fingerprint.h"
+#include "common/shot/gltf_shot.h"
 #include "common/shot/moving_lamps.h"
+#include "common/shot/moving_set.h"
 
 namespace shadowcache {
 
@@ -39,9 +41,12 @@ LoadedSet::LoadedSet(TriangleMesh loaded, const MeshOptions& loadedWith, MovingS
       scene(mesh),
       fingerprint(shadowcache::fingerprint(mesh)) {
     if (!shots || !frame) return;
-    moving_.emplace(*shots, std::span<const DynamicObject>(), options, mesh.origin);
+    moving_ =
+        std::make_unique<MovingSet>(*shots, std::span<const DynamicObject>(), options, mesh.origin);
     scene.setMoving(moving_->pose(*frame));
 }
+
+LoadedSet::~LoadedSet() = default;
 
 std::unique_ptr<const LoadedSet> loadSet(std::span<const std::filesystem::path> files,
                                          const MeshOptions& options, double fps) {

@@ -11,11 +11,12 @@
 #include "common/import/mesh_options.h"
 #include "common/import/mesh_reader.h"
 #include "common/mesh/mesh.h"
-#include "common/shot/gltf_shot.h"
-#include "common/shot/moving_set.h"
 #include "common/trace/scene.h"
 
 namespace shadowcache {
+
+class GltfShot;
+class MovingSet;
 
 /// Files of a set in which something moves; null: there are none.
 using MovingShots = std::shared_ptr<const std::vector<GltfShot>>;
@@ -25,19 +26,20 @@ struct LoadedSet {
     /// @param movingShots  what moves in them is left out, but for the frame's
     /// @throws Error when memory runs out, or the frame puts something out of reach
     LoadedSet(TriangleMesh loaded, const MeshOptions& loadedWith, MovingShots movingShots = nullptr,
-              std::optional<int> inFrame = {});
+              std::optional<int> inFrame = std::nullopt);
     LoadedSet(const LoadedSet&) = delete;
     LoadedSet& operator=(const LoadedSet&) = delete;
+    ~LoadedSet();
 
-    const MeshOptions options;  ///< that it was loaded with
-    const MovingShots shots;
+    const MeshOptions options;       ///< that it was loaded with
+    const MovingShots shots;         ///< its files in which something moves
     const std::optional<int> frame;  ///< of what moves in it; none: that is left out
     const TriangleMesh mesh;  ///< its triangles that stand still, its materials, and all its lamps
     Scene scene;              ///< of the mesh and of what moves, for rays
     const std::uint64_t fingerprint;  ///< of the mesh, as caches have it
 
 private:
-    std::optional<MovingSet> moving_;  ///< in the scene
+    std::unique_ptr<MovingSet> moving_;  ///< in the scene; null: nothing moves there
 };
 
 /// Loads the files as one set, without what an animation moves.
