@@ -245,9 +245,9 @@ void requireUnchanged(bool same, const std::string& path) {
 
 void requireNoFrame(const LoadedSet& set, const char* call) {
     if (set.frame)
-        throw Error(fmt::format(
-            "{}: the scene is in frame {}, expected the one that its at_frame() was called of",
-            call, *set.frame));
+        throw Error(
+            fmt::format("{}: the scene is in frame {}, expected the one that at_frame() made it of",
+                        call, *set.frame));
 }
 
 void defineScene(py::module_& module) {

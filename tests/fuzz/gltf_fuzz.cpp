@@ -3,6 +3,7 @@
 
 #include "common/import/load_mesh.h"
 #include "common/import/set_files.h"
+#include "common/shot/moving_lamps.h"
 #include "common/shot/moving_set.h"
 #include "tests/fuzz/input_file.h"
 
@@ -25,6 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         describe(shot);
         MovingSet moving({&shot, 1}, {}, {}, Vec3d(0.0));
         moving.pose(3);
+        MovingLamps(std::span(&shot, 1), {}, {}, Vec3d(0.0)).at(3);
     });
     return 0;
 }

@@ -3,6 +3,7 @@ import json
 import pickle
 import struct
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -121,6 +122,18 @@ def test_rays_meet_what_moves(scene):
         assert np.array_equal(posed.occluded(places * (1, 0, 1) + (0, 0.1, 0), UP), on_board)
     assert (scene.lamps, early.lamps, scene.frame, early.frame) == (1, 2, None, 0)
     assert early.triangles == scene.triangles == 2 and np.array_equal(early.bounds, scene.bounds)
+
+
+def test_frames_of_several_threads(scene, cache):
+    """Each has its own things that move, whatever the others do with the same set."""
+    def colors(frame):
+        return picture(scene.at_frame(frame), cache, 1)["color"]
+
+    frames = [3, 9, 15, 21]
+    alone = [colors(frame) for frame in frames]
+    with ThreadPoolExecutor(4) as pool:
+        assert all(map(np.array_equal, pool.map(colors, frames), alone))
+    assert not np.array_equal(alone[0], alone[1])  # the control
 
 
 def test_frames_a_second(file, scene):
