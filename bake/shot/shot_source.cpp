@@ -40,7 +40,8 @@ ShotSource::ShotSource(const ShotOptions& options, std::span<const std::filesyst
 }
 
 LookupPlaces ShotSource::lookups(Scene& scene, const VoxelFrame& frame) const {
-    MovingSet moving(shots_, options_.dynamic, mesh_, scene.mesh().origin, options_.fps);
+    const std::vector<DynamicObject> objects = openDynamic(options_.dynamic, mesh_, options_.fps);
+    MovingSet moving(shots_, objects, mesh_, scene.mesh().origin);
     for (const int number : frames_) moving.requireFrame(number);
     return lookupsOf({camera_, moving, frames_, options_.size}, scene, frame);
 }

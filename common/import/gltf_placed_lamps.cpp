@@ -6,9 +6,6 @@
 
 namespace shadowcache {
 
-namespace {
-
-/// Nodes of the scene with a lamp.
 std::vector<int> lampNodes(const GltfDocument& document) {
     std::vector<int> found;
     for (int i = 0; i < static_cast<int>(document.nodes.size()); ++i) {
@@ -17,17 +14,6 @@ std::vector<int> lampNodes(const GltfDocument& document) {
     }
     return found;
 }
-
-/// Scale of a node that moves below which its lamp is off: less than an animation that hides it
-/// shows a frame's rounding away from its key.
-constexpr double kLeastScale = 1e-4;
-
-bool hasSize(const Affine& place) {
-    return std::ranges::any_of(
-        place.axis, [](const Vec3d& axis) { return axis.length2() > kLeastScale * kLeastScale; });
-}
-
-}  // namespace
 
 GltfLampPlace gltfLampAt(const GltfDocument& document, const GltfNodes& nodes, int node,
                          double seconds) {

@@ -15,7 +15,10 @@ namespace shadowcache {
 std::vector<Lamp> gltfLamps(const GltfDocument& document, const GltfNodes& nodes,
                             std::optional<double> stillAt, LeftOutOf& leftOut);
 
-/// Nodes of the scene with a lamp that an animation moves.
+/// Nodes of the scene with a lamp.
+std::vector<int> lampNodes(const GltfDocument& document);
+
+/// The same, of those that an animation moves.
 std::vector<int> movingLampNodes(const GltfDocument& document, const GltfNodes& nodes);
 
 /// A lamp in the file's world at a time.

@@ -64,8 +64,7 @@ std::vector<std::string> lampNames(const TriangleMesh& mesh) {
     return names;
 }
 
-void requireMatches(std::span<const LampGain> gains, const TriangleMesh& mesh) {
-    const std::vector<std::string> names = lampNames(mesh);
+void requireMatches(std::span<const LampGain> gains, std::span<const std::string> names) {
     for (const LampGain& lamp : gains)
         if (std::ranges::none_of(
                 names, [&](const std::string& name) { return matchesPattern(lamp.pattern, name); }))

@@ -32,7 +32,8 @@ void applyGains(std::span<const LampGain> gains, TriangleMesh& mesh);
 /// Names that gains may have: of lamps, and of materials that emit.
 std::vector<std::string> lampNames(const TriangleMesh& mesh);
 
+/// @param names  of a set, as lampNames() has them
 /// @throws Error naming --lamp, if a pattern matches no name
-void requireMatches(std::span<const LampGain> gains, const TriangleMesh& mesh);
+void requireMatches(std::span<const LampGain> gains, std::span<const std::string> names);
 
 }  // namespace shadowcache

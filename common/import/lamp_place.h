@@ -26,4 +26,12 @@ void changeUnit(Lamp& lamp, double unit);
 /// @throws Error naming the file and the lamp, if that is out of reach
 Lamp lampOfSet(const std::filesystem::path& file, const Lamp& lamp, const MeshOptions& options);
 
+/// A lamp of a set as a track moves it in the world; one that it scales to nothing has a gain of 0.
+///
+/// @throws Error as lampOfSet()
+Lamp trackedLamp(const std::filesystem::path& file, const Lamp& lamp, const Affine& track);
+
+/// Whether a lamp that moves is there: it is not scaled to nothing.
+bool hasSize(const Affine& place);
+
 }  // namespace shadowcache

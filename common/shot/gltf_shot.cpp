@@ -63,15 +63,15 @@ std::string describeLamp(const Lamp& lamp) {
     return fmt::format("  lamp {}: {} {}", lamp.name, kind, colorText(lamp.strength));
 }
 
-/// What --lamp names.
-std::string describeLamps(const GltfShot& shot) {
-    const GltfDocument& document = shot.document();
-    LeftOutOf leftOut;
+std::string describeMoving(const GltfShot& shot, std::span<const int> nodes) {
     std::string text;
-    for (const Lamp& lamp : gltfLamps(document, shot.nodes(), shot.stillAt(), leftOut))
-        text += describeLamp(lamp) + "\n";
-    for (const int node : shot.movingLampNodes())
-        text += describeLamp(gltfLampAt(document, shot.nodes(), node, 0).lamp) + ", moves\n";
+    for (const int node : nodes)
+        text += describeLamp(gltfLampAt(shot.document(), shot.nodes(), node, 0).lamp) + ", moves\n";
+    return text;
+}
+
+std::string describeEmission(const GltfDocument& document) {
+    std::string text;
     for (const GltfMaterial& from : document.materials) {
         const Finish& finish = from.material.finish;
         if (finish.emission == Rgb(0, 0, 0)) continue;
@@ -80,6 +80,16 @@ std::string describeLamps(const GltfShot& shot) {
                             finish.emissionTexture.texture < 0 ? "" : " times a texture");
     }
     return text;
+}
+
+/// What --lamp names.
+std::string describeLamps(const GltfShot& shot) {
+    const GltfDocument& document = shot.document();
+    LeftOutOf leftOut;
+    std::string text;
+    for (const Lamp& lamp : gltfLamps(document, shot.nodes(), shot.stillAt(), leftOut))
+        text += describeLamp(lamp) + "\n";
+    return text + describeMoving(shot, shot.movingLampNodes()) + describeEmission(document);
 }
 
 }  // namespace
@@ -226,6 +236,12 @@ std::string describe(const GltfShot& shot, std::size_t firstCamera) {
             fmt::format("  the last key is at {:.4g} s: frame {:.0f} at {:g} frames a second\n",
                         shot.nodes().duration(), shot.nodes().duration() * shot.fps(), shot.fps());
     return text;
+}
+
+std::string describeMovingLamps(const GltfShot& shot) {
+    const GltfDocument& document = shot.document();
+    return document.path.string() + ":\n" + describeMoving(shot, lampNodes(document)) +
+           describeEmission(document);
 }
 
 }  // namespace shadowcache

@@ -79,5 +79,7 @@ NamedCamera findCamera(std::span<const GltfShot> shots, const std::string& name)
 ///
 /// @param firstCamera  number of its first camera among those of all files
 std::string describe(const GltfShot& shot, std::size_t firstCamera = 0);
+/// What it prints of a file of --dynamic: what shines in it.
+std::string describeMovingLamps(const GltfShot& shot);
 
 }  // namespace shadowcache

@@ -5,26 +5,39 @@
 
 namespace shadowcache {
 
-MovingLamps::MovingLamps(std::span<const GltfShot> shots, const MeshOptions& options,
-                         const Vec3d& origin)
-    : shots_(shots), options_(options), origin_(origin) {}
+MovingLamps::MovingLamps(std::span<const GltfShot> shots, std::span<const DynamicObject> objects,
+                         const MeshOptions& options, const Vec3d& origin)
+    : shots_(shots), objects_(objects), options_(options), origin_(origin) {}
 
 void MovingLamps::setGains(std::span<const LampGain> gains) {
     options_.gains.assign(gains.begin(), gains.end());
+}
+
+/// In the world.
+Lamp MovingLamps::lampAt(const GltfShot& shot, int node, int frame) const {
+    const GltfLampPlace found = gltfLampAt(shot.document(), shot.nodes(), node, frame / shot.fps());
+    Lamp lamp = lampOfSet(shot.document().path, found.lamp, options_);
+    if (!found.isThere) lamp.gain = Rgb(0, 0, 0);
+    return lamp;
 }
 
 std::vector<Lamp> MovingLamps::at(int frame) const {
     std::vector<Lamp> lamps;
     if (!options_.lamps) return lamps;
     for (const GltfShot& shot : shots_)
-        for (const int node : shot.movingLampNodes()) {
-            const GltfLampPlace found =
-                gltfLampAt(shot.document(), shot.nodes(), node, frame / shot.fps());
-            Lamp& lamp = lamps.emplace_back(lampOfSet(shot.document().path, found.lamp, options_));
-            lamp.position -= origin_;
-            lamp.moves = true;
-            if (!found.isThere) lamp.gain = Rgb(0, 0, 0);
+        for (const int node : shot.movingLampNodes()) lamps.push_back(lampAt(shot, node, frame));
+    for (const DynamicObject& object : objects_) {
+        if (!object.shot) continue;
+        const std::optional<Affine> track = object.trackAt(frame);
+        for (const int node : lampNodes(object.shot->document())) {
+            const Lamp lamp = lampAt(*object.shot, node, frame);
+            lamps.push_back(track ? trackedLamp(object.file.mesh, lamp, *track) : lamp);
         }
+    }
+    for (Lamp& lamp : lamps) {
+        lamp.position -= origin_;
+        lamp.moves = true;
+    }
     return lamps;
 }
 

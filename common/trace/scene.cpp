@@ -398,6 +398,7 @@ void Scene::trace(RayStream& rays, std::size_t count) const noexcept {
     QueryContext context;
     context.base.flags = shadowFlags(many_);
     rtcOccludedNp(embree_->root(), &context.base, &query, static_cast<unsigned>(count));
+    if (moving_) moving_->trace(rays, count);
 }
 
 void Scene::distances(const RayPacket& rays, int count, float* out) const noexcept {

@@ -111,7 +111,7 @@ public:
     const TriangleMesh& mesh() const { return mesh_; }
 
     /// Puts what moves into the scene, in place of what was there before; null: nothing. Its mesh
-    /// has the same origin. All queries but trace() see it. Not thread-safe.
+    /// has the same origin. Queries see it. Not thread-safe.
     void setMoving(const Scene* moving);
 
     /// Balls around what moves, relative to the mesh's origin.

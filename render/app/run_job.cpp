@@ -404,6 +404,8 @@ void listSet(const RenderJob& job) {
         std::fputs(describe(shot, cameras).c_str(), stdout);
         cameras += shot.cameraNodes().size();
     }
+    for (const DynamicObject& object : openDynamic(set.dynamic, meshOptionsOf(set), set.fps))
+        if (object.shot) std::fputs(describeMovingLamps(*object.shot).c_str(), stdout);
 }
 
 }  // namespace shadowcache

@@ -224,16 +224,8 @@ private:
     void flush() {
         if (queued_ == 0) return;
         scene_.trace(stream_, queued_);
-        // Streams do not see what moves.
-        const bool moves = !scene_.movingBalls().empty();
-        for (std::size_t i = 0; i < queued_; ++i) {
-            const auto vector = [i](const float(&of)[3][RayStream::kSize]) {
-                return Vec3f(of[0][i], of[1][i], of[2][i]);
-            };
-            if (stream_.reach[i] < 0 ||
-                (moves && !scene_.isFree(vector(stream_.origin), vector(stream_.direction))))
-                byCosine_[asked_[i]] = density_[asked_[i]] = 0;
-        }
+        for (std::size_t i = 0; i < queued_; ++i)
+            if (stream_.reach[i] < 0) byCosine_[asked_[i]] = density_[asked_[i]] = 0;
         rays_ += queued_;
         queued_ = 0;
     }

@@ -130,27 +130,14 @@ void EmitterLight::enqueue(const SetPlace& place, const Drawn& drawn, const Rgb&
     if (tools.queued_.size() == RayStream::kSize) trace(tools);
 }
 
-/// Whether nothing is in the way of a ray of rayTo(), of what moves, too.
-bool EmitterLight::passes(const Vec3f& origin, const Vec3f& way, float reach) const {
-    if (std::isfinite(reach)) return scene_.isFree(origin, way);
-    RayPacket ray{};
-    ray.set(0, origin, way);
-    return scene_.visibility(ray, 1) != 0;
-}
-
 void EmitterLight::trace(Tools& tools) const {
     if (tools.queued_.empty()) return;
     scene_.trace(tools.stream_, tools.queued_.size());
-    // Streams do not see what moves.
-    const bool moves = !scene_.movingBalls().empty();
     for (std::size_t i = 0; i < tools.queued_.size(); ++i) {
         const auto vector = [i](const float(&of)[3][RayStream::kSize]) {
             return Vec3f(of[0][i], of[1][i], of[2][i]);
         };
-        bool visible = tools.stream_.reach[i] >= 0;
-        if (visible && moves)
-            visible = passes(vector(tools.stream_.origin), vector(tools.stream_.direction),
-                             tools.stream_.reach[i]);
+        const bool visible = tools.stream_.reach[i] >= 0;
         Tools::Sample& sample = tools.samples_[tools.queued_[i]];
         sample.visible = visible;
         if (visible && scene_.tints())

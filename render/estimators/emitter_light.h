@@ -133,7 +133,6 @@ private:
                  const GroupSink& sink) const;
     void enqueue(const SetPlace& place, const Drawn& drawn, const Rgb& value, std::uint32_t number,
                  Tools& tools) const;
-    bool passes(const Vec3f& origin, const Vec3f& way, float reach) const;
     void trace(Tools& tools) const;
     static Tools::LobeRay lobeRay(const GlossyPoint& glossy, std::uint32_t number, float share,
                                   std::size_t k, const Tools& tools);

@@ -110,7 +110,7 @@ void LitStage::requirePrediction(const RenderOptions& options) const {
     if (light_ && light_->moves())
         throwFileError(cacheName_,
                        "does not count lamps that move, of which a preview is made: render with "
-                       "rays and without --preview, or take the set by --set-frame");
+                       "rays and without --preview; with --set-frame those of the set stand still");
 }
 
 std::size_t LitStage::bounceBytes() const {

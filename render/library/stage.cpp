@@ -22,9 +22,9 @@ void Stage::load(const std::function<void()>& onStep) {
     mesh_ = loadMesh(set.files, meshOptions);
     note_(fmt::format("set: {}", describe(mesh_.report)), NoteKind::note);
     stillLamps_ = mesh_.lamps.size();
-    movingLamps_.emplace(shots_, meshOptions, mesh_.origin);
+    objects_ = openDynamic(set.dynamic, meshOptions, set.fps);
+    movingLamps_.emplace(shots_, objects_, meshOptions, mesh_.origin);
     placeLamps(1);
-    requireMatches(meshOptions.gains, mesh_);
     if (!mesh_.lamps.empty()) note_(fmt::format("lamps: {}", mesh_.lamps.size()), NoteKind::note);
     if (const std::size_t moving = mesh_.lamps.size() - stillLamps_; moving > 0)
         note_(fmt::format("moving lamps: {}, not in the cache; while a frame is exposed they stand "
@@ -32,7 +32,8 @@ void Stage::load(const std::function<void()>& onStep) {
                           moving),
               NoteKind::note);
     onStep();
-    moving_.emplace(shots_, set.dynamic, meshOptions, mesh_.origin, set.fps);
+    moving_.emplace(shots_, objects_, meshOptions, mesh_.origin);
+    requireNamed(meshOptions.gains);
     for (GltfShot& shot : shots_) shot.dropData();
     if (!moving_->empty())
         note_(fmt::format("moving: {} triangles, not in the cache", moving_->triangles()),
@@ -52,8 +53,15 @@ void Stage::loadCache(const std::filesystem::path& cache) {
         shadowcache::isStale(cache_->header(), fingerprint(mesh_), cache, options_.staleOk, note_);
 }
 
+/// @throws Error as requireMatches()
+void Stage::requireNamed(std::span<const LampGain> gains) const {
+    std::vector<std::string> names = lampNames(mesh_);
+    std::ranges::move(moving_->lampNames(), std::back_inserter(names));
+    requireMatches(gains, names);
+}
+
 void Stage::setGains(std::span<const LampGain> gains) {
-    requireMatches(gains, mesh_);
+    requireNamed(gains);
     applyGains(gains, mesh_);
     moving_->setGains(gains);
     movingLamps_->setGains(gains);

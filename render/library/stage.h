@@ -59,12 +59,14 @@ public:
 
 private:
     bool placeLamps(int frame);
+    void requireNamed(std::span<const LampGain> gains) const;
 
     const StageOptions options_;
     const NoteSink note_;
     std::vector<GltfShot> shots_;
     TriangleMesh mesh_;           ///< its last lamps are those that move
     std::size_t stillLamps_ = 0;  ///< number of its first ones, which do not
+    std::vector<DynamicObject> objects_;
     std::optional<MovingSet> moving_;
     std::optional<MovingLamps> movingLamps_;
     std::unique_ptr<ShadowCache> cache_;

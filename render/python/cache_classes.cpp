@@ -69,6 +69,7 @@ std::vector<OptionRow> rowsOfBake(BakeOptions& options, std::optional<double>& c
 std::shared_ptr<CacheObject> bakeScene(const SceneObject& scene, const py::object& cameras,
                                        const py::object& progress, int threads,
                                        const py::kwargs& keywords) {
+    requireNoFrame(*scene.set, "bake");
     BakeOptions options;
     std::optional<double> chosenSpacings;
     BakedViews views{.cameras = camerasOf(cameras)};
@@ -213,7 +214,9 @@ std::string reprOfCache(const CacheObject& cache) {
 }  // namespace
 
 void requireSetOf(const ShadowCache& cache, const LoadedSet* set) {
-    if (set && set->fingerprint != cache.header().fingerprint)
+    if (!set) return;
+    requireNoFrame(*set, "Cache");
+    if (set->fingerprint != cache.header().fingerprint)
         throw Error("scene: not the one that the cache was baked for (its fingerprint differs)");
 }
 

@@ -21,17 +21,17 @@ namespace shadowcache::python {
 // What the classes of the module hold. All is shared and immutable, so that calls of several
 // threads may go on at once, and outlive the objects that they were made with.
 
+/// Lamps.
+struct LampsObject {
+    std::vector<Lamp> lamps;  ///< in world space
+};
+
 /// Scene.
 struct SceneObject {
     std::shared_ptr<const LoadedSet> set;
     std::vector<std::filesystem::path> files;  ///< none of arrays
     pybind11::dict options = {};               ///< that it was loaded with
-    bool hasLampsOfArrays = false;             ///< by with_lamps()
-};
-
-/// Lamps.
-struct LampsObject {
-    std::vector<Lamp> lamps;  ///< in world space
+    LampsObject lamps = {};                    ///< that with_lamps() put into the set
 };
 
 /// The light that bounces under an environment, with what it is of.
@@ -92,8 +92,12 @@ std::string pickledPath(const std::filesystem::path& path, const char* what);
 /// @throws Error naming its file
 void requireUnchanged(bool same, const std::string& path);
 
+/// @param call  of Python, in messages
+/// @throws Error if at_frame() made the set
+void requireNoFrame(const LoadedSet& set, const char* call);
+
 /// @param set  may be null
-/// @throws Error unless the cache was baked for it
+/// @throws Error unless the cache was baked for it, and nothing in it moves
 void requireSetOf(const ShadowCache& cache, const LoadedSet* set);
 
 // Help and messages have Python's names of classes that are there already.

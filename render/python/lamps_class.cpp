@@ -3,9 +3,11 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "common/base/error.h"
 #include "common/import/lamp_place.h"
 #include "common/math/limits.h"
 #include "common/predict/places.h"
@@ -167,24 +169,69 @@ LampsObject together(const LampsObject& a, const LampsObject& b) {
     return all;
 }
 
+/// Calls `visit` for each number that makes a lamp of arrays, which it may change.
+template <class Visit>
+void forEachNumber(Lamp& lamp, const Visit& visit) {
+    const auto visitAll = [&](auto& vector) {
+        for (int k = 0; k < 3; ++k) visit(vector[k]);
+    };
+    bool isSpot = lamp.cone.has_value();
+    LampCone cone = lamp.cone.value_or(LampCone());
+    visit(lamp.form);
+    visitAll(lamp.strength);
+    for (Vec3d* vector : {&lamp.position, &lamp.direction, &lamp.halfWidth, &lamp.halfHeight})
+        visitAll(*vector);
+    for (double* number : {&lamp.radius, &lamp.angle, &lamp.spread}) visit(*number);
+    visit(lamp.seenByCamera);
+    visit(isSpot);
+    visit(cone.cosInner);
+    visit(cone.cosOuter);
+    if (isSpot) lamp.cone = cone;
+}
+
+constexpr py::ssize_t kNumbersOfLamp = 23;
+
+/// A row for each lamp.
+py::array stateOfLamps(const LampsObject& lamps) {
+    std::vector<double> numbers;
+    for (Lamp lamp : lamps.lamps)
+        forEachNumber(lamp,
+                      [&](const auto& number) { numbers.push_back(static_cast<double>(number)); });
+    return arrayOf<double>({static_cast<py::ssize_t>(lamps.lamps.size()), kNumbersOfLamp},
+                           std::move(numbers));
+}
+
+LampsObject lampsOfState(const py::array& state) {
+    const Doubles numbers = doublesOf(state, "Lamps");
+    if (numbers.ndim() != 2 || numbers.shape(1) != kNumbersOfLamp)
+        throw Error("Lamps: pickled as an array of shape " + shapeText(numbers) +
+                    ", expected (n, " + std::to_string(kNumbersOfLamp) + ")");
+    LampsObject lamps;
+    lamps.lamps.resize(static_cast<std::size_t>(numbers.shape(0)));
+    const double* next = numbers.data();
+    for (Lamp& lamp : lamps.lamps)
+        forEachNumber(lamp, [&next](auto& number) {
+            number = static_cast<std::remove_reference_t<decltype(number)>>(*next++);
+        });
+    return lamps;
+}
+
 SceneObject withLamps(const SceneObject& scene, const LampsObject& lamps,
                       const py::object& progress, int threads) {
-    const SceneObject from = scene;
-    const std::vector<Lamp> more = lamps.lamps;
-    SceneObject lit{longCall(
-                        progress,
-                        [&] {
-                            TriangleMesh mesh = from.set->mesh;
-                            for (Lamp lamp : more) {
-                                lamp.position -= mesh.origin;
-                                mesh.lamps.push_back(std::move(lamp));
-                            }
-                            return std::make_shared<const LoadedSet>(std::move(mesh),
-                                                                     from.set->options);
-                        },
-                        threads),
-                    from.files, from.options};
-    lit.hasLampsOfArrays = from.hasLampsOfArrays || !more.empty();
+    requireNoFrame(*scene.set, "Scene.with_lamps");
+    SceneObject lit = scene;
+    lit.lamps = together(scene.lamps, lamps);
+    lit.set = longCall(
+        progress,
+        [from = scene.set, more = lamps.lamps] {
+            TriangleMesh mesh = from->mesh;
+            for (Lamp lamp : more) {
+                lamp.position -= mesh.origin;
+                mesh.lamps.push_back(std::move(lamp));
+            }
+            return std::make_shared<const LoadedSet>(std::move(mesh), from->options, from->shots);
+        },
+        threads);
     return lit;
 }
 
@@ -196,7 +243,7 @@ void defineLamps(py::module_& module) {
         "Lamps of arrays, for Scene.with_lamps(). They have no surface: they stop no ray. One\n"
         "lamp for each row of the arguments, which are broadcast: places and vectors are (..., 3)\n"
         "in world space, light is linear RGB (..., 3) or one number, other numbers are (...).\n"
-        "`a + b` has the lamps of both.\n\n"
+        "`a + b` has the lamps of both. Pickled as arrays.\n\n"
         "camera: whether cameras see them, where they have a radius, an angle or an area: they\n"
         "    add their radiance to what is behind them. All do not, unless it is True.")
         .def_static("points", points, py::arg("positions"), py::arg("intensity"), py::kw_only(),
@@ -228,6 +275,7 @@ void defineLamps(py::module_& module) {
             "radiance: of the area, along its axis. shape: 'rectangle' or 'ellipse'.\n"
             "spread: slats before it leave the share max(0, 1 - tan(t) / tan(spread / 2)) at an\n"
             "    angle t to its axis [degrees, 0.573 to 180]; 180: none. camera: as of Lamps.")
+        .def(py::pickle(&stateOfLamps, &lampsOfState))
         .def("__add__", together, py::arg("other"))
         .def("__len__", [](const LampsObject& l) { return l.lamps.size(); })
         .def("__repr__", [](const LampsObject& l) {
@@ -240,10 +288,11 @@ void defineLamps(py::module_& module) {
             py::arg("progress") = py::none(), py::arg("threads") = 0,
             "A Scene of the same set with more Lamps. Its cache is the same one; bake it with the\n"
             "lamps where they are, so that it knows whence they are seen: their strength may\n"
-            "change.")
+            "change. Raises Error for a Scene that at_frame() made: call it of the one with lamps.")
         .def_property_readonly(
             "lamps", [](const SceneObject& s) { return s.set->mesh.lamps.size(); },
-            "Number of lamps, those of files and those of with_lamps().");
+            "Number of lamps, those of files and those of with_lamps(); those that move in a "
+            "frame.");
 }
 
 }  // namespace shadowcache::python

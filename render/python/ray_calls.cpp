@@ -115,9 +115,9 @@ py::dict intersect(const SceneObject& scene, const py::object& origins,
                         normals[at] = normal;
                         albedos[at] = lookOf(hit, {}).albedo;
                         positions[at] = worldPosition(set->scene, hit);
-                        starts[at] = origin + Vec3d(set->scene.rayOrigin(hit.position, hit.triangle,
+                        starts[at] = origin + Vec3d(hit.scene->rayOrigin(hit.position, hit.triangle,
                                                                          normal));
-                        triangles[at] = hit.triangle;
+                        if (hit.scene == &set->scene) triangles[at] = hit.triangle;
                     }
                 });
         },
@@ -182,8 +182,8 @@ void defineRays(py::module_& module) {
             "ray's side; 'albedo' (..., 3) float32, linear, gloss included, .5 without a "
             "material;\n"
             "'start' (..., 3) float64, where rays that leave the place start: off the surface by\n"
-            "its rounding; 'triangle' (...) int64, its number, -1 for none. NaN where there is no\n"
-            "such thing, or an input is not finite or a zero vector.")
+            "its rounding; 'triangle' (...) int64, its number, -1 for none and on what moves. NaN\n"
+            "where there is no such thing, or an input is not finite or a zero vector.")
         .def(
             "occluded", occluded, py::arg("origins"), py::arg("directions"), py::kw_only(),
             py::arg("reach") = std::numeric_limits<double>::infinity(),

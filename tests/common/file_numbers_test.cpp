@@ -115,7 +115,8 @@ TEST(FileNumbers, TracksOfMovingFiles) {
             {folder.path() / "set.obj", folder.write("track.json", text)}};
         if (!isRead([&] {
                 Scene scene(mesh);
-                MovingSet moving({}, files, {}, mesh.origin, 24);
+                const std::vector<DynamicObject> objects = openDynamic(files, {}, 24);
+                MovingSet moving({}, objects, {}, mesh.origin);
                 scene.setMoving(moving.pose(1));
                 expectTraceable(camera, scene);
             }))
@@ -174,7 +175,7 @@ void useAsShot(const std::filesystem::path& path) {
     for (const Vec3f& p : mesh.positions) ASSERT_TRUE(isInReach(Vec3d(p) / 2)) << p;
     const std::vector<std::filesystem::path> files{path};
     const std::vector<GltfShot> shots = openShots(files, {}, 24);
-    MovingSet moving(shots, {}, {}, mesh.origin, 24);
+    MovingSet moving(shots, {}, {}, mesh.origin);
     for (const char* name : {"one", "two"}) {
         const CameraSource camera({name, {}, {}}, shots);
         for (const int frame : {1, 12, 30}) {

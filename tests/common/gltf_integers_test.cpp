@@ -153,7 +153,7 @@ std::string loaded(const std::string& json, const std::string& data) {
     }
     const GltfShot shot(path, {}, 24);
     text += describe(shot).substr(path.string().size());
-    MovingSet moving({&shot, 1}, {}, {}, Vec3d(0.0), 24);
+    MovingSet moving({&shot, 1}, {}, {}, Vec3d(0.0));
     const Scene* scene = moving.pose(7);
     if (scene) add(fingerprint(scene->mesh()));
     return text;

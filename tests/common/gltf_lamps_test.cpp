@@ -180,7 +180,7 @@ TEST(MovingLamps, AreWhereTheirNodesAre) {
     EXPECT_NE(describe(shots[0]).find("lamp lantern: spot, intensity 2,2,2, moves"),
               std::string::npos);
     shots[0].dropData();
-    MovingLamps lamps(shots, options, {1, 0, 0});
+    MovingLamps lamps(shots, {}, options, {1, 0, 0});
     const auto lampAt = [&](int frame) {
         const std::vector<Lamp> found = lamps.at(frame);
         EXPECT_EQ(found.size(), 1u);
@@ -199,10 +199,45 @@ TEST(MovingLamps, AreWhereTheirNodesAre) {
     EXPECT_EQ(lampAt(24).gain, Rgb(0, 0, 0));
     MeshOptions other = options;
     other.lamps = false;
-    EXPECT_TRUE(MovingLamps(shots, other, {0, 0, 0}).at(1).empty());
+    EXPECT_TRUE(MovingLamps(shots, {}, other, {0, 0, 0}).at(1).empty());
     other = options;
     other.stillAt = 0;
     EXPECT_TRUE(openShots(path, other, 24)[0].movingLampNodes().empty());
+}
+
+// A track is on top of the node's place in the world, and scales areas alone.
+TEST(MovingLamps, FollowTheTrackOfTheirFile) {
+    const test::TemporaryFolder folder;
+    GltfBuilder panel =
+        setWith({{"type", "spot"}, {"extras", {{"shape", "rectangle"}, {"size", {1, 2}}}}});
+    panel.json["nodes"][1]["translation"] = {1, 2, 3};
+    const auto track = folder.write("t.json", R"({"frames": [{"translation": [0, 0, 5]},
+        {"rotation": [0, 1, 0, 0], "scale": [2, 2, 2]}, {"scale": [0, 0, 0]},
+        {"translation": [1e13, 0, 0]}]})");
+    const DynamicFile files[] = {{folder.write("panel.glb", panel.glb()), track},
+                                 {folder.write("spot.glb", movingSpot().glb()), {}}};
+    const MeshOptions options{.scale = 2};
+    const std::vector<DynamicObject> objects = openDynamic(files, options, 24);
+    const MovingLamps lamps({}, objects, options, {0, 1, 0});
+    const auto lampAt = [&](int frame) {
+        const std::vector<Lamp> found = lamps.at(frame);
+        EXPECT_EQ(found.size(), 2u);
+        EXPECT_TRUE(found[0].moves && found[1].moves);
+        return found[0];
+    };
+    EXPECT_EQ(lampAt(1).position, Vec3d(2, 3, 11));
+    EXPECT_LT((lampAt(2).position - Vec3d(-4, 7, -12)).length(), 1e-6);
+    EXPECT_LT((lampAt(2).direction + lampAt(1).direction).length(), 1e-6);
+    EXPECT_NEAR(lampAt(2).halfWidth.length(), 2 * lampAt(1).halfWidth.length(), 1e-6);
+    EXPECT_EQ(lampAt(2).strength, lampAt(1).strength);
+    EXPECT_EQ(lampAt(2).gain, Rgb(1, 1, 1));
+    EXPECT_EQ(lampAt(3).gain, Rgb(0, 0, 0));
+    test::expectError([&] { lamps.at(4); }, "panel.glb", "is not within");
+    test::expectError([&] { lamps.at(5); }, "t.json", "frame 5, expected 1 to 4");
+    const std::string list = describeMovingLamps(*objects[1].shot);
+    EXPECT_NE(list.find("spot.glb:\n  lamp lantern: spot, intensity 2,2,2, moves"),
+              std::string::npos)
+        << list;
 }
 
 // Keys have their times as floats, which frames have not.
@@ -219,7 +254,7 @@ TEST(MovingLamps, AreOffInEachFrameThatHidesThem) {
             const test::TemporaryFolder folder;
             const std::filesystem::path path[] = {folder.write("a.glb", file.glb())};
             std::vector<GltfShot> shots = openShots(path, {}, fps);
-            const MovingLamps lamps(shots, {}, {0, 0, 0});
+            const MovingLamps lamps(shots, {}, {}, {0, 0, 0});
             for (int frame = 0; frame <= 120; ++frame)
                 ASSERT_EQ(lamps.at(frame).front().gain, Rgb(frame % 2 == 0 ? 0.0f : 1.0f))
                     << frame << " at " << fps << ", " << interpolation;
@@ -256,8 +291,9 @@ TEST(LampGain, OfBadTextIsRefused) {
     test::expectError([] { parseLampGain("desk=-1"); }, "--lamp desk=-1", "0 to 1e6");
     const TriangleMesh mesh = loaded(setWith({{"type", "point"}, {"name", "desk"}}));
     const LampGain known[] = {parseLampGain("d*=2")}, unknown[] = {parseLampGain("dusk=2")};
-    EXPECT_NO_THROW(requireMatches(known, mesh));
-    test::expectError([&] { requireMatches(unknown, mesh); }, "--lamp dusk", "did you mean desk?");
+    EXPECT_NO_THROW(requireMatches(known, lampNames(mesh)));
+    test::expectError([&] { requireMatches(unknown, lampNames(mesh)); }, "--lamp dusk",
+                      "did you mean desk?");
 }
 
 }  // namespace

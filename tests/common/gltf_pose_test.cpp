@@ -247,7 +247,7 @@ TEST_F(AnimatedBar, StandsStillInTheFrameThatIsAskedFor) {
 TEST_F(AnimatedBar, ChangesItsFormFromFrameToFrame) {
     std::vector<GltfShot> shots = openShots({&path_, 1}, {}, 10);
     ASSERT_EQ(shots[0].movingNodes().size(), 1u);
-    MovingSet moving(shots, {}, {}, Vec3d(0.0), 10);
+    MovingSet moving(shots, {}, {}, Vec3d(0.0));
     for (GltfShot& shot : shots) shot.dropData();
     EXPECT_EQ(moving.triangles(), 4u);
     // Its outermost corner in frames 0, 5 and 10: at (1, 1) from the joint, turned.
@@ -279,7 +279,7 @@ TEST(MovingNodes, AreWhereTheirNodesBringThem) {
     const TemporaryFolder folder;
     const auto path = folder.write("a.glb", file.glb());
     const std::vector<GltfShot> shots = openShots({&path, 1}, {}, 4);
-    MovingSet moving(shots, {}, {}, Vec3d(0.0), 4);
+    MovingSet moving(shots, {}, {}, Vec3d(0.0));
     const TriangleMesh& mesh = moving.pose(2)->mesh();
     const Box3d box = placedBounds(mesh);
     expectNear(box.min, {2, 0, 0});
@@ -292,7 +292,7 @@ TEST_F(AnimatedBar, IsInvisibleWhereItIsAPoint) {
     bar.file.animate(bar.lower, "scale", "STEP", {0, 1, 2}, {1, 1, 1, 0, 0, 0, 1, 1, 1});
     path_ = folder_.write("gone.glb", bar.file.glb());
     const std::vector<GltfShot> shots = openShots({&path_, 1}, {}, 1);
-    MovingSet moving(shots, {}, {}, Vec3d(0.0), 1);
+    MovingSet moving(shots, {}, {}, Vec3d(0.0));
     for (const int frame : {0, 1, 2}) {
         const Hit hit = moving.pose(frame)->intersect({0.25f, 0.5f, 3}, {0, 0, -1});
         EXPECT_EQ(hit.found, frame != 1) << frame;

@@ -3,6 +3,7 @@
 
 #include "common/import/load_mesh.h"
 #include "common/import/set_files.h"
+#include "common/shot/moving_lamps.h"
 #include "common/shot/moving_set.h"
 #include "tests/fuzz/input_file.h"
 
@@ -23,8 +24,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         for (const int node : shot.movingNodes()) shot.place(node, 3);
         for (const int node : shot.cameraNodes()) shot.camera(node, 3);
         describe(shot);
-        MovingSet moving({&shot, 1}, {}, {}, Vec3d(0.0), 24);
+        MovingSet moving({&shot, 1}, {}, {}, Vec3d(0.0));
         moving.pose(3);
+        MovingLamps(std::span(&shot, 1), {}, {}, Vec3d(0.0)).at(3);
     });
     return 0;
 }

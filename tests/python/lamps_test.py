@@ -215,10 +215,27 @@ def test_refusals(call, text):
         call()
 
 
-def test_pickles_of_lit_scenes_are_refused(tmp_path):
+def test_pickles(tmp_path):
+    """Lamps are pickled as they are, and so are those of a scene of a file; a scene of arrays is refused."""
     import pickle
-    (tmp_path / "set.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n", encoding="utf-8")
+    (tmp_path / "set.obj").write_text("v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\n", encoding="utf-8")
     scene = shadowcache.load_set(tmp_path / "set.obj")
-    pickle.dumps(scene)
-    with pytest.raises(shadowcache.Error, match="^Scene: has lamps of arrays"):
-        pickle.dumps(scene.with_lamps(Lamps.points((0, 1, 0), 1)))
+    kinds = (Lamps.points((0.5, 1, 0), 1, radius=0.1), Lamps.suns((0, -1, 0.1), COLOR, angle=2, camera=True),
+             Lamps.spots((0, 1, 0), (0.1, -1, 0), COLOR, inner=10, outer=30),
+             Lamps.areas((0, 1, 0.2), (1, 0, 0), (0, 0, 0.5), 2, shape="ellipse", spread=90),
+             Lamps.areas((0, 1, 0.2), (1, 0, 0), (0, 0, 0.5), 2, camera=True))
+    camera = shadowcache.Camera((0, 1.5, 1.5), (0, 0, 0))
+
+    def seen(lit):
+        return shadowcache.render(lit, None, BLACK, camera, size=(8, 8), spp=4, bounces=0)["color"]
+
+    for lamps, other in zip(kinds, kinds[1:] + kinds[:1]):
+        wanted = seen(scene.with_lamps(lamps))
+        for again in (scene.with_lamps(pickle.loads(pickle.dumps(lamps))), pickle.loads(pickle.dumps(scene.with_lamps(lamps)))):
+            assert np.array_equal(seen(again), wanted) and wanted.any()
+        assert not np.array_equal(seen(scene.with_lamps(other)), wanted)  # the control
+    assert len(pickle.loads(pickle.dumps(sum(kinds[1:], kinds[0])))) == 5
+    with pytest.raises(shadowcache.Error, match=r"^Lamps: pickled as an array of shape \(2, 3\), expected \(n, 23\)"):
+        Lamps.__new__(Lamps).__setstate__(np.zeros((2, 3)))
+    with pytest.raises(shadowcache.Error, match="^Scene: of no file"):
+        pickle.dumps(shadowcache.load_set(VERTICES, TRIANGLES).with_lamps(kinds[0]))

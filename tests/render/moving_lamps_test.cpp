@@ -21,10 +21,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A square of 1 m under a lamp that moves over it in frames 0 to 24, and perhaps one that does
+/// A file with a lamp that moves over a square of 1 m in frames 0 to 24, and perhaps one that does
 /// not.
-test::GltfBuilder lampOverSquare(bool withStill) {
-    test::GltfBuilder file = test::squareScene();
+test::GltfBuilder withLamp(test::GltfBuilder file, bool withStill) {
     file.json["extensionsUsed"] = {"KHR_lights_punctual"};
     Json& lights = file.json["extensions"]["KHR_lights_punctual"]["lights"];
     lights = {{{"type", "point"}, {"intensity", 2}, {"extras", {{"radius", 0.1}}}}};
@@ -38,12 +37,17 @@ test::GltfBuilder lampOverSquare(bool withStill) {
     return file;
 }
 
+test::GltfBuilder lampOverSquare(bool withStill) {
+    return withLamp(test::squareScene(), withStill);
+}
+
 /// Pictures of a file's frames.
 class Shot {
 public:
     Shot(const std::filesystem::path& file, std::optional<int> still,
-         const std::filesystem::path& cache = {}, int bounces = 0)
-        : stage_(optionsOf(file, still, cache), [](const std::string&, NoteKind) {}),
+         const std::filesystem::path& cache = {}, int bounces = 0,
+         const std::vector<DynamicFile>& dynamic = {})
+        : stage_(optionsOf(file, still, cache, dynamic), [](const std::string&, NoteKind) {}),
           environment_(test::environmentOf(test::constantMap(Rgb(0.0f)))) {
         stage_.load();
         LightingOptions lighting;
@@ -81,8 +85,10 @@ public:
 
 private:
     static StageOptions optionsOf(const std::filesystem::path& file, std::optional<int> still,
-                                  const std::filesystem::path& cache) {
+                                  const std::filesystem::path& cache,
+                                  const std::vector<DynamicFile>& dynamic) {
         StageOptions options;
+        options.set.dynamic = dynamic;
         options.set.files = {file};
         options.set.frame = still;
         options.cache = cache;
@@ -137,13 +143,20 @@ protected:
     const std::filesystem::path cache_ = folder_.path() / "a.vdb";
 };
 
+// Without and with a lamp of another file, on a track.
 TEST_F(MovingLampWithCache, HasItsMean) {
+    const auto other = folder_.write("b.glb", withLamp({}, false).glb());
+    std::string track = "[{}";
+    for (int frame = 2; frame <= 20; ++frame) track += R"(, {"translation": [0.5, 0, 0]})";
+    const DynamicFile onTrack{other, folder_.write("t.json", R"({"frames": )" + track + "]}")};
     double least = 1, leastOfControl = 1;
-    for (const int bounces : {0, 1}) {
-        Shot with(file_, {}, cache_, bounces);
+    for (const auto& dynamic : {std::vector<DynamicFile>(), std::vector{onTrack}}) {
+        const int bounces = dynamic.empty() ? 0 : 1;
+        Shot with(file_, {}, cache_, bounces, dynamic);
         for (const int frame : {4, 20}) {
             const std::vector<double> found = with.means(frame);
-            const std::vector<double> wanted = Shot(file_, frame, {}, bounces).means(frame);
+            const std::vector<double> wanted =
+                Shot(file_, frame, {}, bounces, dynamic).means(frame);
             least = std::min(least, test::sameMeanPValue(found, wanted));
             std::vector<double> brighter = found;
             for (double& mean : brighter) mean *= 1.05;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "common/import/mesh_options.h"
 #include "common/shot/moving_set.h"
@@ -35,8 +36,8 @@ protected:
         folder_.write("track.json",
                       R"({"frames": [{"translation": [0, 50, 0]},
                           {"translation": [0.2, 0.6, 0.1], "scale": [1.2, 1, 1]}]})");
-        moving_.emplace(std::span<const GltfShot>(), std::span(&slab, 1), MeshOptions(),
-                        mesh_.origin, 24);
+        objects_ = openDynamic(std::span(&slab, 1), {}, 24);
+        moving_.emplace(std::span<const GltfShot>(), objects_, MeshOptions(), mesh_.origin);
     }
 
     ShadingPoint floorPoint(float x, float z) const {
@@ -47,6 +48,7 @@ protected:
     TriangleMesh mesh_;
     std::optional<Scene> scene_;
     std::optional<test::TestCache> cache_;
+    std::vector<DynamicObject> objects_;
     std::optional<MovingSet> moving_;
 };
 
@@ -54,6 +56,16 @@ TEST_F(Moving, IsSeenAndCastsShadowsWhereItIs) {
     const Vec3f up(0, 1, 0);
     RayPacket packet{};
     packet.set(0, {0.2f, 0.1f, 0.1f}, up);
+    const auto reachesSky = [this] {
+        RayStream stream{};
+        for (int k = 0; k < 3; ++k) {
+            stream.origin[k][0] = k == 0 ? 0.2f : 0.1f;
+            stream.direction[k][0] = k == 1 ? 1.0f : 0.0f;
+        }
+        stream.reach[0] = std::numeric_limits<float>::infinity();
+        scene_->trace(stream, 1);
+        return stream.reach[0] >= 0;
+    };
     for (const int frame : {1, 2, 1}) {
         scene_->setMoving(moving_->pose(frame));
         const Hit hit = scene_->intersect({0.2f, 0.1f, 0.1f}, up);
@@ -61,12 +73,14 @@ TEST_F(Moving, IsSeenAndCastsShadowsWhereItIs) {
         EXPECT_NE(hit.scene, &*scene_);
         EXPECT_NEAR(hit.position.y, frame == 1 ? 50 : 0.6, 1e-4);
         EXPECT_EQ(scene_->visibility(packet, 1), 0u);
+        EXPECT_FALSE(reachesSky());
         float distance = 0;
         scene_->distances(packet, 1, &distance);
         EXPECT_NEAR(distance, frame == 1 ? 49.9 : 0.5, 1e-4);
     }
     scene_->setMoving(nullptr);
     EXPECT_EQ(scene_->visibility(packet, 1), 1u);
+    EXPECT_TRUE(reachesSky());
     test::expectError([&] { moving_->requireFrame(3); }, "track.json", "frame 3, expected 1 to 2");
 }
 
