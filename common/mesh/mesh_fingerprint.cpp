@@ -101,7 +101,10 @@ std::uint64_t hashVertex(const TriangleMesh& mesh, const Material& material, std
     for (const std::vector<Vec2f>& layer : mesh.moreTexcoords)
         if (!layer.empty())
             hash = hashWords(hash, hashFloat(layer[vertex].x), hashFloat(layer[vertex].y));
-    return mesh.colors.empty() ? hash : hashWords(hash, hashColor(mesh.colors[vertex]));
+    if (mesh.colors.empty()) return hash;
+    Rgb color = mesh.colors[vertex];
+    if (color == kNoColor) color = Rgb(1.0f);
+    return hashWords(hash, hashColor(color));
 }
 
 /// Of a triangle in the world, by the number that placed_mesh.h gives it.

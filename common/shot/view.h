@@ -31,8 +31,8 @@ inline Vec3f startIn(const Scene& scene, const CameraRay& ray) {
     return Vec3f(ray.start - scene.mesh().origin);
 }
 
-/// Least part of the rays of a pixel that show panes, where one in four is one of them: light that
-/// panes mirror is little, but from few directions and so noisy.
+/// Least part of the rays of a pixel that show panes: light that these mirror is little, but from
+/// few directions and so noisy.
 inline SHADOWCACHE_TUNED(float, kLeastOfPanes, 0.25f);
 
 /// What a camera's ray meets: nothing beyond its reach.
@@ -43,7 +43,7 @@ inline View lookAlong(const CameraRay& ray, const Scene& scene, float chance) {
     CameraPacket packet{};
     packet.set(0, startIn(scene, ray), direction, chance, ray.reach);
     View view{direction, {}};
-    scene.look(packet, 1, kLeastOfPanes, &view.hit);
+    scene.look(packet, 1, 0, &view.hit);
     return view;
 }
 

@@ -22,6 +22,10 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
+/// Panes are shown at most so many times as often as rays stop there: what sends next to no light
+/// takes next to no ray.
+constexpr float kMostRaise = 8;
+
 /// Shadow rays in larger sets are traced as single rays: the packets of neighbouring rays that win
 /// in the kitchen (83 k triangles, by a third) and tie in the atrium (155 k) lose around the dragon
 /// (871 k).
@@ -212,6 +216,11 @@ void Scene::meet(const RayPacket& rays, int count, Hit* hits) const noexcept {
     if (tints()) addTints(rays, count, hits);
 }
 
+void Scene::meetStill(const RayPacket& rays, int count, Hit* hits) const noexcept {
+    std::fill_n(hits, count, Hit{});
+    addNearest(rays, count, false, hits);
+}
+
 void Scene::addTints(const RayPacket& rays, int count, Hit* hits) const noexcept {
     for (int i = 0; i < count; ++i)
         hits[i].tint = tint(originOf(rays, i), directionOf(rays, i), beforeHit(hits[i]));
@@ -256,7 +265,7 @@ struct Scene::Crossing {
 void Scene::look(const CameraPacket& rays, int count, float leastOfPanes, Hit* hits) const {
     std::vector<Crossing> crossings;
     nearest(rays, count, hits, crossings);
-    std::ranges::sort(crossings, {}, [](const Crossing& c) {
+    std::ranges::stable_sort(crossings, {}, [](const Crossing& c) {
         return std::tuple(c.ray, c.hit.distance, c.hit.triangle);
     });
     auto next = crossings.begin();
@@ -279,9 +288,10 @@ Hit Scene::chosen(std::span<const Crossing> crossings, const Hit& end, const Cho
         passed *= 1 - c.passage.stopped;
     }
     // Panes are chosen more often than rays stop there, and all else less.
-    const bool raised = atPanes > 0 && atPanes < choice.leastOfPanes;
-    const float ofPanes = raised ? choice.leastOfPanes / atPanes : 1;
-    const float ofRest = raised ? (1 - choice.leastOfPanes) / (1 - atPanes) : 1;
+    const float least = std::min(choice.leastOfPanes, kMostRaise * atPanes);
+    const bool raised = atPanes < least;
+    const float ofPanes = raised ? least / atPanes : 1;
+    const float ofRest = raised ? (1 - least) / (1 - atPanes) : 1;
     Hit hit = end;
     hit.share = 1 / ofRest;
     Rgb tint(1, 1, 1);
@@ -303,16 +313,21 @@ Hit Scene::chosen(std::span<const Crossing> crossings, const Hit& end, const Cho
 }
 
 void Scene::nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept {
+    if (moving_)
+        moving_->nearest(rays, count, fromCamera, hits);
+    else
+        std::fill_n(hits, count, Hit{});
+    addNearest(rays, count, fromCamera, hits);
+}
+
+void Scene::addNearest(const RayPacket& rays, int count, bool fromCamera,
+                       Hit* hits) const noexcept {
     QueryContext context;
     context.fromCamera = fromCamera;
     // Of light's rays not even neighbours stay together.
     context.base.flags = fromCamera ? packetFlags(mesh_) : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     alignas(32) RTCRayHit8 query;
     fillRays(rays, byChance_, query.ray);
-    if (moving_)
-        moving_->nearest(rays, count, fromCamera, hits);
-    else
-        std::fill_n(hits, count, Hit{});
     takeNearer(rays, count, context, query, hits);
 }
 

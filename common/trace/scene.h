@@ -130,13 +130,17 @@ public:
     /// rays whose chances are stratified show all of it in even shares. What they show is right on
     /// the mean if each counts by its Hit::share.
     ///
-    /// @param leastOfPanes  least part of the rays that meet panes on their way which show what
-    ///                      these mirror and scatter, in [0, 1): it is little light, but noisy
+    /// @param leastOfPanes  least part of the rays that cross panes which show what these mirror
+    ///                      and scatter, in [0, 1), or eight times as many as stop there: it is
+    ///                      little light, but noisy
     void look(const CameraPacket& rays, int count, float leastOfPanes, Hit* hits) const;
 
     /// The same of rays that light travels along: they pass through holes, and backs stop them as
     /// they stop shadow rays.
     void meet(const RayPacket& rays, int count, Hit* hits) const noexcept;
+
+    /// The same of the set alone, without what moves and without tints.
+    void meetStill(const RayPacket& rays, int count, Hit* hits) const noexcept;
 
     /// Whether some pane is coloured.
     bool tints() const { return tints_ || (moving_ && moving_->tints()); }
@@ -181,6 +185,8 @@ private:
     Hit nearest(const Vec3f& origin, const Vec3f& direction) const noexcept;
     /// @param fromCamera  backs of surfaces that are not double-sided are not seen
     void nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept;
+    /// Puts what the set alone has nearer in place of what lies behind it.
+    void addNearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept;
     /// Of camera's rays that pass all that they may pass.
     void nearest(const CameraPacket& rays, int count, Hit* hits,
                  std::vector<Crossing>& crossings) const;

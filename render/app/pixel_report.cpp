@@ -63,6 +63,10 @@ void reportPixel(const FrameRequest& frame, int x, int y) {
         std::printf("  position: %s\n  normal: %s\n  ray origin (from the set's): %s\n",
                     text(point.place.position).c_str(), text(point.place.normal).c_str(),
                     text(point.place.rayOrigin).c_str());
+        if (sample.share != 1)
+            std::printf(
+                "  counts as %.4g of a ray, as do its colours: panes are shown more often\n",
+                static_cast<double>(sample.share));
         printItems(context, point);
         for (std::size_t i = 0; i < sample.directions.size(); ++i)
             printSample(context, point, i, sample.directions[i]);

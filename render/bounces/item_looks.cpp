@@ -27,9 +27,9 @@ void forEachSurface(const Scene& scene, const ItemTable& items, const Visit& vis
                 const auto item = static_cast<std::uint32_t>(first + i);
                 packet.set(static_cast<int>(i), aboveItem(scene, items, item), -items.normal(item));
             }
-            scene.meet(packet, static_cast<int>(count), hits.data());
+            scene.meetStill(packet, static_cast<int>(count), hits.data());
             for (std::size_t i = 0; i < count; ++i) {
-                const bool near = hits[i].found && hits[i].scene == &scene &&
+                const bool near = hits[i].found &&
                                   static_cast<double>(hits[i].distance) < kReach * items.spacing();
                 visit(first + i, near ? &hits[i] : nullptr);
             }

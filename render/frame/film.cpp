@@ -6,6 +6,21 @@ namespace shadowcache {
 
 namespace {
 
+/// Calls visit(a's, b's) for each value of two camera rays that is no light, nor a share of it.
+template <class Other, class Visit>
+void forGeometry(RayValues& a, Other& b, const Visit& visit) {
+    visit(a.roughness, b.roughness);
+    visit(a.normal, b.normal);
+    visit(a.position, b.position);
+    visit(a.depth, b.depth);
+    visit(a.axialDepth, b.axialDepth);
+    visit(a.coverage, b.coverage);
+    visit(a.openness, b.openness);
+    visit(a.items, b.items);
+    visit(a.regions, b.regions);
+    visit(a.misses, b.misses);
+}
+
 /// Calls visit(a's, b's) for each value of two camera rays.
 template <class Other, class Visit>
 void forEachValue(RayValues& a, Other& b, const Visit& visit) {
@@ -21,17 +36,8 @@ void forEachValue(RayValues& a, Other& b, const Visit& visit) {
     visit(a.albedo, b.albedo);
     visit(a.diffuseAlbedo, b.diffuseAlbedo);
     visit(a.mirrorColor, b.mirrorColor);
-    visit(a.roughness, b.roughness);
-    visit(a.normal, b.normal);
-    visit(a.position, b.position);
-    visit(a.depth, b.depth);
-    visit(a.axialDepth, b.axialDepth);
     visit(a.alpha, b.alpha);
-    visit(a.coverage, b.coverage);
-    visit(a.openness, b.openness);
-    visit(a.items, b.items);
-    visit(a.regions, b.regions);
-    visit(a.misses, b.misses);
+    forGeometry(a, b, visit);
 }
 
 }  // namespace
@@ -44,6 +50,10 @@ RayValues& RayValues::operator+=(const RayValues& other) {
 RayValues& RayValues::operator*=(float factor) {
     forEachValue(*this, *this, [factor](auto& own, const auto&) { own *= factor; });
     return *this;
+}
+
+void RayValues::scaleGeometry(float factor) {
+    forGeometry(*this, *this, [factor](auto& own, const auto&) { own *= factor; });
 }
 
 bool isFinite(const Pixel& p) {

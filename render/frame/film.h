@@ -9,7 +9,9 @@
 
 namespace shadowcache {
 
-/// What a camera ray shows; of a pixel, the mean of its camera rays. World space.
+/// What a camera ray shows; of a pixel, the mean of its camera rays. World space. Camera rays
+/// count by their shares (Scene::look), which may sum to a little more or less than their number:
+/// of what is no light the mean is that by the shares.
 struct RayValues {
     Rgb color{0, 0, 0};            ///< outgoing radiance, or the sky's: the sum of the next three
     Rgb diffuse{0, 0, 0};          ///< irradiance times diffuseAlbedo / pi
@@ -30,8 +32,7 @@ struct RayValues {
     float depth = 0;       ///< distance from the camera; 0: the sky
     float axialDepth = 0;  ///< its part along the view
     float alpha = 0;       ///< chance that the ray meets the set: less than 1 where it may pass
-    float coverage = 0;    ///< 1 where it does, by the ray's share: all but the light is summed up
-                           ///< over these rays
+    float coverage = 0;    ///< 1 where it does
     // What the cache predicts before any ray, if RenderOptions::insight.
     float openness = 0;  ///< visible share of the sky, weighted by the cosine
     float items = 0;     ///< cache items found
@@ -40,6 +41,8 @@ struct RayValues {
 
     RayValues& operator+=(const RayValues& other);
     RayValues& operator*=(float factor);
+    /// Multiplies what is no light, nor a share of it: from the roughness on, but for alpha.
+    void scaleGeometry(float factor);
 };
 
 /// What the renderer found at one pixel: the mean of its camera rays, and how sure it is.

@@ -6,15 +6,29 @@
 
 #include "common/random/salts.h"
 #include "common/random/sequence.h"
+#include "render/frame/pixel_sum.h"
 
 namespace shadowcache {
+
+namespace {
+
+/// Part of a pixel's rays that show panes at least: none where a run of rays, by which their spread
+/// is measured, would not have one; nor where tiles have numbers of their own.
+float leastOfPanes(const FrameRequest& frame) {
+    if (!frame.tileRays.empty()) return 0;
+    const int pass = std::min(frame.options.cameraRays, frame.options.passRays);
+    return static_cast<float>(spreadRunLength(pass)) * kLeastOfPanes >= 1 ? kLeastOfPanes : 0;
+}
+
+}  // namespace
 
 FilmRays::FilmRays(const FrameRequest& frame)
     : scene_(frame.estimator.context().scene),
       camera_(frame.camera, static_cast<double>(frame.options.width) / frame.options.height),
       number_(frame.number),
       options_(frame.options),
-      filter_(options_.filter, options_.filterWidth) {}
+      filter_(options_.filter, options_.filterWidth),
+      leastOfPanes_(leastOfPanes(frame)) {}
 
 FilmRay FilmRays::look(const FilmPosition& at) const {
     const CameraRay ray = camera_.through(at);
@@ -36,7 +50,7 @@ std::vector<FilmRay> FilmRays::cast(const BatchPixels& batch) const {
         aim(batch.places[i], i, pixelSeed(options_.seed, number_, x, y, -1),
             {batch.rays.first * factor, batch.rays.count * factor}, rays);
     }
-    intersect(rays);
+    intersect(rays, leastOfPanes_);
     return rays;
 }
 
@@ -48,7 +62,8 @@ std::vector<FilmRay> FilmRays::castExtra(std::span<const FilmPlace> places, int 
             hashWords(pixelSeed(options_.seed, number_, x, y, -1), RenderSalt::spreadRays),
             {0, count}, rays);
     }
-    intersect(rays);
+    // What they are for tells apart what pixels show, not how often.
+    intersect(rays, 0);
     return rays;
 }
 
@@ -58,7 +73,7 @@ std::vector<FilmRay> FilmRays::castEmission(const FilmPlace& place, RayRange ran
         hashWords(pixelSeed(options_.seed, number_, place.x, place.y, -1),
                   RenderSalt::emissionRays),
         range, rays);
-    intersect(rays);
+    intersect(rays, leastOfPanes_);
     return rays;
 }
 
@@ -99,13 +114,10 @@ void FilmRays::aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t se
 }
 
 /// Neighbours together, in packets.
-void FilmRays::intersect(std::span<FilmRay> rays) const {
+void FilmRays::intersect(std::span<FilmRay> rays, float leastOfPanes) const {
     constexpr auto kSize = static_cast<std::size_t>(RayPacket::kSize);
     CameraPacket packet{};
     std::array<Hit, kSize> hits;
-    // Fewer rays show panes by chance, or not.
-    const float leastOfPanes =
-        static_cast<float>(options_.cameraRays) * kLeastOfPanes >= 1 ? kLeastOfPanes : 0;
     for (std::size_t first = 0; first < rays.size(); first += kSize) {
         const auto some = rays.subspan(first, std::min(kSize, rays.size() - first));
         const auto count = static_cast<int>(some.size());

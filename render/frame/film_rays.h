@@ -37,13 +37,16 @@ private:
     void aim(const FilmPlace& place, std::uint32_t pixel, std::uint64_t seed, RayRange range,
              std::vector<FilmRay>& rays) const;
     /// Finds what rays meet.
-    void intersect(std::span<FilmRay> rays) const;
+    ///
+    /// @param leastOfPanes  as Scene::look() has it
+    void intersect(std::span<FilmRay> rays, float leastOfPanes) const;
 
     const Scene& scene_;
     const CameraRays camera_;
     const int number_;
     const RenderOptions& options_;
     const PixelFilter filter_;
+    const float leastOfPanes_;
 };
 
 }  // namespace shadowcache

@@ -114,7 +114,7 @@ void addToFilm(const FrameRequest& frame, const SpreadRule& rule, const RayBatch
         if (pixel.apart.factor == 0)
             emission = emissionSeen(frame, ray, place ? place->surface.emission : Rgb(0, 0, 0));
         if (!place) {
-            pixel.addSky(emission, ray.view.hit.covered, rule);
+            pixel.addSky(emission, ray.view.hit, rule);
             continue;
         }
         const PlaceLight light = lightOf(frame, batch, met);
@@ -149,7 +149,8 @@ void showTo(const CameraSampleObserver& observer, const FilmPlace& pixel, const 
         std::vector<Vec3f> directions;
         for (const WatchedSample& sample : batch.direct.watched)
             if (sample.cameraRay == slot.cameraRay) directions.push_back(sample.direction);
-        observer({place.point, place.surface, light.irradiance, light.gloss, directions});
+        observer(
+            {place.point, place.surface, place.share, light.irradiance, light.gloss, directions});
     }
 }
 

@@ -52,7 +52,8 @@ struct FrameRequest {
 /// zero one has no ray.
 struct CameraSample {
     const ShadingPoint& point;
-    const Surface& surface;
+    const Surface& surface;  ///< times `share`
+    float share;             ///< Hit::share
     const Estimate& estimate;
     const GlossEstimate& gloss;
     const std::vector<Vec3f>& directions;

@@ -34,16 +34,17 @@ void EmissionSum::addTo(Pixel& pixel, const SpreadRule& rule) const {
     pixel.colorVariance += static_cast<float>(spread.varianceOfMean(runLength(rule), rays));
 }
 
-void PixelSum::addSky(const SeenEmission& seen, float covered, const SpreadRule& rule) {
+void PixelSum::addSky(const SeenEmission& seen, const Hit& hit, const SpreadRule& rule) {
     const Rgb radiance = seen.sum();
     values += {.color = radiance,
                .emission = radiance,
                .environment = seen.sky,
                .predicted = radiance,
-               .alpha = covered};
+               .alpha = hit.covered};
     color.add(rule.luminance(radiance), rule.runLength);
     irradiance.add(0, rule.runLength);
     ++cameraRays;
+    shares += hit.share;
 }
 
 void PixelSum::addHit(const RayValues& ray, const Estimate& estimate, const GlossEstimate& gloss,
@@ -52,6 +53,7 @@ void PixelSum::addHit(const RayValues& ray, const Estimate& estimate, const Glos
     color.add(rule.luminance(ray.color), rule.runLength);
     irradiance.add(rule.luminance(ray.irradiance), rule.runLength);
     ++cameraRays;
+    shares += ray.coverage;
     const float squared = ray.coverage * ray.coverage;
     variance += estimate.variance * squared;
     // As if what shares rays counted alike.
@@ -67,6 +69,7 @@ Pixel PixelSum::average(const SpreadRule& rule) const {
     const float ofHits = values.coverage > 0 ? values.coverage : 1;
     Pixel pixel{values};
     pixel *= scale;
+    if (shares > 0) pixel.scaleGeometry(static_cast<float>(cameraRays) / shares);
     // Errors of camera rays are independent.
     pixel.expectedNoise = std::sqrt(expectedVariance) * scale;
     pixel.cameraRays = static_cast<float>(cameraRays);

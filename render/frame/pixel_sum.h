@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/trace/scene.h"
 #include "render/estimators/estimate.h"
 #include "render/frame/film.h"
 
@@ -68,6 +69,7 @@ struct PixelSum {
     EmissionSum apart;            ///< what the camera rays leave out
     RunSpread color, irradiance;  ///< of the luminance
     int cameraRays = 0;
+    float shares = 0;      ///< of these rays: Hit::share
     float variance = 0;    ///< of the irradiance's luminance, from each ray's own samples
     float covariance = 0;  ///< Estimate::covariance
     float glossVariance = 0;
@@ -77,8 +79,8 @@ struct PixelSum {
 
     /// Adds a camera ray that sees the sky.
     ///
-    /// @param covered  Hit::covered
-    void addSky(const SeenEmission& seen, float covered, const SpreadRule& rule);
+    /// @param hit  of the ray: its share, and how far it is covered
+    void addSky(const SeenEmission& seen, const Hit& hit, const SpreadRule& rule);
     /// Adds a camera ray that meets the set.
     void addHit(const RayValues& ray, const Estimate& estimate, const GlossEstimate& gloss,
                 const SpreadRule& rule);

@@ -39,6 +39,7 @@ struct MetPlace {
     ShadingPoint point;
     Surface surface;
     Rgb diffuseAlbedo;
+    float share;                                ///< Hit::share, by which `surface` is scaled
     std::optional<std::uint32_t> diffuse = {};  ///< number in MetPlaces::points; none: not diffuse
     std::optional<std::uint32_t> glossy = {};   ///< number in MetPlaces::glossyPoints
 };

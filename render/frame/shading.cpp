@@ -86,8 +86,10 @@ MetPlaces placesOf(const FrameRequest& frame, const BatchPixels& batch,
             .pixel = ray.pixel,
             .errorScale = irradianceScale(context.environment, rate.errorScale, albedo),
             .sampleFraction = 1.0f / static_cast<float>(rate.rayFactor)};
-        MetPlace& place = met.places.emplace_back(
-            MetPlace{.point = {at, slot}, .surface = surface, .diffuseAlbedo = albedo});
+        MetPlace& place = met.places.emplace_back(MetPlace{.point = {at, slot},
+                                                           .surface = surface,
+                                                           .diffuseAlbedo = albedo,
+                                                           .share = ray.view.hit.share});
         // Of a Lambertian surface the irradiance is told, however black it is.
         if (albedo != Rgb(0.0f) || !(surface.glossy || surface.unlit)) {
             place.diffuse = static_cast<std::uint32_t>(met.points.size());

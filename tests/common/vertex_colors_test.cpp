@@ -196,7 +196,7 @@ TEST(UncoloredFiles, StayWithoutColorBesideOthers) {
         folder.write("b.obj", "v 2 0 0 1.0 0 0\nv 3 0 0 1 0 0\nv 2 0 1 1 0 0\nf 1 2 3\n");
     const std::vector<std::filesystem::path> orders[] = {{plain, red}, {red, plain}};
     for (std::uint32_t k = 0; k < 2; ++k) {
-        const TriangleMesh mesh = loadMesh(orders[k]);
+        const TriangleMesh mesh = loadMesh(orders[k], {});
         EXPECT_EQ(albedoOf(mesh, k), Rgb(0.3f));
         EXPECT_EQ(albedoOf(mesh, 1 - k), Rgb(1, 0, 0));
     }

@@ -78,6 +78,14 @@ TEST_F(Moving, IsSeenAndCastsShadowsWhereItIs) {
         scene_->distances(packet, 1, &distance);
         EXPECT_NEAR(distance, frame == 1 ? 49.9 : 0.5, 1e-4);
     }
+    // The set's own looks are found whatever stands on it.
+    RayPacket down{};
+    down.set(0, {0.2f, 3, 0.1f}, {0, -1, 0});
+    Hit still, met;
+    scene_->meetStill(down, 1, &still);
+    scene_->meet(down, 1, &met);
+    EXPECT_EQ(still.scene, &*scene_);
+    EXPECT_NE(met.scene, &*scene_);
     scene_->setMoving(nullptr);
     EXPECT_EQ(scene_->visibility(packet, 1), 1u);
     EXPECT_TRUE(reachesSky());
