@@ -14,7 +14,6 @@
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
 #include "common/base/interrupt.h"
-#include "common/base/number_text.h"
 #include "common/base/parallel.h"
 #include "common/image/exr_radiance.h"
 #include "common/image/hdr.h"
@@ -109,8 +108,8 @@ void mend(RadianceImage& result) {
                                            result.notANumber, result.negative,
                                            shareText(below, light + below)));
     if (result.infinite > 0)
-        result.notes.push_back(fmt::format("{} texels of +Inf, set to {}", result.infinite,
-                                           numberText(static_cast<double>(infinity))));
+        result.notes.push_back(fmt::format("{} texels of +Inf, set to {:.7g}", result.infinite,
+                                           static_cast<double>(infinity)));
     if (tooBright > 0)
         result.notes.push_back(fmt::format("{} texels above {:g}, set to that", tooBright,
                                            static_cast<double>(kMostRadiance)));

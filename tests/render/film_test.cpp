@@ -60,7 +60,8 @@ TEST(RunSpread, IsTheVarianceOfTheMeanOfKnownValues) {
 
 TEST(PixelSum, AddsWhatTheSpreadOfCameraRaysDoesNotShow) {
     PixelSum sum;
-    sum.cameraRays = sum.hits = 4;
+    sum.cameraRays = 4;
+    sum.values.coverage = 4;
     for (const double value : {1.0, 2.0, 4.0, 9.0}) sum.irradiance.add(value, 1);
     sum.variance = 5;
     const auto pixel = [&](float covariance) {
@@ -78,7 +79,7 @@ TEST(PixelSum, AddsWhatTheSpreadOfCameraRaysDoesNotShow) {
 TEST(PixelSum, VarianceOfColorAtAnEdgeIsThatOfTheRaysThatMeetTheSet) {
     PixelSum sum;
     sum.cameraRays = 4;
-    sum.hits = 2;
+    sum.values.coverage = 2;
     sum.values.diffuseAlbedo = Rgb(1, 1, 1);  // of two hits
     sum.covariance = 6;
     const double reflectance = 0.5 / kPi;

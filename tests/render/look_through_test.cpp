@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/shot/view.h"
+#include "common/trace/scene.h"
 #include "render/frame/integrator.h"
 #include "render/library/lit_stage.h"
 #include "tests/support/glazed_floor.h"
@@ -141,7 +141,7 @@ TEST(CrossedSurfaces, CoverAsMuchAsTheyStop) {
     CameraPacket packet{};
     Hit hit;
     const auto covered = [&](float x, double reach) {
-        packet.set(0, Vec3f(Vec3d(static_cast<double>(x), 3, 0) - mesh.origin), {0, -1, 0}, 0.99f,
+        packet.set(0, Vec3f(Vec3d(static_cast<double>(x), 3, 0.3) - mesh.origin), {0, -1, 0}, 0.99f,
                    reach);
         scene.look(packet, 1, 0.25f, &hit);
         return static_cast<double>(hit.covered);
@@ -157,7 +157,7 @@ TEST(CrossedSurfaces, CoverAsMuchAsTheyStop) {
     EXPECT_EQ(covered(5, 9), 0);
 }
 
-/// Looks straight down from below the veil, all but along one line.
+/// Looks straight down from below the veil, all but along one line, at no edge of a triangle.
 Film filmThroughGlass(const TriangleMesh& mesh, int cameraRays, bool transparent) {
     const Scene scene(mesh);
     LitStage lit(scene, nullptr, findEstimator("mis"), {});
@@ -169,7 +169,8 @@ Film filmThroughGlass(const TriangleMesh& mesh, int cameraRays, bool transparent
     options.samples = 1;
     options.transparent = transparent;
     RenderStats stats;
-    return lit.plan(lookAt({0, 1.9, 0}, {0, 0, 0}, {0, 0, 1}, 0.02), 1, options, stats).film(stats);
+    return lit.plan(lookAt({0.3, 1.9, 0}, {0.3, 0, 0}, {0, 0, 1}, 0.02), 1, options, stats)
+        .film(stats);
 }
 
 /// Greatest difference of a value of the pixels to one that all should have.

@@ -81,6 +81,7 @@ TEST_F(Moving, IsSeenAndCastsShadowsWhereItIs) {
     // The set's own looks are found whatever stands on it.
     RayPacket down{};
     down.set(0, {0.2f, 3, 0.1f}, {0, -1, 0});
+    scene_->setMoving(moving_->pose(2));
     Hit still, met;
     scene_->meetStill(down, 1, &still);
     scene_->meet(down, 1, &met);

@@ -15,7 +15,7 @@
 namespace shadowcache {
 namespace {
 
-using Place = CorrectionField::Place;
+using FieldPlace = CorrectionField::Place;
 
 CheckedPlace lightOf(float predicted, float found) {
     return {.direct = {Rgb(predicted), Rgb(found)}, .indirect = {Rgb(1), Rgb(2)}};
@@ -23,8 +23,8 @@ CheckedPlace lightOf(float predicted, float found) {
 
 /// Places all over a square, whose light `found` tells of x.
 template <class Found>
-std::vector<Place> square(const Vec3f& normal, const Found& found) {
-    std::vector<Place> places;
+std::vector<FieldPlace> square(const Vec3f& normal, const Found& found) {
+    std::vector<FieldPlace> places;
     std::mt19937 random(1);
     std::uniform_real_distribution<float> unit(0, 1);
     for (int i = 0; i < 20000; ++i) {
@@ -35,8 +35,9 @@ std::vector<Place> square(const Vec3f& normal, const Found& found) {
 }
 
 TEST(CorrectionField, FollowsWhatWasFoundAndTellsSidesApart) {
-    std::vector<Place> places = square({0, 1, 0}, [](float x) { return x < 0.5f ? 2.0f : 4.0f; });
-    for (const Place& below : square({0, -1, 0}, [](float) { return 0.5f; }))
+    std::vector<FieldPlace> places =
+        square({0, 1, 0}, [](float x) { return x < 0.5f ? 2.0f : 4.0f; });
+    for (const FieldPlace& below : square({0, -1, 0}, [](float) { return 0.5f; }))
         places.push_back(below);
     const CorrectionField field(places, 0.05f);
     EXPECT_NEAR(field.at({0.2f, 0, 0.5f}, {0, 1, 0}).direct.found.x, 2, 0.05);
