@@ -123,7 +123,9 @@ def file_of(image, folder):
     if image.source not in ("FILE", "GENERATED") or unknown_of(image) or any(differences(image)):
         raise NotPlain
     path = bpy.path.abspath(image.filepath, library=image.library)
-    own = (image.source == "FILE" and not image.is_dirty and not image.packed_file and os.path.isfile(path)
+    if image.source == "FILE" and image.is_dirty and not image.packed_file:
+        raise NotPlain  # Cycles shows the file, without what was painted
+    own = (image.source == "FILE" and not image.packed_file and os.path.isfile(path)
            and path.lower().endswith((".exr", ".hdr")) and image.colorspace_settings.name in LINEAR + DATA)
     if own:
         return path

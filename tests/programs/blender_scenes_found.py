@@ -240,6 +240,38 @@ def environment(texels, space, **settings):
     return node
 
 
+def paint(made, texels):
+    made.pixels.foreach_set(numpy.array(texels, numpy.float32).ravel())
+    made.update()
+
+
+def made_in_blender(red, green, blue, space="sRGB"):
+    """An Environment Texture node with an image that no file has, of a colour on the left and half of it on the right."""
+    made = bpy.data.images.new("made", 8, 4, float_buffer=space == "Linear")
+    made.colorspace_settings.name = space
+    paint(made, [[(red, green, blue, 1)] * 4 + [(red / 2, green / 2, blue / 2, 1)] * 4] * 4)
+    node = scene().world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = made
+    return node
+
+
+@shows
+def world_of_images_made_in_blender():
+    """Of bytes, of floats, and of one that is packed and painted."""
+    bytes_, floats, packed = (made_in_blender(0.9, 0.1, 0), made_in_blender(0, 1.4, 0.3, "Linear"), made_in_blender(0, 0, 0))
+    packed.image.pack()
+    paint(packed.image, [[(0.2, 0, 0.8, 1)] * 8] * 4)
+    tree, colour = scene().world.node_tree, bytes_.outputs["Color"]
+    for node in (floats, packed):
+        both = tree.nodes.new("ShaderNodeMixRGB")
+        both.blend_type, both.inputs[0].default_value = "ADD", 1
+        tree.links.new(colour, both.inputs[1])
+        tree.links.new(node.outputs["Color"], both.inputs[2])
+        colour = both.outputs[0]
+    tree.links.new(colour, tree.nodes["Background"].inputs["Color"])
+    plane(diffuse()[0])
+
+
 def light():
     return sys.modules["shadowcache.world_map"].light_of(scene(), bpy.context.view_layer, WORK)[0]
 
@@ -255,7 +287,11 @@ def encoded_worlds():
     for space, baked in (("sRGB", True), ("Non-Color", False)):
         environment(texels, space)
         assert is_baked() == baked, space
-    environment(numpy.ones((4, 8, 4)), "sRGB")
+    node = environment(numpy.ones((4, 8, 4)), "sRGB")
     assert not is_baked(), "even texels, encoded"
+    node.image.pixels[0] = 0.3
+    node.image.update()
+    assert is_baked(), "painted, of which Cycles shows the file"
+    environment(numpy.ones((4, 8, 4)), "sRGB")
     scene().world.node_tree.nodes["Background"].inputs["Strength"].default_value = -1
     assert is_baked(), "strength below 0"
