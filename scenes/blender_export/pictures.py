@@ -1,12 +1,11 @@
 """Pictures of a glTF document from Blender's images: as they are stored where their channels fit, else made new."""
 
-import os
 import struct
 import zlib
 
-import bpy
 import numpy
 
+from .image_files import path_of
 from .texels import Lookup, Texels, encode_srgb, has_texels, is_encoded, unknown_of
 
 ONE = "one"  # a channel that is 1 everywhere; None is one that nothing reads
@@ -35,8 +34,8 @@ def stored_bytes(image):
     if image.packed_file:
         data = image.packed_file.data
     else:
-        path = bpy.path.abspath(image.filepath, library=image.library)
-        if not os.path.isfile(path):
+        path = path_of(image)
+        if not path:
             return None
         with open(path, "rb") as file:
             data = file.read()

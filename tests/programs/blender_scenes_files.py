@@ -3,10 +3,11 @@
 import os
 import struct
 import sys
+import zlib
 
 import bpy
 import numpy
-from blender_kit import diffuse, plane, shows
+from blender_kit import checks, diffuse, names, plane, shows, textured
 from blender_scene import WORK
 from blender_scenes_found import is_baked, scene
 
@@ -97,6 +98,67 @@ def world_of_window_with_infinity():
     texels[0, 1] = numpy.inf
     world_of(exr(texels, shown_in((-WIDTH, 0, WIDTH - 1, 2 * HEIGHT - 1))))
     plane(diffuse()[0])
+
+
+# Textures.
+
+def textured_by(path, space="sRGB", alpha_mode="STRAIGHT"):
+    """A plane with the image of a file for its colour."""
+    node = textured()[2]
+    node.image, node.interpolation = bpy.data.images.load(path), "Closest"
+    node.image.colorspace_settings.name, node.image.alpha_mode = space, alpha_mode
+    return node.image
+
+
+def png(most=255, alpha=1.0):
+    texels = (numpy.array(checks(alpha)) * (0.6, 0.5, 0.4, 1))[..., :4 if alpha < 1 else 3]
+    return sys.modules["shadowcache.blender_export.pictures"].write_png(texels, most)
+
+
+def saved(ending, file_format):
+    """The image with half opacity in a file as Blender saves it."""
+    made = bpy.data.images.new("saved", 2, 2, alpha=True, float_buffer=True)
+    made.pixels.foreach_set([0.2, 0.3, 0.4, 0.5] * 4)
+    made.filepath_raw, made.file_format = new_path(ending), file_format
+    made.save()
+    return made.filepath_raw
+
+
+@shows
+def sixteen_bits_whose_alpha_is_ignored():
+    assert textured_by(write(".png", png(65535, 0.25)), alpha_mode="NONE").is_float
+
+
+@shows
+def encoded_floats_whose_alpha_is_ignored():
+    textured_by(exr(texels_of_map() / 2), alpha_mode="NONE")
+
+
+@names("a transparent colour (tRNS)")
+def transparent_colour():
+    data, end = png(), 8 + 12 + 13
+    chunk = b"tRNS" + bytes(6)
+    textured_by(write(".png", data[:end] + struct.pack(">I", 6) + chunk + struct.pack(">I", zlib.crc32(chunk)) + data[end:]))
+
+
+@names("rows in another order than from above")
+def rows_from_below():
+    textured_by(hdr(size=b"+Y 4 +X 8"), "Linear")
+
+
+@names("alpha of floats with colour space sRGB")
+def encoded_floats_with_alpha():
+    textured_by(saved(".exr", "OPEN_EXR"))
+
+
+@names("alpha of a TIFF")
+def alpha_of_tiff():
+    textured_by(saved(".tif", "TIFF"))
+
+
+@names("premultiplied alpha")
+def premultiplied_and_packed():
+    textured_by(write(".png", png(alpha=0.25)), alpha_mode="PREMUL").pack()
 
 
 def map_files():
