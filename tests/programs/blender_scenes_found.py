@@ -200,12 +200,27 @@ def instancer_is_indirect():
     bpy.context.view_layer.layer_collection.children["made"].indirect_only = True
 
 
-@shows
-def hair_is_off():
+def hairy():
+    """A cube, and the modifier that grows hair on it."""
     thing = cube(diffuse((0.3, 0.5, 0.7))[0])
     modifier = thing.modifiers.new("hair", "PARTICLE_SYSTEM")
     thing.particle_systems[0].settings.type = "HAIR"
-    modifier.show_render = False
+    return thing, modifier
+
+
+@shows
+def hair_is_off():
+    hairy()[1].show_render = False
+
+
+@names("object cube: hair")
+def hair():
+    hairy()
+
+
+@names("object cube: hair")
+def hair_of_a_hidden_emitter():
+    hairy()[0].show_instancer_for_render = False
 
 
 # Cameras and scenes.
