@@ -67,8 +67,14 @@ def lens_of(thing):
     if dof.focus_object:
         matrix = thing.matrix_world
         focus = abs((dof.focus_object.matrix_world.translation - matrix.translation).dot(matrix.col[2].xyz.normalized()))
+    focus = max(focus, 1e-5)
     focal_length = camera.lens * 1e-3 if camera.type == "PERSP" else 1
-    lens = {"radius": focal_length / (2 * dof.aperture_fstop), "focus": max(focus, 1e-5)}
+    radius = focal_length / (2 * dof.aperture_fstop)
+    if camera.type == "ORTHO":
+        # Cycles' lens is where the camera begins to see: the same rays through one at the camera.
+        radius *= 1 + camera.clip_start / focus
+        focus += camera.clip_start
+    lens = {"radius": radius, "focus": focus}
     if dof.aperture_blades >= 3:
         # Blender's polygon has the middle of a side where that of a camera file has its first corner.
         lens["blades"] = min(dof.aperture_blades, 64)

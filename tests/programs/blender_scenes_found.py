@@ -225,6 +225,17 @@ def hair_of_a_hidden_emitter():
 
 # Cameras and scenes.
 
+@shows
+def focus_of_an_orthographic_camera():
+    """Behind the clip plane, on which Cycles has the lens."""
+    camera = scene().camera.data
+    camera.type, camera.ortho_scale, camera.clip_start = "ORTHO", 6, 4
+    camera.dof.use_dof, camera.dof.focus_distance, camera.dof.aperture_fstop = True, 1.6, 1
+    scene().cycles.samples, scene().shadowcache.camera_rays = 8192, 512
+    pillar = cube(diffuse((0.9, 0.6, 0.2))[0])
+    pillar.location, pillar.scale = (0.5, 0.5, 0), (0.5, 0.5, 0.8)
+
+
 @names("it is mirrored")
 def mirrored_camera():
     scene().camera.scale.x = -1
