@@ -156,6 +156,14 @@ def smooth_cube():
         polygon.use_smooth = True
 
 
+@names("bends steep normals to the view, which makes light brighter or darker (diffuse)")
+def normal_map():
+    _, tree, node = textured(space="Non-Color")
+    turn, shader = tree.nodes.new("ShaderNodeNormalMap"), tree.nodes["Diffuse BSDF"]
+    tree.links.new(node.outputs["Color"], turn.inputs["Color"])
+    tree.links.new(turn.outputs[0], shader.inputs["Normal"])
+
+
 # What shows others.
 
 def instanced(collection="shown"):
