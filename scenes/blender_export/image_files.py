@@ -11,17 +11,16 @@ MOST_HEADER = 1 << 16  # bytes, of a Radiance file
 
 
 def path_of(image):
-    """Of the file that Cycles reads itself; None for another image, and where there is no file."""
+    """Of the file that Cycles reads itself, whether it is there or not; empty for another image."""
     if image.source != "FILE" or image.packed_file:
-        return None
-    path = bpy.path.abspath(image.filepath, library=image.library)
-    return path if os.path.isfile(path) else None
+        return ""
+    return bpy.path.abspath(image.filepath, library=image.library)
 
 
 def unlike_blender(image):
     """In words, what Cycles reads otherwise; empty if nothing is known."""
     path = path_of(image)
-    if not path:
+    if not os.path.isfile(path):
         return ""
     with open(path, "rb") as file:
         magic = file.read(len(PNG))

@@ -1,5 +1,6 @@
 """Pictures of a glTF document from Blender's images: as they are stored where their channels fit, else made new."""
 
+import os
 import struct
 import zlib
 
@@ -35,7 +36,7 @@ def stored_bytes(image):
         data = image.packed_file.data
     else:
         path = path_of(image)
-        if not path:
+        if not os.path.isfile(path):
             return None
         with open(path, "rb") as file:
             data = file.read()

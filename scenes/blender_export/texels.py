@@ -70,11 +70,12 @@ def unknown_of(image):
 
 
 def unknown_alpha_of(image):
+    """What of an image's opacity is not read as Cycles does; empty where all of it is 1."""
     if image.source != "FILE" or not has_opacity(image):
         return ""
     if image.alpha_mode == "PREMUL" and not is_of_floats(image):
-        return "premultiplied alpha"
-    if is_of_floats(image) and is_encoded(image):
+        words = "premultiplied alpha"
+    elif is_of_floats(image) and is_encoded(image):
         words = "alpha of floats with colour space %s" % image.colorspace_settings.name
     elif image.file_format == "TIFF" and not image.packed_file:
         words = "alpha of a TIFF"  # Blender does not tell whether colours are times it
