@@ -7,15 +7,16 @@ baked to a map by Cycles (world_map).
 
 import os
 
-import bpy
 import numpy
 from mathutils import Euler
 
 from . import exr, fingerprint
 from .blender_export.differences import differences, node_differences
+from .blender_export.image_files import path_of
 from .blender_export.node_values import Reader, constant, link_of, source
 from .blender_export.texels import (DATA, LINEAR, MOST_APART, filter_gap, has_texels, is_encoded, linear_texels,
                                     stored_texels, unknown_of)
+from .map_file import is_read_alike
 
 AXES = numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)    # of Blender to those of glTF
 MIDDLE = numpy.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], float)  # the image's, to +X
@@ -122,13 +123,16 @@ def file_of(image, folder):
     """An EXR or HDR file of an image's linear texels: its own, or one that is written."""
     if image.source not in ("FILE", "GENERATED") or unknown_of(image) or any(differences(image)):
         raise NotPlain
-    path = bpy.path.abspath(image.filepath, library=image.library)
-    own = (image.source == "FILE" and not image.is_dirty and not image.packed_file and os.path.isfile(path)
-           and path.lower().endswith((".exr", ".hdr")) and image.colorspace_settings.name in LINEAR + DATA)
-    if own:
-        return path
-    if image.source == "FILE" and not image.packed_file and not os.path.isfile(path):
+    path = path_of(image)
+    if path and not os.path.isfile(path):
         raise FileNotFoundError("image %s: no file %s" % (image.name, path))
+    if path and image.is_dirty:
+        raise NotPlain  # Cycles shows the file, without what was painted
+    if path.lower().endswith((".exr", ".hdr")):
+        if not is_read_alike(image, path):
+            raise NotPlain
+        if image.colorspace_settings.name in LINEAR + DATA:
+            return path
     written = os.path.join(folder, "map-%s.exr" % fingerprint.digest_of(fingerprint.image_of(image)))
     if not os.path.exists(written):
         if not has_texels(image):

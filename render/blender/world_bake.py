@@ -2,12 +2,13 @@
 """Renders a world alone to a map, in a Blender that was started for it.
 
 Usage: blender -b --factory-startup --python-exit-code 1 -P world_bake.py -- WORLD.blend HELD.json NAME FRAME MAP.exr
-HELD.json has what animation and drivers made of the nodes.
+HELD.json has what animation and drivers made of the nodes, and images that no file has, each with its texels beside it.
 The map is made again at twice the size until its integral is that of a map of half the size and four times the samples.
 """
 
 import json
 import math
+import os
 import sys
 
 import bpy
@@ -27,6 +28,18 @@ def hold(world, values):
             setattr((bpy.data.node_groups[group] if group else world.node_tree).path_resolve(owner), name, value)
 
 
+def hand_over(world, images, folder):
+    """Puts images in the place of those whose texels the file does not have."""
+    for group, node, file, settings in images:
+        texels = numpy.load(os.path.join(folder, file))
+        made = bpy.data.images.new(node, texels.shape[1], texels.shape[0], alpha=True, float_buffer=settings["is_float"])
+        made.colorspace_settings.name, made.alpha_mode = settings["space"], settings["alpha_mode"]
+        made.pixels.foreach_set(texels.ravel())
+        made.update()
+        tree = bpy.data.node_groups[group] if group else world.node_tree
+        tree.nodes[node].image = made
+
+
 def set_up(blend, held, name, frame):
     with bpy.data.libraries.load(blend) as (_, wanted):
         wanted.worlds = [name]
@@ -35,7 +48,9 @@ def set_up(blend, held, name, frame):
         bpy.data.objects.remove(thing)
     scene.world = wanted.worlds[0]
     with open(held, encoding="utf-8") as file:
-        hold(scene.world, json.load(file))
+        found = json.load(file)
+    hand_over(scene.world, found["images"], os.path.dirname(held))
+    hold(scene.world, found["values"])
     camera = bpy.data.cameras.new("panorama")
     thing = bpy.data.objects.new("panorama", camera)
     # Its middle is at +x.
@@ -43,6 +58,7 @@ def set_up(blend, held, name, frame):
     scene.collection.objects.link(thing)
     scene.camera = thing
     scene.frame_set(frame)
+    scene.world.cycles.sampling_method = "NONE"  # nothing is lit
     render, cycles = scene.render, scene.cycles
     render.engine = "CYCLES"
     camera.type = "PANO"

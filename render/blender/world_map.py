@@ -7,19 +7,27 @@ import shutil
 import tempfile
 
 import bpy
+import numpy
 
 from . import child, fingerprint, world
+from .blender_export.texels import has_texels, pixels_of
 from .world import nodes_in, require_no_object
 
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "world_bake.py")
+FORMAT = 2  # rises where the same nodes make another map
+
+
+def trees_of(tree):
+    """A tree and the groups in it, with their names; its own is ""."""
+    groups = {node.node_tree.name: node.node_tree for node in nodes_in(tree) if getattr(node, "node_tree", None)}
+    return {"": tree, **groups}.items()
 
 
 def held_values(tree):
     """Of an evaluated world's nodes, what animation and drivers make of them: [name of the group, or "", path, value].
     They may depend on the scene, without which the map is made."""
-    groups = {node.node_tree.name: node.node_tree for node in nodes_in(tree) if getattr(node, "node_tree", None)}
     found = []
-    for name, group in {"": tree, **groups}.items():
+    for name, group in trees_of(tree):
         for path in animated_paths(group.original.animation_data):
             try:
                 value = group.path_resolve(path)
@@ -37,6 +45,28 @@ def animated_paths(animation):
     return sorted({curve.data_path for curve in (*animation.drivers, *curves)})
 
 
+def is_lost(image):
+    """Whether a file that Blender writes lacks the texels of an image that Cycles has from Blender: those that were made in it,
+    and what was painted on packed ones. Of others Cycles reads the files."""
+    return has_texels(image) and (image.source == "GENERATED" or bool(image.packed_file) and image.is_dirty)
+
+
+def write_images(tree, folder):
+    """Writes the texels of images that are lost; their places [name of the group, or "", node, file, settings]."""
+    found, files = [], {}
+    for name, group in trees_of(tree):
+        for node in group.nodes:
+            image = getattr(node, "image", None)
+            if image is None or not is_lost(image):
+                continue
+            if image.name_full not in files:
+                files[image.name_full] = "image%d.npy" % len(files)
+                numpy.save(os.path.join(folder, files[image.name_full]), pixels_of(image)[::-1])
+            settings = {"is_float": image.is_float, "space": image.colorspace_settings.name, "alpha_mode": image.alpha_mode}
+            found.append((name, node.name, files[image.name_full], settings))
+    return found
+
+
 class Baking:
     """The map of a world: made once for each state of the nodes. All but run() reads Blender's data."""
 
@@ -46,7 +76,7 @@ class Baking:
         self.frame = frame
         self.folder = folder
         self.work = None
-        self.path = os.path.join(folder, "world-%s.exr" % fingerprint.digest_of(fingerprint.nodes_of(of.node_tree)))
+        self.path = os.path.join(folder, "world-%s.exr" % fingerprint.digest_of(FORMAT, fingerprint.nodes_of(of.node_tree)))
         # The panorama's middle is at +x, as that of an Environment Texture without Mapping.
         self.fields = {"map": self.path, "rotate": 90}
 
@@ -64,7 +94,7 @@ class Baking:
         bpy.data.libraries.write(os.path.join(self.work.name, "world.blend"), {of.original}, path_remap="ABSOLUTE",
                                  fake_user=True)
         with open(os.path.join(self.work.name, "held.json"), "w", encoding="utf-8") as out:
-            json.dump(held_values(of.node_tree), out)
+            json.dump({"values": held_values(of.node_tree), "images": write_images(of.node_tree, self.work.name)}, out)
 
     def run(self, should_stop):
         """Makes the map, in any thread. Raises Failed, Cancelled."""

@@ -10,6 +10,7 @@ from .differences import differences
 from .report import Report
 
 STAND_IN = "shadowcache stand-in"  # a camera that a render without one is started with; never exported
+USUAL_CLIP = 0.1001, 99.99  # metres: clip planes of Blender's new cameras, which hardly cut anything
 
 
 def picture_size(camera, scene):
@@ -31,6 +32,18 @@ def differences_of(thing):
     return ["camera %s: %s" % (thing.data.name, text) for text in found]
 
 
+def in_camera_files(camera, render):
+    """What of a camera renders of a glTF document do not read."""
+    if camera.shift_x or camera.shift_y:
+        yield "shift"
+    if camera.dof.use_dof:
+        yield "depth of field"
+    if camera.clip_start > USUAL_CLIP[0] or camera.clip_end < USUAL_CLIP[1]:
+        yield "clip planes"
+    if render.pixel_aspect_x != render.pixel_aspect_y:
+        yield "pixel aspect"
+
+
 def entry(thing, scene, report):
     """A camera, an object, of a glTF document; None if it is a panorama."""
     camera = thing.data
@@ -39,10 +52,8 @@ def entry(thing, scene, report):
         return None
     for text in differences_of(thing):
         report.add(text)
-    if camera.shift_x or camera.shift_y:
-        report.add("camera %s: shift, which only CAMERA.json holds" % camera.name)
-    if camera.dof.use_dof:
-        report.add("camera %s: depth of field, which only CAMERA.json holds" % camera.name)
+    for text in in_camera_files(camera, scene.render):
+        report.add("camera %s: %s, which only CAMERA.json holds" % (camera.name, text))
     width, height = picture_size(camera, scene)
     if camera.type == "ORTHO":
         return {"name": camera.name, "type": "orthographic", "orthographic": {
@@ -67,8 +78,14 @@ def lens_of(thing):
     if dof.focus_object:
         matrix = thing.matrix_world
         focus = abs((dof.focus_object.matrix_world.translation - matrix.translation).dot(matrix.col[2].xyz.normalized()))
+    focus = max(focus, 1e-5)
     focal_length = camera.lens * 1e-3 if camera.type == "PERSP" else 1
-    lens = {"radius": focal_length / (2 * dof.aperture_fstop), "focus": max(focus, 1e-5)}
+    radius = focal_length / (2 * dof.aperture_fstop)
+    if camera.type == "ORTHO":
+        # Cycles' lens is where the camera begins to see: the same rays through one at the camera.
+        radius *= 1 + camera.clip_start / focus
+        focus += camera.clip_start
+    lens = {"radius": radius, "focus": focus}
     if dof.aperture_blades >= 3:
         # Blender's polygon has the middle of a side where that of a camera file has its first corner.
         lens["blades"] = min(dof.aperture_blades, 64)

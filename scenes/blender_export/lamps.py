@@ -103,12 +103,14 @@ def of_sun(thing, power):
 
 
 def of_spot(thing, power):
-    """The falloff is over a share of the cone's height, which is the cosine."""
+    """The falloff is over a share of the cone's height, which is the cosine. An inner angle that rounding makes greater than
+    the outer one would be refused."""
     lamp = thing.data
-    outer = math.cos(lamp.spot_size / 2)
-    inner = outer + (1 - outer) * lamp.spot_blend
+    outer = min(lamp.spot_size / 2, math.pi / 2)
+    height = math.cos(outer)
+    inner = math.acos(min(height + (1 - height) * lamp.spot_blend, 1))
     return {"type": "spot", "intensity": power / (4 * math.pi),
-            "spot": {"innerConeAngle": math.acos(min(inner, 1)), "outerConeAngle": min(lamp.spot_size / 2, math.pi / 2)},
+            "spot": {"innerConeAngle": min(inner, outer), "outerConeAngle": outer},
             "extras": {"radius": lamp.shadow_soft_size, "falloff": versions.falloff_of_spots(bpy.app.version)}}
 
 

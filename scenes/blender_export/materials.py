@@ -20,8 +20,9 @@ WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071}
 NOTHING = (0.8, 0.8, 0.8)  # albedo of Cycles where there is no material
 # Of all materials of a kind, in one entry.
 LOBES = "Principled BSDF: its lobes are those of glTF; where they are rough, light differs from Cycles by up to a tenth"
-TERMINATOR = "Normal Map: Cycles darkens what is lit from the side, where the map turns the normal to the light"
-SHARED = (LOBES, TERMINATOR, glass.BEHIND)
+NORMALS = ("Normal Map: Cycles darkens what is lit from the side, where the map turns the normal to the light, and bends steep "
+           "normals to the view, which makes light brighter or darker")
+SHARED = (LOBES, NORMALS, glass.BEHIND)
 SHADERS = ("BSDF_PRINCIPLED", "BSDF_DIFFUSE", "EMISSION")
 
 
@@ -366,7 +367,7 @@ class MaterialWriter:
         info = self._texture((*rgb_of(map_of), None), False, map_of.image, change)
         if info:
             self.entry["normalTexture"] = info
-            self.report.share(TERMINATOR, self.material.name)
+            self.report.share(NORMALS, self.material.name)
 
 
 def mixed_normals(pixels, strength):

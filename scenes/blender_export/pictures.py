@@ -4,9 +4,9 @@ import os
 import struct
 import zlib
 
-import bpy
 import numpy
 
+from .image_files import path_of
 from .texels import Lookup, Texels, encode_srgb, has_texels, is_encoded, unknown_of
 
 ONE = "one"  # a channel that is 1 everywhere; None is one that nothing reads
@@ -35,7 +35,7 @@ def stored_bytes(image):
     if image.packed_file:
         data = image.packed_file.data
     else:
-        path = bpy.path.abspath(image.filepath, library=image.library)
+        path = path_of(image)
         if not os.path.isfile(path):
             return None
         with open(path, "rb") as file:

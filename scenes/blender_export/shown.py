@@ -27,6 +27,8 @@ def walk(depsgraph, report):
     for row, instance in enumerate(depsgraph.object_instances):
         thing = instance.object
         if not instance.show_self:
+            if instance.show_particles:
+                name_hair(thing, depsgraph, report)
             continue
         data = thing.data
         owner = instance.instance_object or thing
@@ -58,6 +60,11 @@ def look_at(thing, kind, instancer, depsgraph, report):
     sizes = [axis.length for axis in thing.matrix_world.to_3x3().col]
     if min(sizes) == 0 < max(sizes):
         report.add("object %s: it is flat, by a scale of 0" % thing.name)
+    name_hair(thing, depsgraph, report)
+
+
+def name_hair(thing, depsgraph, report):
+    """Of an object that emits it, which may be hidden itself."""
     is_on = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
     for modifier in thing.modifiers:
         if modifier.type == "PARTICLE_SYSTEM" and getattr(modifier, is_on):

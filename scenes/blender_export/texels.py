@@ -9,6 +9,8 @@ from functools import cached_property
 
 import numpy
 
+from .image_files import unlike_blender
+
 ENCODED, LINEAR, DATA = ("sRGB",), ("Linear",), ("Non-Color", "Raw")
 OF_FLOATS = ("OPEN_EXR", "OPEN_EXR_MULTILAYER", "HDR")
 MOST_TEXELS = 1 << 22   # of an image that is made finer
@@ -64,9 +66,22 @@ def unknown_of(image):
         return ""
     if (not image.is_float or is_of_integers(image)) and image.colorspace_settings.name not in ENCODED + LINEAR + DATA:
         return "colour space %s" % image.colorspace_settings.name
-    if image.alpha_mode == "PREMUL" and has_opacity(image) and is_of_integers(image):
-        return "premultiplied alpha"
-    return ""
+    return unknown_alpha_of(image) or unlike_blender(image)
+
+
+def unknown_alpha_of(image):
+    """What of an image's opacity is not read as Cycles does; empty where all of it is 1."""
+    if image.source != "FILE" or not has_opacity(image):
+        return ""
+    if image.alpha_mode == "PREMUL" and not is_of_floats(image):
+        words = "premultiplied alpha"
+    elif is_of_floats(image) and is_encoded(image):
+        words = "alpha of floats with colour space %s" % image.colorspace_settings.name
+    elif image.file_format == "TIFF" and not image.packed_file:
+        words = "alpha of a TIFF"  # Blender does not tell whether colours are times it
+    else:
+        return ""
+    return words if (pixels_of(image)[..., 3] < 1).any() else ""
 
 
 def is_data(image):
@@ -82,7 +97,9 @@ def stored_texels(image, is_alone):
     """RGBA, rows from the top, as Cycles filters them: encoded if is_encoded(image)."""
     texels = pixels_of(image)
     if image.alpha_mode == "NONE":
-        return numpy.dstack((texels[..., :3], numpy.ones(texels.shape[:2], numpy.float32)))
+        # Of an image of floats Blender has these linear.
+        colour = encode_srgb(texels[..., :3]) if image.is_float and is_encoded(image) else texels[..., :3]
+        return numpy.dstack((colour, numpy.ones(texels.shape[:2], numpy.float32)))
     alpha = texels[..., 3:]
     if image.is_float:
         # Blender has these linear, and times their opacity.
@@ -98,8 +115,12 @@ def stored_texels(image, is_alone):
     return texels
 
 
+def is_of_floats(image):
+    return image.file_format in OF_FLOATS
+
+
 def is_of_integers(image):
-    return image.source == "FILE" and not image.packed_file and image.file_format not in OF_FLOATS
+    return image.source == "FILE" and not image.packed_file and not is_of_floats(image)
 
 
 def straight_colour(image, texels, is_alone):

@@ -124,6 +124,7 @@ def start():
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
     render = scene.render
     render.resolution_x, render.resolution_y, render.resolution_percentage = *SIZE, 100
+    render.pixel_aspect_x = render.pixel_aspect_y = 1
     render.film_transparent = True
     render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     render.image_settings.color_depth, render.image_settings.exr_codec = "32", "NONE"

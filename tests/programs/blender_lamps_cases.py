@@ -62,6 +62,12 @@ def soft_spot():
 
 
 @shows
+def hard_spot():
+    bpy.context.scene.cycles.samples, bpy.context.scene.shadowcache.camera_rays = 8192, 512
+    lamp("SPOT", turn=(0.2, 0.1, 0), energy=300, shadow_soft_size=0.05, spot_size=math.radians(60), spot_blend=0)
+
+
+@shows
 def square():
     lamp("AREA", turn=(0.3, 0.1, 0), energy=100, shape="SQUARE", size=0.8)
 
@@ -227,5 +233,21 @@ def names_all():
     blender_compare.names_all(start, left_out_of)
 
 
+def cones():
+    """Of spots of all whole degrees: the inner angle is at most the outer one, and right."""
+    export = sys.modules["shadowcache.blender_export.lamps"]
+    start()
+    thing = lamp("SPOT")
+    for degrees in range(1, 181):
+        for blend in (0, 0.15, 1):
+            thing.data.spot_size, thing.data.spot_blend = math.radians(degrees), blend
+            cone = export.of_spot(thing, 1)["spot"]
+            height = math.cos(math.radians(degrees / 2))
+            inner, outer = cone["innerConeAngle"], cone["outerConeAngle"]
+            assert 0 <= inner <= outer <= math.pi / 2, (degrees, blend, cone)
+            assert abs(outer - math.radians(degrees / 2)) < 1e-6, (degrees, cone)
+            assert abs(math.cos(inner) - (height + (1 - height) * blend)) < 1e-6, (degrees, blend, cone)
+
+
 install()
-blender_compare.run(VALUES.store, (compare, names_all))
+blender_compare.run(VALUES.store, (compare, names_all, cones))

@@ -14,6 +14,7 @@ import numpy
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import blender_compare  # noqa: E402
+import blender_scenes_files  # noqa: E402
 import blender_scenes_found  # noqa: E402
 from blender_compare import apart, render  # noqa: E402
 from blender_kit import (checks, cube, diffuse, image, link, names, placed, plane,  # noqa: E402
@@ -520,6 +521,11 @@ def encoded_worlds():
     blender_scenes_found.encoded_worlds()
 
 
+def map_files():
+    start()
+    blender_scenes_files.map_files()
+
+
 def light_below_nothing():
     """Negative texels of a map are named, also where the map is not sent again."""
     start()
@@ -544,4 +550,4 @@ def strengths():
 
 if __name__ == "__main__":
     install()
-    blender_compare.run(VALUES.store, (compare, names_all, encoded_worlds, light_below_nothing, strengths))
+    blender_compare.run(VALUES.store, (compare, names_all, encoded_worlds, map_files, light_below_nothing, strengths))

@@ -156,6 +156,14 @@ def smooth_cube():
         polygon.use_smooth = True
 
 
+@names("bends steep normals to the view, which makes light brighter or darker (diffuse)")
+def normal_map():
+    _, tree, node = textured(space="Non-Color")
+    turn, shader = tree.nodes.new("ShaderNodeNormalMap"), tree.nodes["Diffuse BSDF"]
+    tree.links.new(node.outputs["Color"], turn.inputs["Color"])
+    tree.links.new(turn.outputs[0], shader.inputs["Normal"])
+
+
 # What shows others.
 
 def instanced(collection="shown"):
@@ -200,15 +208,41 @@ def instancer_is_indirect():
     bpy.context.view_layer.layer_collection.children["made"].indirect_only = True
 
 
-@shows
-def hair_is_off():
+def hairy():
+    """A cube, and the modifier that grows hair on it."""
     thing = cube(diffuse((0.3, 0.5, 0.7))[0])
     modifier = thing.modifiers.new("hair", "PARTICLE_SYSTEM")
     thing.particle_systems[0].settings.type = "HAIR"
-    modifier.show_render = False
+    return thing, modifier
+
+
+@shows
+def hair_is_off():
+    hairy()[1].show_render = False
+
+
+@names("object cube: hair")
+def hair():
+    hairy()
+
+
+@names("object cube: hair")
+def hair_of_a_hidden_emitter():
+    hairy()[0].show_instancer_for_render = False
 
 
 # Cameras and scenes.
+
+@shows
+def focus_of_an_orthographic_camera():
+    """Behind the clip plane, on which Cycles has the lens."""
+    camera = scene().camera.data
+    camera.type, camera.ortho_scale, camera.clip_start = "ORTHO", 6, 4
+    camera.dof.use_dof, camera.dof.focus_distance, camera.dof.aperture_fstop = True, 1.6, 1
+    scene().cycles.samples, scene().shadowcache.camera_rays = 8192, 512
+    pillar = cube(diffuse((0.9, 0.6, 0.2))[0])
+    pillar.location, pillar.scale = (0.5, 0.5, 0), (0.5, 0.5, 0.8)
+
 
 @names("it is mirrored")
 def mirrored_camera():
@@ -221,6 +255,18 @@ def sheared_camera():
     parent = link("parent", None)
     parent.scale, parent.rotation_euler.z = (1, 2, 1), 0.5
     scene().camera.parent = parent
+    plane(diffuse()[0])
+
+
+@names("clip planes, which only CAMERA.json holds")
+def clip_planes():
+    scene().camera.data.clip_start = 3
+    plane(diffuse()[0])
+
+
+@names("pixel aspect, which only CAMERA.json holds")
+def wide_pixels():
+    scene().render.pixel_aspect_x = 2
     plane(diffuse()[0])
 
 
@@ -240,6 +286,38 @@ def environment(texels, space, **settings):
     return node
 
 
+def paint(made, texels):
+    made.pixels.foreach_set(numpy.array(texels, numpy.float32).ravel())
+    made.update()
+
+
+def made_in_blender(red, green, blue, space="sRGB"):
+    """An Environment Texture node with an image that no file has, of a colour on the left and half of it on the right."""
+    made = bpy.data.images.new("made", 8, 4, float_buffer=space == "Linear")
+    made.colorspace_settings.name = space
+    paint(made, [[(red, green, blue, 1)] * 4 + [(red / 2, green / 2, blue / 2, 1)] * 4] * 4)
+    node = scene().world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = made
+    return node
+
+
+@shows
+def world_of_images_made_in_blender():
+    """Of bytes, of floats, and of one that is packed and painted."""
+    bytes_, floats, packed = (made_in_blender(0.9, 0.1, 0), made_in_blender(0, 1.4, 0.3, "Linear"), made_in_blender(0, 0, 0))
+    packed.image.pack()
+    paint(packed.image, [[(0.2, 0, 0.8, 1)] * 8] * 4)
+    tree, colour = scene().world.node_tree, bytes_.outputs["Color"]
+    for node in (floats, packed):
+        both = tree.nodes.new("ShaderNodeMixRGB")
+        both.blend_type, both.inputs[0].default_value = "ADD", 1
+        tree.links.new(colour, both.inputs[1])
+        tree.links.new(node.outputs["Color"], both.inputs[2])
+        colour = both.outputs[0]
+    tree.links.new(colour, tree.nodes["Background"].inputs["Color"])
+    plane(diffuse()[0])
+
+
 def light():
     return sys.modules["shadowcache.world_map"].light_of(scene(), bpy.context.view_layer, WORK)[0]
 
@@ -255,7 +333,11 @@ def encoded_worlds():
     for space, baked in (("sRGB", True), ("Non-Color", False)):
         environment(texels, space)
         assert is_baked() == baked, space
-    environment(numpy.ones((4, 8, 4)), "sRGB")
+    node = environment(numpy.ones((4, 8, 4)), "sRGB")
     assert not is_baked(), "even texels, encoded"
+    node.image.pixels[0] = 0.3
+    node.image.update()
+    assert is_baked(), "painted, of which Cycles shows the file"
+    environment(numpy.ones((4, 8, 4)), "sRGB")
     scene().world.node_tree.nodes["Background"].inputs["Strength"].default_value = -1
     assert is_baked(), "strength below 0"
