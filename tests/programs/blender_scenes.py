@@ -9,7 +9,7 @@ import sys
 
 from blender_run import BUILD, MAP, SOURCE, WORK, begin, blender, finish
 
-MOST_SECONDS = 250
+MOST_SECONDS = 350
 
 
 def main():
