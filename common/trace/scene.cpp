@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <span>
 #include <tuple>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "common/base/tuned.h"
 #include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
+#include "common/trace/crossings.h"
 #include "common/trace/embree_scene.h"
 
 namespace shadowcache {
@@ -21,10 +21,6 @@ namespace shadowcache {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-/// Panes are shown at most so many times as often as rays stop there: what sends next to no light
-/// takes next to no ray.
-constexpr float kMostRaise = 8;
 
 /// Shadow rays in larger sets are traced as single rays: the packets of neighbouring rays that win
 /// in the kitchen (83 k triangles, by a third) and tie in the atrium (155 k) lose around the dragon
@@ -254,14 +250,6 @@ Hit Scene::nearest(const Vec3f& origin, const Vec3f& direction) const noexcept {
                  byEmbree(query.hit, query.ray.tfar));
 }
 
-/// A surface that a camera's ray may pass by chance.
-struct Scene::Crossing {
-    int ray;  ///< of its packet
-    Hit hit;
-    Passage passage;
-    bool isPane;
-};
-
 void Scene::look(const CameraPacket& rays, int count, float leastOfPanes, Hit* hits) const {
     std::vector<Crossing> crossings;
     nearest(rays, count, hits, crossings);
@@ -276,40 +264,8 @@ void Scene::look(const CameraPacket& rays, int count, float leastOfPanes, Hit* h
         const float end = hit.found ? hit.distance : rays.reach[i];
         const auto last =
             std::find_if(first, next, [&](const Crossing& c) { return c.hit.distance > end; });
-        hit = chosen({first, last}, hit, {rays.chance[i], leastOfPanes});
+        hit = chosenOf({first, last}, hit, {rays.chance[i], leastOfPanes});
     }
-}
-
-/// One of the surfaces that a ray crosses, or what it meets at its end.
-Hit Scene::chosen(std::span<const Crossing> crossings, const Hit& end, const Choice& choice) {
-    float passed = 1, atPanes = 0;
-    for (const Crossing& c : crossings) {
-        if (c.isPane) atPanes += passed * c.passage.stopped;
-        passed *= 1 - c.passage.stopped;
-    }
-    // Panes are chosen more often than rays stop there, and all else less.
-    const float least = std::min(choice.leastOfPanes, kMostRaise * atPanes);
-    const bool raised = atPanes < least;
-    const float ofPanes = raised ? least / atPanes : 1;
-    const float ofRest = raised ? (1 - least) / (1 - atPanes) : 1;
-    Hit hit = end;
-    hit.share = 1 / ofRest;
-    Rgb tint(1, 1, 1);
-    float left = choice.chance, through = 1;
-    for (const Crossing& c : crossings) {
-        const float raise = c.isPane ? ofPanes : ofRest;
-        left -= through * c.passage.stopped * raise;
-        if (left < 0) {
-            hit = c.hit;
-            hit.share = 1 / raise;
-            break;
-        }
-        through *= 1 - c.passage.stopped;
-        tint *= c.passage.tint;
-    }
-    hit.tint = tint;
-    hit.covered = end.found ? 1 : 1 - passed;
-    return hit;
 }
 
 void Scene::nearest(const RayPacket& rays, int count, bool fromCamera, Hit* hits) const noexcept {

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "common/mesh/mesh.h"
+#include "common/trace/hit.h"
 
 struct RTCRayHit8;
 
@@ -17,25 +17,11 @@ namespace shadowcache {
 
 class EmbreeScene;
 class Scene;
+struct Crossing;
 struct QueryContext;
 
 // Whether a ray passes a hole or a pane is decided by passes() of embree_scene.cpp, with
 // passageAt() of common/mesh/looks.h.
-
-/// Where a ray meets the set, relative to the mesh's origin.
-struct Hit {
-    bool found = false;
-    const Scene* scene = nullptr;  ///< whose triangle it is: the one asked, or what moves in it
-    Vec3f position{0};             ///< on the triangle, from its corners
-    Vec3f normal{0};               ///< unit geometric normal, by the triangle's winding
-    float distance = 0;            ///< along the ray
-    std::uint32_t triangle = 0;    ///< its number in the world (placed_mesh.h)
-    float u = 0, v = 0;            ///< barycentric coordinates of the second and third corner
-    float weight = 1;              ///< of light from a pane: makes up for rays that pass it
-    Rgb tint{1.0f, 1.0f, 1.0f};    ///< by panes on the way; where nothing is found, to the sky
-    float share = 1;    ///< of look(): what the ray counts as in place of one, on the mean 1
-    float covered = 0;  ///< of look(): chance that such a ray meets the set
-};
 
 /// Eight rays, as arrays; origins relative to the mesh's origin, directions
 /// unit.
@@ -97,7 +83,7 @@ struct Ball {
 
 /// The set's triangles in an acceleration structure. A surface that blends stops a ray with the
 /// probability of its opacity there, a pane with that of the light that it does not transmit; the
-/// same ray meets the same in every query. Queries are thread-safe.
+/// same ray meets the same in every query but look(). Queries are thread-safe.
 class Scene {
 public:
     /// Keeps a reference to `mesh`, which must outlive the scene.
@@ -175,12 +161,6 @@ public:
                     const Vec3f& side) const noexcept;
 
 private:
-    struct Crossing;
-    /// Which of the surfaces that a ray crosses it shows: as CameraPacket::chance and look() say.
-    struct Choice {
-        float chance, leastOfPanes;
-    };
-
     /// Of a camera's ray, without tints; so are the next.
     Hit nearest(const Vec3f& origin, const Vec3f& direction) const noexcept;
     /// @param fromCamera  backs of surfaces that are not double-sided are not seen
@@ -193,7 +173,6 @@ private:
     /// Traces a packet, and puts what it meets in place of what lies behind it.
     void takeNearer(const RayPacket& rays, int count, QueryContext& context, RTCRayHit8& query,
                     Hit* hits) const noexcept;
-    static Hit chosen(std::span<const Crossing> crossings, const Hit& end, const Choice& choice);
     void addTints(const RayPacket& rays, int count, Hit* hits) const noexcept;
     Hit hitAt(const Vec3f& origin, const Vec3f& direction, std::uint32_t triangle,
               const Hit& byEmbree) const noexcept;

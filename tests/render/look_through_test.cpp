@@ -109,6 +109,20 @@ INSTANTIATE_TEST_SUITE_P(Rays, CrossedSurfaces,
                                          Crossed{"enoughPanes", 0.7, 0.25f}),
                          [](const auto& crossed) { return crossed.param.name; });
 
+// Next to no light takes next to no ray: eight times as many as stop there, at most.
+TEST(CrossedSurfaces, ThatStopNextToNothingAreSeldomShown) {
+    Material clear = glass(Rgb(1));
+    clear.finish.gloss->ior = 1.1f;
+    const TriangleMesh mesh = glazedFloor(1, clear);
+    const Scene scene(mesh);
+    const double stopped = std::pow(0.1 / 2.1, 2);
+    const auto shown = shownBy(scene, 0.999, 0.25f);
+    EXPECT_NEAR(shown[10].rays, 8 * stopped, 2e-3);
+    EXPECT_NEAR(shown[10].light.x, stopped, 1e-3);
+    // Control: without a limit it would be a quarter.
+    EXPECT_LT(shown[10].rays, 0.1);
+}
+
 // What moves is in front of the set or behind it, and a placed sheet is one that is there itself.
 TEST(CrossedSurfaces, MayMoveAndBePlaced) {
     constexpr double kCosine = 0.8;
