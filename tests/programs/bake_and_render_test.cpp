@@ -117,8 +117,10 @@ TEST_F(SlowBake, ThatIsStoppedIsContinuedByEitherProgram) {
             fs::remove(path("a.vdb"));
             // Others may use the machine: no moment is sure to be in the midst of the bake.
             const double share = turn == 0 ? 0.5 : toUnit(hashWords(5, turn));
-            ended = run("render", kBoth,
-                        {.interruptSeconds = ofFirst + share * ofBake, .signal = SIGTERM});
+            RunLimits limits;
+            limits.interruptWhen = afterSeconds(ofFirst + share * ofBake);
+            limits.signal = SIGTERM;
+            ended = run("render", kBoth, limits);
         }
         ASSERT_TRUE(exists("a.vdb.checkpoint"));
         EXPECT_EQ(ended.status, kTryAgain) << ended.err;

@@ -100,7 +100,9 @@ TEST_F(CheckpointTest, OfAShotAShardAndAnExtension) {
 
 TEST_F(CheckpointTest, ContinuesInterruptedWork) {
     runWell("bake", bakeTo("whole.vdb"));
-    const auto ended = run("bake", bakeTo("set.vdb"), {.fileBytes = {}, .interruptSeconds = 0.15});
+    RunLimits limits;
+    limits.interruptWhen = [this] { return hasRegions("set.vdb"); };
+    const auto ended = run("bake", bakeTo("set.vdb"), limits);
     ASSERT_NE(ended.status, 0);
     EXPECT_NE(ended.out.find("--resume continues"), std::string::npos) << ended.out << ended.err;
     ASSERT_TRUE(hasRegions("set.vdb"));

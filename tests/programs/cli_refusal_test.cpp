@@ -149,11 +149,12 @@ TEST_F(CliRefusal, FullDisk) {
 TEST_F(CliRefusal, InterruptedWorkLeavesNothing) {
     const auto before = files();
     for (const int signal : {SIGINT, SIGTERM}) {
-        const RunLimits interrupted{{}, 0.2, signal};
-        expectRefusal(run("bake", "set.obj --spacing 0.001 -o new.vdb", interrupted), "bake",
-                      "interrupted", "", kTryAgain);
-        expectRefusal(run("render", still("-o new.exr --samples 65536", "1024x1024"), interrupted),
-                      "render", "interrupted", "", kTryAgain);
+        const auto interrupt = [&](const std::string& program, const std::string& arguments) {
+            const RunLimits limits{{}, afterSeconds(0.2), signal};
+            expectRefusal(run(program, arguments, limits), program, "interrupted", "", kTryAgain);
+        };
+        interrupt("bake", "set.obj --spacing 0.001 -o new.vdb");
+        interrupt("render", still("-o new.exr --samples 65536", "1024x1024"));
         EXPECT_EQ(files(), before);
     }
 }

@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "common/base/error.h"
+#include "common/base/process.h"
 
 namespace shadowcache::test {
 
@@ -85,7 +86,21 @@ void awaitHandler(pid_t process) {
     }
 }
 
+/// Whether a child is over; it stays to be waited for.
+bool hasEnded(pid_t process) {
+    siginfo_t information{};
+    waitid(P_PID, static_cast<id_t>(process), &information, WEXITED | WNOHANG | WNOWAIT);
+    return information.si_pid == process;
+}
+
 }  // namespace
+
+std::function<bool()> afterSeconds(double seconds) {
+    return [seconds, first = std::optional<double>()]() mutable {
+        if (!first) first = secondsNow();
+        return secondsNow() - *first >= seconds;
+    };
+}
 
 std::string programFolders() {
     std::string folders;
@@ -113,9 +128,10 @@ ProgramRun runProgram(const std::string& name, const std::vector<std::string>& t
     }
     close(out[1]);
     close(err[1]);
-    if (limits.interruptSeconds) {
+    if (limits.interruptWhen) {
         awaitHandler(child);
-        std::this_thread::sleep_for(std::chrono::duration<double>(*limits.interruptSeconds));
+        while (!limits.interruptWhen() && !hasEnded(child))
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         kill(child, limits.signal);
     }
     ProgramRun run;

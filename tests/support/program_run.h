@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,13 +19,16 @@ struct ProgramRun {
 
 /// What a program runs under.
 struct RunLimits {
-    std::optional<std::size_t> fileBytes{};    ///< longest file it may write, as a full disk does
-    std::optional<double> interruptSeconds{};  ///< from being ready for Ctrl-C to it
-    int signal = SIGINT;                       ///< in place of Ctrl-C
-    std::filesystem::path input{};             ///< a file that is its standard input
-    bool nobody = false;                       ///< if root runs it: permissions hold for it then
-    bool standardBounces = false;              ///< without it, light bounces only if asked to
+    std::optional<std::size_t> fileBytes{};  ///< longest file it may write, as a full disk does
+    std::function<bool()> interruptWhen{};   ///< asked until it holds: Ctrl-C comes then
+    int signal = SIGINT;                     ///< in place of Ctrl-C
+    std::filesystem::path input{};           ///< a file that is its standard input
+    bool nobody = false;                     ///< if root runs it: permissions hold for it then
+    bool standardBounces = false;            ///< without it, light bounces only if asked to
 };
+
+/// What holds from some time after it was asked first, for RunLimits::interruptWhen.
+std::function<bool()> afterSeconds(double seconds);
 
 /// Starts one of the project's programs in `folder`, and kills it with SIGKILL after a while.
 ///
