@@ -67,8 +67,7 @@ GroupSizes BounceLight::sizesAt(int bounce) const {
 
 GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
                                   std::span<BouncedLight> light, BounceCounts& counts,
-                                  const std::function<void()>& onLevel,
-                                  PredictionCheck* check) const {
+                                  const std::function<void()>& onLevel, PathPilot* pilot) const {
     const EstimatorContext& context = estimator_.context();
     std::vector<PathLevel> levels;
     PathVertices vertices = firstVertices(receivers, context.environment.luminanceWeights());
@@ -83,6 +82,7 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
                                     : choose(level.at, bouncesLeft(bounce), options_.trust);
         level.groups = groupVertices(level.at.vertices, level.choices, sizesAt(bounce));
         if (bounce > 0) {
+            if (pilot) addLit(level, *pilot);
             counts.shadowRays += lightVertices(estimator_, plan_, workspaces_, level);
             onLevel();
         }
@@ -108,7 +108,7 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
             if (context.groups) grouped.assign(level.size(), context.groups->size());
             const std::vector<Rgb> found =
                 exchange(context, level, next, counts.sharedRays, grouped);
-            if (check) comparePredicted(level, found, *check);
+            if (pilot) comparePredicted(level, found, pilot->check);
             addBounced(found, next, level);
             if (context.groups) addBounced(grouped, next, level);
         }
@@ -122,6 +122,12 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
                           std::move(next.groupedLight.mirrored)};
     clampLight(receivers, light, grouped);
     return grouped;
+}
+
+void BounceLight::addLit(const PathLevel& level, PathPilot& pilot) const {
+    for (std::size_t i = 0; i < level.size(); ++i)
+        if (level.choices[i].isLit)
+            pilot.vertices.push_back(shadingPointOf(estimator_.context(), level.at.vertices[i]));
 }
 
 Guides BounceLight::guide(const PathLevel& level, int bounce, BounceCounts& counts) const {

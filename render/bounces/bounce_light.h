@@ -16,7 +16,7 @@ namespace shadowcache {
 class BounceLight {
 public:
     /// @param estimator  of direct light
-    /// @param plan       of the frame, by the estimator's pilot; may be null. Both outlive this
+    /// @param plan       of vertices, by the estimator's pilot; may be null. Both outlive this
     /// object
     BounceLight(const Estimator& estimator, const EstimatorPlan* plan,
                 const BounceOptions& options);
@@ -25,12 +25,12 @@ public:
     ///
     /// @param light    as many as receivers
     /// @param onLevel  called when the vertices of a level are lit, the costliest first
-    /// @param check    if not null, gets what was predicted of paths' vertices and what was found
+    /// @param pilot    if not null, gets what the paths tell
     /// @return the same by light group
     GroupedBounce gather(
         std::span<const BounceReceiver> receivers, std::span<BouncedLight> light,
         BounceCounts& counts, const std::function<void()>& onLevel = [] {},
-        PredictionCheck* check = nullptr) const;
+        PathPilot* pilot = nullptr) const;
 
     /// The same as it is predicted, without rays.
     ///
@@ -44,6 +44,8 @@ private:
     void predictLight(int bounce, PathLevel& level) const;
     /// Makes room for the light of a level's groups, if there are any.
     void addGroups(PathLevel& level) const;
+    /// Notes the vertices of a level that are lit.
+    void addLit(const PathLevel& level, PathPilot& pilot) const;
     /// Notes what the rays of a level found beside what was predicted.
     void comparePredicted(const PathLevel& level, std::span<const Rgb> found,
                           PredictionCheck& check) const;

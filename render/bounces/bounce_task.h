@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "common/mesh/looks.h"
 #include "common/predict/grouped_light.h"
@@ -45,6 +46,12 @@ public:
 
 private:
     double squares_ = 0, products_ = 0;
+};
+
+/// What paths from a few places tell of a frame.
+struct PathPilot {
+    PredictionCheck check{};
+    std::vector<ShadingPoint> vertices{};  ///< those that are lit
 };
 
 /// A place that a camera ray met, whose light from other surfaces is wanted.

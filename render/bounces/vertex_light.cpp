@@ -24,21 +24,9 @@ public:
         : estimator_(estimator), plan_(plan), level_(level) {}
 
     void add(std::uint32_t number) {
-        const PathVertex& v = level_.at.vertices[number];
-        const EstimatorContext& context = estimator_.context();
-        const SetPlace place{v.origin, context.scene.mesh().origin + Vec3d(v.target), v.normal,
-                             v.geometricNormal};
-        BatchSlot slot{.seed = hashWords(v.seed, RenderSalt::bounceDirect),
-                       .pixel = static_cast<std::uint32_t>(points_.size())};
-        const float counts = context.environment.luminance(v.albedo) * v.weight;
-        slot.importance = counts;
-        slot.item = v.item;
-        if (v.errorScale > 0)
-            slot.errorScale =
-                std::min(static_cast<float>(kPi) * v.errorScale / std::max(counts, 1e-6f),
-                         std::numeric_limits<float>::max());
         numbers_.push_back(number);
-        points_.push_back({place, slot});
+        points_.push_back(shadingPointOf(estimator_.context(), level_.at.vertices[number]));
+        points_.back().slot.pixel = static_cast<std::uint32_t>(points_.size() - 1);
     }
 
     /// @return shadow rays
@@ -118,6 +106,19 @@ private:
 };
 
 }  // namespace
+
+ShadingPoint shadingPointOf(const EstimatorContext& context, const PathVertex& v) {
+    const SetPlace place{v.origin, context.scene.mesh().origin + Vec3d(v.target), v.normal,
+                         v.geometricNormal};
+    BatchSlot slot{.seed = hashWords(v.seed, RenderSalt::bounceDirect)};
+    const float counts = context.environment.luminance(v.albedo) * v.weight;
+    slot.importance = counts;
+    slot.item = v.item;
+    if (v.errorScale > 0)
+        slot.errorScale = std::min(static_cast<float>(kPi) * v.errorScale / std::max(counts, 1e-6f),
+                                   std::numeric_limits<float>::max());
+    return {place, slot};
+}
 
 std::uint64_t lightVertices(const Estimator& estimator, const EstimatorPlan* plan,
                             Pool<Workspace>& workspaces, PathLevel& level) {

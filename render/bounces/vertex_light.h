@@ -6,6 +6,9 @@
 
 namespace shadowcache {
 
+/// A vertex as a place that direct light falls on.
+ShadingPoint shadingPointOf(const EstimatorContext& context, const PathVertex& vertex);
+
 /// Adds the direct light of the vertices that are to be lit to the level's light, estimated with
 /// one sample each: to the irradiance, and what lobes reflect of it to `mirrored`.
 ///

@@ -26,7 +26,7 @@ BlockRenderer::BlockRenderer(const FrameRequest& frame, std::optional<WatchedPix
       watched_(watched),
       film_(frame),
       spread_(spreadRuleOf(frame)),
-      bounces_(frame.estimator, frame.plan.estimator.get(), bounceOptionsOf(frame)),
+      bounces_(frame.estimator, frame.plan.vertices.get(), bounceOptionsOf(frame)),
       tools_(frame.estimator) {}
 
 void BlockRenderer::addCameraRays(const TileBlock& block, RayRange rays,

@@ -16,6 +16,8 @@ class VisibleEmitters;
 struct FramePlan {
     /// By the estimator's pilot; null: none looked at the frame. Copies of a request share it.
     std::shared_ptr<const EstimatorPlan> estimator = {};
+    /// The same for vertices of paths; null: none of it.
+    std::shared_ptr<const EstimatorPlan> vertices = {};
     /// What spreads of pixels contain beside what a few rays meet; null: nothing.
     std::shared_ptr<const VisibleEmitters> visibleEmitters = {};
     /// None: each pixel has just the camera rays that are asked for.

@@ -103,20 +103,34 @@ std::optional<PilotPlace> pilotPlace(const FrameRequest& frame, const FilmRays& 
     return PilotPlace{point, albedo};
 }
 
-/// How far what is predicted of paths' vertices can be trusted: paths from the pilot's places tell.
-float bounceTrustAt(const FrameRequest& frame, std::span<const ShadingPoint> points,
+/// What paths from the pilot's places tell.
+PathPilot pathsFrom(const FrameRequest& frame, std::span<const ShadingPoint> points,
                     std::span<const Rgb> albedos, RenderStats& stats) {
     std::vector<BounceReceiver> receivers(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
         receivers[i] = {.point = &points[i], .diffuseAlbedo = albedos[i]};
     const BounceLight bounces(frame.estimator, frame.plan.estimator.get(), bounceOptionsOf(frame));
     std::vector<BouncedLight> light(receivers.size());
-    PredictionCheck check;
+    PathPilot paths;
     BounceCounts counts;
     bounces.gather(
-        receivers, light, counts, [] {}, &check);
+        receivers, light, counts, [] {}, &paths);
     stats.bounces.add(counts);
-    return check.trust();
+    return paths;
+}
+
+/// At most `most` of them, evenly spread.
+std::vector<ShadingPoint> thinned(std::span<const ShadingPoint> points, std::size_t most) {
+    std::vector<ShadingPoint> some;
+    const std::size_t step = (points.size() + most - 1) / most;
+    for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
+    return some;
+}
+
+/// Samples of direct light that a path's vertex has in the mean, where a camera ray has `samples`:
+/// what is left to win grows with them for the ray, and is left to other paths at the vertex.
+int samplesOfVertex(int samples) {
+    return static_cast<int>(std::lround(std::sqrt(samples)));
 }
 
 }  // namespace
@@ -172,8 +186,16 @@ FramePlan planSamples(const FrameRequest& request, RenderStats& stats) {
             *plan.estimator->predictedError * static_cast<double>(points.size()) /
                 static_cast<double>(std::max<std::size_t>(places, 1)),
             std::min(options.cameraRays, options.passRays), options.samples);
-    if (options.bounces != 0 && options.sharedBounces && frame.estimator.context().solve)
-        plan.bounceTrust = bounceTrustAt(frame, points, albedos, stats);
+    plan.vertices = plan.estimator;
+    if (options.bounces != 0 && options.sharedBounces && frame.estimator.context().solve) {
+        const PathPilot paths = pathsFrom(frame, points, albedos, stats);
+        plan.bounceTrust = paths.check.trust();
+        if (!paths.vertices.empty()) {
+            plan.vertices =
+                pilot->plan(thinned(paths.vertices, places), samplesOfVertex(options.samples), 0);
+            stats.shadowRays += plan.vertices->rays;
+        }
+    }
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stats.seconds += seconds;

@@ -12,43 +12,27 @@
 #include <vector>
 
 #include "common/base/parallel.h"
-#include "common/cache/transport.h"
-#include "common/predict/radiosity_tree.h"
 #include "common/random/salts.h"
 #include "common/shot/view.h"
-#include "render/bounces/item_looks.h"
 #include "render/frame/frame_loop.h"
 #include "render/frame/integrator.h"
 #include "render/frame/pilot.h"
 #include "render/frame/progressive.h"
 #include "render/table/estimator_table.h"
 #include "tests/support/brute_force_paths.h"
+#include "tests/support/solved.h"
 #include "tests/support/statistics.h"
 #include "tests/support/test_scenes.h"
 
 namespace shadowcache {
 namespace {
 
+using test::Solved;
+
 /// Without bright spots, that brute force would miss.
 Image sky() {
     return test::gradientMap(32, 16, {0.3, 0.6, 0.4});
 }
-
-/// A cache with its items, its transport and what bounces under an environment.
-struct Solved {
-    ItemTable items;
-    BounceSolve solve;
-    RadiosityTree radiosity;
-
-    Solved(const Scene& scene, const Environment& environment, const ShadowCache& cache,
-           const PlainLook& plain, int bounces, const SetLight* light = nullptr)
-        : items(cache),
-          solve(cache, items, readTransport(cache, items).value(), environment,
-                looksOf(scene, items, plain), bounces,
-                light ? light->predictItems(items) : std::vector<Rgb>()),
-          radiosity(solve, looksOf(scene, items, plain), bounces - 1,
-                    environment.luminanceWeights(), scene.mesh().origin) {}
-};
 
 /// A room with a window, a box in it, and materials; from an eye inside.
 class Room : public testing::Test {

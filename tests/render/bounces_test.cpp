@@ -76,8 +76,7 @@ protected:
 
     /// The same with direct light by an estimator.
     std::vector<double> estimates(const Estimator& direct, float albedo, int bounces, int seeds,
-                                  int count, float trust = 1,
-                                  PredictionCheck* check = nullptr) const {
+                                  int count, float trust = 1, PathPilot* pilot = nullptr) const {
         BounceOptions options{.most = bounces, .trust = trust};
         options.plain.albedo = Rgb(albedo);
         const BounceLight light(direct, nullptr, options);
@@ -102,7 +101,7 @@ protected:
             std::vector<BouncedLight> found(points.size());
             BounceCounts counts;
             light.gather(
-                receivers, found, counts, [] {}, check);
+                receivers, found, counts, [] {}, pilot);
             double sum = 0;
             for (const BouncedLight& l : found) sum += static_cast<double>(l.irradiance.x);
             means.push_back(sum / (kPi * count));
@@ -196,16 +195,16 @@ TEST_F(Sphere, IsRightWhateverIsPredicted) {
         EstimatorContext context = world.context();
         context.solve = &solve;
         const auto estimator = findEstimator("cache").make(context, {});
-        PredictionCheck check;
+        PathPilot pilot;
         const std::vector<double> found =
-            estimates(*estimator, kAlbedo, kMost, 32, 500, c.trust, &check);
+            estimates(*estimator, kAlbedo, kMost, 32, 500, c.trust, &pilot);
         EXPECT_GT(test::meanPValue(found, truth), level);
         EXPECT_LT(test::meanPValue(found, 1.25 * truth), level) << "25 % more is accepted";
         if (c.trust < 1) continue;
         if (c.predicted == kAlbedo)
-            EXPECT_GT(check.trust(), 0.8f);
+            EXPECT_GT(pilot.check.trust(), 0.8f);
         else
-            EXPECT_LT(check.trust(), 0.2f);
+            EXPECT_LT(pilot.check.trust(), 0.2f);
     }
 }
 
