@@ -316,6 +316,29 @@ private:
         to.inverseBind = accessor(from, "inverseBindMatrices");
     }
 
+    static void readOrthographic(const GltfObject& view, GltfCamera& to) {
+        const double x = view.number("xmag", 0), y = view.number("ymag", 0);
+        if (!(y > 0)) view.fail(fmt::format("ymag {:g}, expected a number above 0", y));
+        if (x < 0) view.fail(fmt::format("xmag {:g}, expected a number above 0", x));
+        to.height = 2 * y;
+        to.aspect = x / y;
+    }
+
+    static void readPerspective(const GltfObject& view, GltfCamera& to) {
+        to.fovY = view.number("yfov", 0);
+        if (!(to.fovY > 0 && to.fovY < 3.14159))
+            view.fail(fmt::format("yfov {:g}, expected radians in (0, pi)", to.fovY));
+        to.aspect = std::max(0.0, view.number("aspectRatio", 0));
+    }
+
+    static void readClipPlanes(const GltfObject& view, GltfCamera& to) {
+        to.near = view.number("znear", 0);
+        to.far = view.number("zfar", to.far);
+        if (!(to.near >= 0 && to.near < to.far))
+            view.fail(fmt::format("znear {:g} and zfar {:g}, expected 0 <= znear < zfar", to.near,
+                                  to.far));
+    }
+
     /// A set without this camera is as good as one with it: what is wrong is told to who wants it.
     void readCamera(int index) {
         if (!isNew(cameras_.known, index)) return;
@@ -325,17 +348,9 @@ private:
         to.name = from.name();
         try {
             to.orthographic = from.text("type") == "orthographic";
-            if (to.orthographic) {
-                const GltfObject view = from.object("orthographic");
-                to.height = 2 * view.number("ymag", 0);
-                if (!(to.height > 0))
-                    view.fail(fmt::format("ymag {:g}, expected a number above 0", to.height / 2));
-            } else {
-                const GltfObject view = from.object("perspective");
-                to.fovY = view.number("yfov", 0);
-                if (!(to.fovY > 0 && to.fovY < 3.14159))
-                    view.fail(fmt::format("yfov {:g}, expected radians in (0, pi)", to.fovY));
-            }
+            const GltfObject view = from.object(to.orthographic ? "orthographic" : "perspective");
+            to.orthographic ? readOrthographic(view, to) : readPerspective(view, to);
+            readClipPlanes(view, to);
         } catch (const Error& e) {
             to.fault = e.what();
         }
