@@ -120,14 +120,15 @@ void mend(RadianceImage& result) {
 RadianceImage readRadiance(const std::filesystem::path& path) {
     requireReadableFile(path);
     std::string magic(kExrMagic.size(), '\0');
-    std::ifstream(path, std::ios::binary)
-        .read(magic.data(), static_cast<std::streamsize>(magic.size()));
+    std::ifstream in(path, std::ios::binary);
+    in.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+    magic.resize(static_cast<std::size_t>(in.gcount()));
 
     RadianceImage result;
     if (magic == kExrMagic) {
         result = readExrRadiance(path);
     } else if (magic.starts_with("#?")) {
-        result.image = readHdr(path);
+        result = readHdr(path);
     } else {
         throwFileError(path, "is neither OpenEXR nor Radiance HDR");
     }
