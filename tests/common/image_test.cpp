@@ -254,6 +254,22 @@ TEST(Radiance, TakesLuminanceWeightsFromChromaticities) {
         weightsOf({{0.7347f, 0.2653f}, {0.0f, 1.0f}, {0.0001f, -0.077f}, {0.32168f, 0.33767f}});
     EXPECT_GT(aces.z, 0.0f);
     EXPECT_NEAR(aces.x + aces.y + aces.z, 1.0f, 1e-6f);
+    expectError(
+        [&] {
+            weightsOf({{0.3f, 0}, {0.3f, 0}, {0.3f, 0}, {0.3f, 0}});
+        },
+        "a.exr", "primaries red 0.3,0, green 0.3,0, blue 0.3,0, white 0.3,0 have no luminance");
+}
+
+TEST(Radiance, OtherFilesAreRefusedByTheirKind) {
+    const TemporaryFolder folder;
+    using namespace std::string_literals;
+    for (const auto& [bytes, kind] : {std::pair("\x89PNG\r\n"s, "PNG"),
+                                      {"\xff\xd8\xff\xe0"s, "JPEG"},
+                                      {"MM\0*\0"s, "TIFF"},
+                                      {"\1\2\3\xfe\5"s, "a file of the bytes 01 02 03 fe ..."}})
+        expectError([&] { readRadiance(folder.write("a.exr", bytes)); }, "a.exr",
+                    "is neither OpenEXR nor Radiance HDR, but "s + kind);
 }
 
 TEST(Radiance, MendsAndCountsBadTexels) {
