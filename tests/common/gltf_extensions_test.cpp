@@ -45,6 +45,40 @@ TEST(GltfExtensions, OfNodesAndMeshesAreNamed) {
         << describe(mesh.report);
 }
 
+/// A file need not list what it uses.
+TEST(GltfExtensions, ThatNoListHasAreNamedAndReadAllTheSame) {
+    GltfBuilder file = squareScene();
+    file.append("materials",
+                {{"occlusionTexture",
+                  {{"index", 0}, {"extensions", {{"EXT_of_texture_info", Json::object()}}}}},
+                 {"emissiveFactor", {1, 1, 1}},
+                 {"extensions",
+                  {{"KHR_materials_sheen", Json::object()},
+                   {"MSFT_packing", Json::object()},
+                   {"KHR_materials_emissive_strength", {{"emissiveStrength", 3}}}}}});
+    file.append("textures", {{"extensions", {{"EXT_of_texture", Json::object()}}}});
+    file.json["meshes"][0]["primitives"][0]["material"] = 0;
+    file.json["accessors"][0]["extensions"]["EXT_of_accessor"] = Json::object();
+    file.json["extensions"]["EXT_of_file"] = Json::object();
+    file.json["extras"]["extensions"]["EXT_of_nothing"] = Json::object();
+    file.animate(0, "translation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0});
+    Json& target = file.json["animations"][0]["channels"][0]["target"];
+    target = {{"path", "pointer"},
+              {"extensions", {{"KHR_animation_pointer", {{"pointer", "/nodes/0/translation"}}}}}};
+    const LeftOutOf wanted{{{"file", "EXT_of_accessor is left out"}, 1},
+                           {{"file", "EXT_of_file is left out"}, 1},
+                           {{"file", "EXT_of_texture is left out"}, 1},
+                           {{"file", "EXT_of_texture_info is left out"}, 1},
+                           {{"file", "KHR_animation_pointer is left out"}, 1},
+                           {{"file", "MSFT_packing is left out"}, 1}};
+    MeshOptions options;
+    options.gloss = true;
+    const TriangleMesh mesh = loadGlb(file, options);
+    EXPECT_EQ(mesh.report.leftOutOf, wanted) << describe(mesh.report);
+    EXPECT_EQ(mesh.report.leftOut.at("KHR_materials_sheen"), 1u);
+    EXPECT_EQ(mesh.materials.at(0).finish.emission, Rgb(3.0f));
+}
+
 TEST(GltfExtensions, ManyNamesAreCountedTogether) {
     GltfBuilder file = squareScene();
     for (int i = 0; i < 1000; ++i)
