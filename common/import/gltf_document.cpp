@@ -74,6 +74,18 @@ bool isOwn(const std::string& attribute) {
     return attribute.starts_with('_');
 }
 
+/// Whether what a vertex attribute says is read, of whatever a file uses it for.
+bool isReadOfVertices(const std::string& attribute) {
+    for (const char* numbered : {"TEXCOORD_", "JOINTS_", "WEIGHTS_"})
+        if (attribute.starts_with(numbered)) return true;
+    return attribute == "POSITION" || attribute == "NORMAL" || attribute == "TANGENT" ||
+           attribute == "COLOR_0";
+}
+
+bool isReadOfInstances(const std::string& attribute) {
+    return attribute == "TRANSLATION" || attribute == "ROTATION" || attribute == "SCALE";
+}
+
 /// Whether the part at an index has not been asked for before.
 bool isNew(std::vector<bool>& known, int index) {
     const auto i = static_cast<std::size_t>(index);
@@ -284,6 +296,8 @@ private:
         to.mode = from.index("mode", kMostMode + 1);
         if (to.mode < 0) to.mode = kDefaultMode;
         extensions_.add("primitive", from);
+        for (const std::string& name : from.object("attributes").keys())
+            if (!isReadOfVertices(name)) extensions_.addAttribute("primitive", name);
         if (from.hasExtension(kDraco)) {
             readDraco(from, to);
         } else {
@@ -393,8 +407,10 @@ private:
         if (!from.hasExtension("EXT_mesh_gpu_instancing")) return;
         const GltfObject instancing = from.extension("EXT_mesh_gpu_instancing");
         const GltfObject named = instancing.object("attributes");
-        for (const std::string& name : named.keys())
+        for (const std::string& name : named.keys()) {
             to.instancing[name] = accessor(named, name.c_str());
+            if (!isReadOfInstances(name)) extensions_.addAttribute("instance", name);
+        }
         if (to.instancing.empty()) instancing.fail("no attributes, expected at least one");
     }
 

@@ -72,6 +72,10 @@ void ExtensionCounter::addName(const std::string& kind, const std::string& name)
         name == "KHR_materials_variants" ? " are left out but for the default material" : kLeftOut);
 }
 
+void ExtensionCounter::addAttribute(const std::string& kind, const std::string& name) {
+    count(kind, "attribute " + name, "other attribute", kLeftOut);
+}
+
 void ExtensionCounter::count(const std::string& kind, const std::string& name,
                              const std::string& other, const char* what) {
     const std::string shown = printable(name) + what;

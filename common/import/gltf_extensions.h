@@ -31,6 +31,9 @@ public:
     /// of what nothing uses are no loss.
     void addOthers(const GltfObject& root);
 
+    /// Vertex or instance attributes that are not read.
+    void addAttribute(const std::string& kind, const std::string& name);
+
 private:
     void addName(const std::string& kind, const std::string& name);
     void count(const std::string& kind, const std::string& name, const std::string& other,

@@ -79,6 +79,16 @@ TEST(GltfExtensions, ThatNoListHasAreNamedAndReadAllTheSame) {
     EXPECT_EQ(mesh.materials.at(0).finish.emission, Rgb(3.0f));
 }
 
+TEST(GltfExtensions, AttributesOfAProgramsOwnAreNamed) {
+    GltfBuilder file = squareScene();
+    Json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+    for (const char* name : {"_BATCHID", "COLOR_1", "TEXCOORD_1"})
+        attributes[name] = attributes["POSITION"];
+    const LeftOutOf wanted{{{"primitive", "attribute COLOR_1 is left out"}, 1},
+                           {{"primitive", "attribute _BATCHID is left out"}, 1}};
+    EXPECT_EQ(loadGlb(file).report.leftOutOf, wanted);
+}
+
 TEST(GltfExtensions, ManyNamesAreCountedTogether) {
     GltfBuilder file = squareScene();
     for (int i = 0; i < 1000; ++i)

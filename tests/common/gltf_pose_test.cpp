@@ -190,7 +190,8 @@ TEST(GltfInstancing, PlacesEachCopy) {
     EXPECT_NEAR((corner(2, 1) - Vec3d(3, 2, 10)).length(), 0, 1e-4);
     expectNear(corner(4, 1), {-1, 0, 15});
     for (std::uint32_t i = 0; i < 6; ++i) EXPECT_GT(placedNormal(mesh, i).z, 0.99f);
-    EXPECT_TRUE(mesh.report.leftOutOf.empty()) << describe(mesh.report);
+    const LeftOutOf wanted{{{"instance", "attribute _ID is left out"}, 1}};
+    EXPECT_EQ(mesh.report.leftOutOf, wanted) << describe(mesh.report);
 }
 
 TEST(GltfInstancing, WhatDoesNotFitIsRefused) {
