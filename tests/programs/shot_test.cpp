@@ -174,6 +174,23 @@ TEST_F(ShotTest, CamerasOfGltfHaveClipPlanesThatAreNamed) {
         << wide.err;
 }
 
+// Where a lamp is in frames that nobody asks for is no reason to refuse.
+TEST_F(ShotTest, LampsOutOfReachRefuseTheirFramesAlone) {
+    GltfBuilder file = squareScene();
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+        {{"type", "point"}, {"name", "comet"}, {"intensity", 4}}};
+    const int node = file.root({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    file.animate(node, "translation", "STEP", {0, 0.5, 1}, {1e20f, 0, 0, 0.5, 0.5, 1, 1e20f, 0, 0});
+    folder_.write("lit.glb", file.glb());
+    const std::string command =
+        "lit.glb --eye 0.5,0.5,2 --look-at 0.5,0.51,0 --size 4x4 --spp 4 --lamp comet=2 -o ";
+    runWell("render", command + "f.####.exr --frames 12-14");
+    EXPECT_GT(std::ranges::max(red("f.0013.exr")), 0.1f);
+    for (const std::string frame : {"1", "24", "12,24"})
+        expectRefusal(run("render", command + "a.####.exr --frames " + frame), "render", "lit.glb",
+                      "lamp comet: is not within 1e+12 of the origin");
+}
+
 TEST_F(ShotTest, ListsWhatAFileHolds) {
     const auto list = runWell("render", "shot.glb --list");
     for (const std::string text :
