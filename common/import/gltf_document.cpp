@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "common/base/error.h"
 #include "common/import/gltf_draco.h"
@@ -123,6 +126,7 @@ public:
             ++out_.leftOutOf[{"file", "texts are not UTF-8 (such bytes are replaced)"}];
         for (const GltfObject& animation : root_.objects("animations", "animation"))
             addAnimation(animation);
+        nameReplaced();
         out_.storage = file_.takeStorage();
         return std::move(out_);
     }
@@ -392,6 +396,8 @@ private:
         to.scale = vectorOr(from.numbers("scale", 3), to.scale);
         if (const auto q = from.numbers("rotation", 4); !q.empty())
             to.rotation = {q[0], q[1], q[2], q[3]};
+        if (std::ranges::all_of(to.rotation, [](double x) { return x == 0; }))
+            ++out_.leftOutOf[{"node", "rotation is 0, no quaternion (left out)"}];
         out_.nodes.push_back(std::move(to));
         children_.push_back(from.indices("children", nodes_.size(), "child node"));
     }
@@ -452,6 +458,9 @@ private:
         }
         const int scene = std::max(0, root_.index("scene", scenes_.size()));
         extensions_.add("scene", scenes_.at(scene));
+        if (scenes_.size() > 1)
+            out_.leftOutOf[{"scene", "nodes are left out, as another is the default"}] =
+                scenes_.size() - 1;
         roots = scenes_.at(scene).indices("nodes", nodes_.size(), "node");
         for (const int root : roots)
             if (out_.nodes[static_cast<std::size_t>(root)].parent >= 0)
@@ -501,6 +510,21 @@ private:
             if (c.times < 0 || c.values < 0) sampler.fail("no input or output");
         }
         out_.animations.push_back(std::move(to));
+    }
+
+    /// All animations run together: of those that move a thing, the last counts.
+    void nameReplaced() {
+        std::map<std::pair<int, Path>, std::size_t> mover;
+        std::set<std::size_t> replaced;
+        for (std::size_t i = 0; i < out_.animations.size(); ++i)
+            for (const GltfChannel& channel : out_.animations[i].channels) {
+                const auto [first, isNew] = mover.try_emplace({channel.node, channel.path}, i);
+                if (!isNew && first->second != i) replaced.insert(first->second);
+                first->second = i;
+            }
+        for (const std::size_t i : replaced)
+            nameOne("animation", "movements give way to those of a later one, where both have some",
+                    out_.animations[i].name, out_.leftOutOf);
     }
 
     const std::filesystem::path& path_;

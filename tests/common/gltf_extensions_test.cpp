@@ -89,6 +89,15 @@ TEST(GltfExtensions, AttributesOfAProgramsOwnAreNamed) {
     EXPECT_EQ(loadGlb(file).report.leftOutOf, wanted);
 }
 
+TEST(GltfNodes, RotationsThatAreNoneAreNamed) {
+    GltfBuilder file = squareScene();
+    file.json["nodes"][0]["rotation"] = {0, 0, 0, 0};
+    const LeftOutOf wanted{{{"node", "rotation is 0, no quaternion (left out)"}, 1}};
+    EXPECT_EQ(loadGlb(file).report.leftOutOf, wanted);
+    file.json["nodes"][0]["rotation"] = {0, 0, 0, 2};
+    EXPECT_TRUE(loadGlb(file).report.leftOutOf.empty());
+}
+
 TEST(GltfExtensions, ManyNamesAreCountedTogether) {
     GltfBuilder file = squareScene();
     for (int i = 0; i < 1000; ++i)
@@ -158,6 +167,16 @@ TEST(GltfExtensions, HiddenNodesHideThoseBelowThem) {
     EXPECT_EQ(placedCount(loadGlb(file)), 2u);
     file.json["nodes"].back()["extensions"]["KHR_node_visibility"]["visible"] = true;
     EXPECT_EQ(placedCount(loadGlb(file)), 4u);
+}
+
+TEST(GltfScenes, OtherThanTheDefaultAreNamed) {
+    GltfBuilder file = squareScene();
+    const int other = file.append("nodes", {{"mesh", 0}, {"translation", {5, 0, 0}}});
+    EXPECT_TRUE(loadGlb(file).report.leftOutOf.empty());
+    file.json["scenes"].push_back({{"nodes", {other}}});
+    const LeftOutOf wanted{{{"scene", "nodes are left out, as another is the default"}, 1}};
+    EXPECT_EQ(loadGlb(file).report.leftOutOf, wanted);
+    EXPECT_EQ(placedCount(loadGlb(file)), 2u);
 }
 
 TEST(GltfExtensions, FilesWithoutScenesShowAllRoots) {
