@@ -17,6 +17,9 @@ namespace shadowcache {
 
 namespace {
 
+/// Cosine between a camera's axes above which they are sheared, and not by rounding.
+constexpr double kLeastShear = 1e-3;
+
 /// Triangles of a mesh as its accessors announce them.
 std::size_t announcedTriangles(const GltfDocument& document, int mesh) {
     std::size_t sum = 0;
@@ -184,6 +187,16 @@ Camera GltfShot::camera(int node, double frame) const {
         fail(
             fmt::format("a view {:g} high, expected at most {:g}", camera.height, kMostViewHeight));
     return camera;
+}
+
+std::string GltfShot::cameraNote(int node, double frame) const {
+    const Affine at = place(node, frame);
+    const Vec3d x = unitOf(at.axis[0]), y = unitOf(at.axis[1]), z = unitOf(at.axis[2]);
+    if (x.cross(y).dot(z) < 0)
+        return "a scale below 0, its own or a parent's, mirrors it: the picture is not mirrored";
+    if (std::max({std::abs(x.dot(y)), std::abs(y.dot(z)), std::abs(z.dot(x))}) > kLeastShear)
+        return "a parent's scale shears it: the picture is not sheared";
+    return "";
 }
 
 std::vector<GltfShot> openShots(std::span<const std::filesystem::path> files,

@@ -151,6 +151,8 @@ private:
         if (const std::string note = aspectNote(first, options.width, options.height);
             !note.empty())
             printNote(name + note, NoteKind::warning);
+        if (const std::string note = camera_->note(run_.frames.front()); !note.empty())
+            printNote(name + note, NoteKind::warning);
         Box3d box = placedBounds(stage_->mesh());
         if (box.isEmpty() || !std::isfinite(first.far)) return;
         box.min += stage_->mesh().origin;

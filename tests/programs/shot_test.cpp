@@ -174,6 +174,30 @@ TEST_F(ShotTest, CamerasOfGltfHaveClipPlanesThatAreNamed) {
         << wide.err;
 }
 
+TEST_F(ShotTest, CamerasThatAreMirroredOrShearedAreNamed) {
+    const auto warning = [&](const nlohmann::json& parent) {
+        GltfBuilder file = squareScene();
+        const int lens = file.append(
+            "cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}});
+        nlohmann::json node = parent;
+        node["children"] = {file.append("nodes", {{"camera", lens},
+                                                  {"name", "eye"},
+                                                  {"rotation", {0, 0, 0.38268343, 0.92387953}},
+                                                  {"translation", {0.5, 0.5, 3}}})};
+        file.root(node);
+        folder_.write("eye.glb", file.glb());
+        const auto result =
+            run("render", "eye.glb --env 1,1,1 --camera eye --size 4x4 --spp 1 -o a.exr");
+        EXPECT_EQ(result.status, 0) << result.err;
+        return result.err;
+    };
+    EXPECT_EQ(warning({{"scale", {2, 2, 2}}}), "");
+    EXPECT_NE(warning({{"scale", {-1, 1, 1}}}).find("camera eye: a scale below 0"),
+              std::string::npos);
+    EXPECT_NE(warning({{"scale", {1, 2, 1}}}).find("camera eye: a parent's scale shears it"),
+              std::string::npos);
+}
+
 // Where a lamp is in frames that nobody asks for is no reason to refuse.
 TEST_F(ShotTest, LampsOutOfReachRefuseTheirFramesAlone) {
     GltfBuilder file = squareScene();
