@@ -4,13 +4,18 @@
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfRgbaYca.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include "common/base/error.h"
+#include "common/base/report_failure.h"
 #include "common/image/exr_colors.h"
 #include "common/image/exr_error.h"
 #include "common/image/exr_file.h"
@@ -81,6 +86,31 @@ void requireLatLong(const std::filesystem::path& path, const Imf::Header& header
     throwFileError(path,
                    fmt::format("envmap = {}, expected a lat-long map",
                                kind == Imf::ENVMAP_CUBE ? "cube" : std::to_string(int{kind})));
+}
+
+/// Whether a name that programs give to colour spaces is of linear colours: of Rec. 709, or of the
+/// primaries that the file states.
+bool isLinear(std::string name, bool statesPrimaries) {
+    std::ranges::transform(name, name.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    constexpr std::array<std::string_view, 8> kOfRec709{
+        "linear",   "scene_linear",   "lin_rec709",  "lin_rec709_scene",
+        "lin_srgb", "linear rec.709", "linear srgb", "linear rec.709 (srgb)"};
+    return std::ranges::find(kOfRec709, name) != kOfRec709.end() ||
+           (statesPrimaries && name.starts_with("lin"));
+}
+
+/// Names a colour space that texels are not converted from.
+void noteColorSpace(const Imf::Header& header, RadianceImage& result) {
+    constexpr std::size_t kMostBytes = 60;
+    for (const char* name : {"colorInteropID", "oiio:ColorSpace"}) {
+        const auto* space = header.findTypedAttribute<Imf::StringAttribute>(name);
+        if (!space || isLinear(space->value(), Imf::hasChromaticities(header))) continue;
+        result.notes.push_back(oneLine(
+            fmt::format("{} is {}, which is left out: texels are taken for linear, with the "
+                        "primaries of its chromaticities, or of Rec. 709 where it has none",
+                        name, space->value().substr(0, kMostBytes))));
+    }
 }
 
 struct Window {
@@ -165,6 +195,7 @@ RadianceImage readExrRadiance(const std::filesystem::path& path) {
         if (!colors.note.empty()) result.notes.push_back(colors.note);
         if (Imf::hasChromaticities(header))
             setPrimaries(path, numbersOf(Imf::chromaticities(header)), result);
+        noteColorSpace(header, result);
         Image& image = result.image;
         image.width = window.max.x - window.min.x + 1;
         image.height = window.max.y - window.min.y + 1;
