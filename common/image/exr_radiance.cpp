@@ -4,26 +4,27 @@
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfRgbaYca.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
-#include <optional>
+#include <string>
+#include <string_view>
 
 #include "common/base/error.h"
+#include "common/base/report_failure.h"
 #include "common/image/exr_colors.h"
 #include "common/image/exr_error.h"
 #include "common/image/exr_file.h"
+#include "common/image/primaries.h"
 #include "common/image/size_limits.h"
 
 namespace shadowcache {
 
 namespace {
-
-/// Least weight of a primary in the luminance (wide gamuts give a negative one): a texel with light
-/// must never count as black, or it would never be sampled.
-constexpr float kLeastLuminanceWeight = 0.01f;
 
 /// Subsampled channel, interpolated between its values.
 struct ChromaPlane {
@@ -75,40 +76,8 @@ void readChroma(Imf::MultiPartInputFile& file, int part, Image& image) {
     }
 }
 
-Rgb luminanceWeights(const std::filesystem::path& path, const Imf::Header& header) {
-    if (!Imf::hasChromaticities(header)) return RadianceImage{}.luminanceWeights;
-    const Vec3f yw = Imf::RgbaYca::computeYw(Imf::chromaticities(header));
-    if (!std::isfinite(yw.x) || !std::isfinite(yw.y) || !std::isfinite(yw.z)) {
-        throwFileError(path, "chromaticities without a luminance, expected three primaries");
-    }
-    const Rgb weights(std::max(yw.x, kLeastLuminanceWeight), std::max(yw.y, kLeastLuminanceWeight),
-                      std::max(yw.z, kLeastLuminanceWeight));
-    return weights / (weights.x + weights.y + weights.z);
-}
-
-/// Chromaticities that differ less, as by rounding, are the same.
-constexpr float kChromaticityStep = 1e-3f;
-
-/// The primaries of a file, if they are not Rec. 709, which says it.
-std::optional<std::array<float, 8>> otherPrimaries(const Imf::Header& header) {
-    if (!Imf::hasChromaticities(header)) return std::nullopt;
-    const auto numbers = [](const Imf::Chromaticities& c) {
-        return std::array{c.red.x,  c.red.y,  c.green.x, c.green.y,
-                          c.blue.x, c.blue.y, c.white.x, c.white.y};
-    };
-    const auto found = numbers(Imf::chromaticities(header)), rec709 = numbers({});
-    const bool same = std::equal(found.begin(), found.end(), rec709.begin(), [](float a, float b) {
-        return std::abs(a - b) < kChromaticityStep;
-    });
-    return same ? std::nullopt : std::optional(found);
-}
-
-std::string describe(const std::array<float, 8>& c) {
-    return fmt::format(
-        "primaries are not Rec. 709 but red {:.4g},{:.4g}, green {:.4g},{:.4g}, blue "
-        "{:.4g},{:.4g}, white {:.4g},{:.4g}: pictures have them, and their EXR files say so; "
-        "colours of the set are taken as they are",
-        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]);
+std::array<float, 8> numbersOf(const Imf::Chromaticities& c) {
+    return {c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y};
 }
 
 void requireLatLong(const std::filesystem::path& path, const Imf::Header& header) {
@@ -117,6 +86,31 @@ void requireLatLong(const std::filesystem::path& path, const Imf::Header& header
     throwFileError(path,
                    fmt::format("envmap = {}, expected a lat-long map",
                                kind == Imf::ENVMAP_CUBE ? "cube" : std::to_string(int{kind})));
+}
+
+/// Whether a name that programs give to colour spaces is of linear colours: of Rec. 709, or of the
+/// primaries that the file states.
+bool isLinear(std::string name, bool statesPrimaries) {
+    std::ranges::transform(name, name.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    constexpr std::array<std::string_view, 8> kOfRec709{
+        "linear",   "scene_linear",   "lin_rec709",  "lin_rec709_scene",
+        "lin_srgb", "linear rec.709", "linear srgb", "linear rec.709 (srgb)"};
+    return std::ranges::find(kOfRec709, name) != kOfRec709.end() ||
+           (statesPrimaries && name.starts_with("lin"));
+}
+
+/// Names a colour space that texels are not converted from.
+void noteColorSpace(const Imf::Header& header, RadianceImage& result) {
+    constexpr std::size_t kMostBytes = 60;
+    for (const char* name : {"colorInteropID", "oiio:ColorSpace"}) {
+        const auto* space = header.findTypedAttribute<Imf::StringAttribute>(name);
+        if (!space || isLinear(space->value(), Imf::hasChromaticities(header))) continue;
+        result.notes.push_back(oneLine(
+            fmt::format("{} is {}, which is left out: texels are taken for linear, with the "
+                        "primaries of its chromaticities, or of Rec. 709 where it has none",
+                        name, space->value().substr(0, kMostBytes))));
+    }
 }
 
 struct Window {
@@ -199,9 +193,9 @@ RadianceImage readExrRadiance(const std::filesystem::path& path) {
 
         RadianceImage result;
         if (!colors.note.empty()) result.notes.push_back(colors.note);
-        result.luminanceWeights = luminanceWeights(path, header);
-        result.chromaticities = otherPrimaries(header);
-        if (result.chromaticities) result.notes.push_back(describe(*result.chromaticities));
+        if (Imf::hasChromaticities(header))
+            setPrimaries(path, numbersOf(Imf::chromaticities(header)), result);
+        noteColorSpace(header, result);
         Image& image = result.image;
         image.width = window.max.x - window.min.x + 1;
         image.height = window.max.y - window.min.y + 1;

@@ -14,6 +14,7 @@
 #include "common/base/interrupt.h"
 #include "common/base/progress.h"
 #include "common/image/hdr_header.h"
+#include "common/image/primaries.h"
 #include "common/image/size_limits.h"
 
 namespace shadowcache {
@@ -111,7 +112,7 @@ private:
 
 }  // namespace
 
-Image readHdr(const std::filesystem::path& path) {
+RadianceImage readHdr(const std::filesystem::path& path) {
     const std::string content = readFileBytes(path);
     const HdrHeader header = parseHdrHeader(path, content);
     if (!mayHoldValues(content.size(), 3.0 * static_cast<double>(header.width) *
@@ -119,7 +120,14 @@ Image readHdr(const std::filesystem::path& path) {
         throwFileError(path,
                        fmt::format("{} x {} pixels in a file of {} bytes, damaged or too large",
                                    header.width, header.height, content.size()));
-    Image image{static_cast<int>(header.width), static_cast<int>(header.height), {}};
+    RadianceImage result;
+    if (header.primaries) setPrimaries(path, *header.primaries, result);
+    if (header.gamma.value_or(1) != 1)
+        result.notes.push_back(
+            fmt::format("GAMMA of {:g} is left out: texels are linear", *header.gamma));
+    Image& image = result.image;
+    image.width = static_cast<int>(header.width);
+    image.height = static_cast<int>(header.height);
     image.pixels.resize(header.width * header.height);
     const std::size_t lines = header.byColumns ? header.width : header.height;
     std::vector<Rgbe> line(header.byColumns ? header.height : header.width);
@@ -140,7 +148,7 @@ Image readHdr(const std::filesystem::path& path) {
         }
         progress.add(1);
     }
-    return image;
+    return result;
 }
 
 }  // namespace shadowcache

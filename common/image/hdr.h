@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "common/image/image.h"
+#include "common/image/radiance_image.h"
 
 namespace shadowcache {
 
@@ -10,6 +10,6 @@ namespace shadowcache {
 /// eight orientations, divided by EXPOSURE and COLORCORR. Texels may be infinite.
 ///
 /// @throws Error naming the file and the cause
-Image readHdr(const std::filesystem::path& path);
+RadianceImage readHdr(const std::filesystem::path& path);
 
 }  // namespace shadowcache

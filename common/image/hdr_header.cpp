@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::string_view kFormat = "32-bit_rle_rgbe";
 constexpr long long kMostSide = 1 << 24;
+constexpr double kMostChromaticity = 100;
 
 /// Lines of a text that end with LF or CR LF.
 class Lines {
@@ -55,10 +56,23 @@ void multiply(TextScanner text, const std::string& name, bool eachColor, HdrHead
     }
 }
 
+std::array<float, 8> primariesOf(TextScanner text) {
+    std::array<float, 8> found{};
+    for (float& number : found) {
+        const double value = text.number(text.wordOnLine());
+        if (!(std::abs(value) <= kMostChromaticity))
+            text.fail(fmt::format("PRIMARIES with {:g}, expected numbers up to {:g}", value,
+                                  kMostChromaticity));
+        number = static_cast<float>(value);
+    }
+    return found;
+}
+
 /// A line of the header; what other programs say of themselves begins otherwise.
 void parseLine(const Lines& lines, std::string_view line, HdrHeader& header, bool& hasFormat) {
     constexpr std::string_view kFormatName = "FORMAT=", kExposureName = "EXPOSURE=",
-                               kColorName = "COLORCORR=";
+                               kColorName = "COLORCORR=", kPrimariesName = "PRIMARIES=",
+                               kGammaName = "GAMMA=";
     if (line.starts_with(kFormatName)) {
         TextScanner text = lines.scan(line, kFormatName.size());
         const std::string_view format = text.wordOnLine();
@@ -71,6 +85,11 @@ void parseLine(const Lines& lines, std::string_view line, HdrHeader& header, boo
         multiply(lines.scan(line, kExposureName.size()), "EXPOSURE", false, header);
     } else if (line.starts_with(kColorName)) {
         multiply(lines.scan(line, kColorName.size()), "COLORCORR", true, header);
+    } else if (line.starts_with(kPrimariesName)) {
+        header.primaries = primariesOf(lines.scan(line, kPrimariesName.size()));
+    } else if (line.starts_with(kGammaName)) {
+        TextScanner text = lines.scan(line, kGammaName.size());
+        header.gamma = text.number(text.wordOnLine());
     }
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace shadowcache {
@@ -15,9 +16,12 @@ struct HdrHeader {
     bool byColumns = false;   ///< a scan line is a column
     bool fromRight = false;   ///< right to left
     bool fromBottom = false;  ///< bottom to top
-    std::array<double, 3> multiplier{1, 1,
-                                     1};  ///< of red, green, blue: the pixels were multiplied by it
-    std::size_t bytes = 0;                ///< length of the header
+    /// Of red, green, blue: the pixels were multiplied by it.
+    std::array<double, 3> multiplier{1, 1, 1};
+    /// x and y of red, green, blue and white.
+    std::optional<std::array<float, 8>> primaries;
+    std::optional<double> gamma;  ///< a line of some programs; not Radiance's
+    std::size_t bytes = 0;        ///< length of the header
 };
 
 /// Parses the header at the start of `content`: lines up to an empty one, then the resolution.

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/base/error.h"
@@ -88,6 +89,23 @@ std::string shareText(double below, double all) {
                                     : "";
 }
 
+/// What a file is that begins with these bytes.
+std::string kindOf(std::string_view magic) {
+    constexpr std::pair<std::string_view, const char*> kKinds[] = {{"\x89PNG", "PNG"},
+                                                                   {"\xff\xd8\xff", "JPEG"},
+                                                                   {"II*", "TIFF"},
+                                                                   {{"MM\0*", 4}, "TIFF"},
+                                                                   {"PF", "PFM"},
+                                                                   {"DDS ", "DDS"},
+                                                                   {"RIFF", "RIFF (as WebP)"},
+                                                                   {"BM", "BMP"}};
+    for (const auto& [start, name] : kKinds)
+        if (magic.starts_with(start)) return name;
+    std::string text = "a file of the bytes";
+    for (const char byte : magic) text += fmt::format(" {:02x}", static_cast<unsigned char>(byte));
+    return text + " ...";
+}
+
 /// Makes every texel usable as radiance and counts what was not.
 void mend(RadianceImage& result) {
     const std::span<Rgb> texels = result.image.pixels;
@@ -120,16 +138,17 @@ void mend(RadianceImage& result) {
 RadianceImage readRadiance(const std::filesystem::path& path) {
     requireReadableFile(path);
     std::string magic(kExrMagic.size(), '\0');
-    std::ifstream(path, std::ios::binary)
-        .read(magic.data(), static_cast<std::streamsize>(magic.size()));
+    std::ifstream in(path, std::ios::binary);
+    in.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+    magic.resize(static_cast<std::size_t>(in.gcount()));
 
     RadianceImage result;
     if (magic == kExrMagic) {
         result = readExrRadiance(path);
     } else if (magic.starts_with("#?")) {
-        result.image = readHdr(path);
+        result = readHdr(path);
     } else {
-        throwFileError(path, "is neither OpenEXR nor Radiance HDR");
+        throwFileError(path, "is neither OpenEXR nor Radiance HDR, but " + kindOf(magic));
     }
     mend(result);
     return result;

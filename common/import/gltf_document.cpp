@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "common/base/error.h"
 #include "common/import/gltf_draco.h"
@@ -74,6 +77,18 @@ bool isOwn(const std::string& attribute) {
     return attribute.starts_with('_');
 }
 
+/// Whether what a vertex attribute says is read, of whatever a file uses it for.
+bool isReadOfVertices(const std::string& attribute) {
+    for (const char* numbered : {"TEXCOORD_", "JOINTS_", "WEIGHTS_"})
+        if (attribute.starts_with(numbered)) return true;
+    return attribute == "POSITION" || attribute == "NORMAL" || attribute == "TANGENT" ||
+           attribute == "COLOR_0";
+}
+
+bool isReadOfInstances(const std::string& attribute) {
+    return attribute == "TRANSLATION" || attribute == "ROTATION" || attribute == "SCALE";
+}
+
 /// Whether the part at an index has not been asked for before.
 bool isNew(std::vector<bool>& known, int index) {
     const auto i = static_cast<std::size_t>(index);
@@ -111,6 +126,7 @@ public:
             ++out_.leftOutOf[{"file", "texts are not UTF-8 (such bytes are replaced)"}];
         for (const GltfObject& animation : root_.objects("animations", "animation"))
             addAnimation(animation);
+        nameReplaced();
         out_.storage = file_.takeStorage();
         return std::move(out_);
     }
@@ -284,6 +300,8 @@ private:
         to.mode = from.index("mode", kMostMode + 1);
         if (to.mode < 0) to.mode = kDefaultMode;
         extensions_.add("primitive", from);
+        for (const std::string& name : from.object("attributes").keys())
+            if (!isReadOfVertices(name)) extensions_.addAttribute("primitive", name);
         if (from.hasExtension(kDraco)) {
             readDraco(from, to);
         } else {
@@ -316,6 +334,29 @@ private:
         to.inverseBind = accessor(from, "inverseBindMatrices");
     }
 
+    static void readOrthographic(const GltfObject& view, GltfCamera& to) {
+        const double x = view.number("xmag", 0), y = view.number("ymag", 0);
+        if (!(y > 0)) view.fail(fmt::format("ymag {:g}, expected a number above 0", y));
+        if (x < 0) view.fail(fmt::format("xmag {:g}, expected a number above 0", x));
+        to.height = 2 * y;
+        to.aspect = x / y;
+    }
+
+    static void readPerspective(const GltfObject& view, GltfCamera& to) {
+        to.fovY = view.number("yfov", 0);
+        if (!(to.fovY > 0 && to.fovY < 3.14159))
+            view.fail(fmt::format("yfov {:g}, expected radians in (0, pi)", to.fovY));
+        to.aspect = std::max(0.0, view.number("aspectRatio", 0));
+    }
+
+    static void readClipPlanes(const GltfObject& view, GltfCamera& to) {
+        to.near = view.number("znear", 0);
+        to.far = view.number("zfar", to.far);
+        if (!(to.near >= 0 && to.near < to.far))
+            view.fail(fmt::format("znear {:g} and zfar {:g}, expected 0 <= znear < zfar", to.near,
+                                  to.far));
+    }
+
     /// A set without this camera is as good as one with it: what is wrong is told to who wants it.
     void readCamera(int index) {
         if (!isNew(cameras_.known, index)) return;
@@ -325,17 +366,9 @@ private:
         to.name = from.name();
         try {
             to.orthographic = from.text("type") == "orthographic";
-            if (to.orthographic) {
-                const GltfObject view = from.object("orthographic");
-                to.height = 2 * view.number("ymag", 0);
-                if (!(to.height > 0))
-                    view.fail(fmt::format("ymag {:g}, expected a number above 0", to.height / 2));
-            } else {
-                const GltfObject view = from.object("perspective");
-                to.fovY = view.number("yfov", 0);
-                if (!(to.fovY > 0 && to.fovY < 3.14159))
-                    view.fail(fmt::format("yfov {:g}, expected radians in (0, pi)", to.fovY));
-            }
+            const GltfObject view = from.object(to.orthographic ? "orthographic" : "perspective");
+            to.orthographic ? readOrthographic(view, to) : readPerspective(view, to);
+            readClipPlanes(view, to);
         } catch (const Error& e) {
             to.fault = e.what();
         }
@@ -363,6 +396,8 @@ private:
         to.scale = vectorOr(from.numbers("scale", 3), to.scale);
         if (const auto q = from.numbers("rotation", 4); !q.empty())
             to.rotation = {q[0], q[1], q[2], q[3]};
+        if (std::ranges::all_of(to.rotation, [](double x) { return x == 0; }))
+            ++out_.leftOutOf[{"node", "rotation is 0, no quaternion (left out)"}];
         out_.nodes.push_back(std::move(to));
         children_.push_back(from.indices("children", nodes_.size(), "child node"));
     }
@@ -378,8 +413,10 @@ private:
         if (!from.hasExtension("EXT_mesh_gpu_instancing")) return;
         const GltfObject instancing = from.extension("EXT_mesh_gpu_instancing");
         const GltfObject named = instancing.object("attributes");
-        for (const std::string& name : named.keys())
+        for (const std::string& name : named.keys()) {
             to.instancing[name] = accessor(named, name.c_str());
+            if (!isReadOfInstances(name)) extensions_.addAttribute("instance", name);
+        }
         if (to.instancing.empty()) instancing.fail("no attributes, expected at least one");
     }
 
@@ -421,6 +458,9 @@ private:
         }
         const int scene = std::max(0, root_.index("scene", scenes_.size()));
         extensions_.add("scene", scenes_.at(scene));
+        if (scenes_.size() > 1)
+            out_.leftOutOf[{"scene", "nodes are left out, as another is the default"}] =
+                scenes_.size() - 1;
         roots = scenes_.at(scene).indices("nodes", nodes_.size(), "node");
         for (const int root : roots)
             if (out_.nodes[static_cast<std::size_t>(root)].parent >= 0)
@@ -470,6 +510,21 @@ private:
             if (c.times < 0 || c.values < 0) sampler.fail("no input or output");
         }
         out_.animations.push_back(std::move(to));
+    }
+
+    /// All animations run together: of those that move a thing, the last counts.
+    void nameReplaced() {
+        std::map<std::pair<int, Path>, std::size_t> mover;
+        std::set<std::size_t> replaced;
+        for (std::size_t i = 0; i < out_.animations.size(); ++i)
+            for (const GltfChannel& channel : out_.animations[i].channels) {
+                const auto [first, isNew] = mover.try_emplace({channel.node, channel.path}, i);
+                if (!isNew && first->second != i) replaced.insert(first->second);
+                first->second = i;
+            }
+        for (const std::size_t i : replaced)
+            nameOne("animation", "movements give way to those of a later one, where both have some",
+                    out_.animations[i].name, out_.leftOutOf);
     }
 
     const std::filesystem::path& path_;

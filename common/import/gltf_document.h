@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -65,7 +66,10 @@ struct GltfCamera {
     bool orthographic = false;
     double fovY = 1.0;    ///< [rad], perspective
     double height = 1.0;  ///< of the view, orthographic
-    std::string fault;    ///< why nothing can be seen through it; empty: something can
+    double aspect = 0;    ///< width of the view over its height; 0: that of any picture
+    double near = 0;      ///< distance from which on things are seen
+    double far = std::numeric_limits<double>::infinity();  ///< and up to which
+    std::string fault;  ///< why nothing can be seen through it; empty: something can
 };
 
 struct GltfChannel {

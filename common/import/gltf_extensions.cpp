@@ -67,12 +67,20 @@ bool isReadOfMaterials(const std::string& name) {
 void ExtensionCounter::addName(const std::string& kind, const std::string& name) {
     if (has(kOfOthers, name)) return;
     counted_.insert(name);
-    std::string shown = printable(name);
-    if (leftOut_.size() >= kMostNamed && !leftOut_.contains({kind, shown + kLeftOut}))
-        shown = "other extension";
-    const char* what =
-        name == "KHR_materials_variants" ? " are left out but for the default material" : kLeftOut;
-    ++leftOut_[{kind, shown + what}];
+    count(
+        kind, name, "other extension",
+        name == "KHR_materials_variants" ? " are left out but for the default material" : kLeftOut);
+}
+
+void ExtensionCounter::addAttribute(const std::string& kind, const std::string& name) {
+    count(kind, "attribute " + name, "other attribute", kLeftOut);
+}
+
+void ExtensionCounter::count(const std::string& kind, const std::string& name,
+                             const std::string& other, const char* what) {
+    const std::string shown = printable(name) + what;
+    const bool isTold = leftOut_.size() < kMostNamed || leftOut_.contains({kind, shown});
+    ++leftOut_[{kind, isTold ? shown : other + what}];
 }
 
 void ExtensionCounter::add(const std::string& kind, const GltfObject& thing) {
@@ -80,7 +88,9 @@ void ExtensionCounter::add(const std::string& kind, const GltfObject& thing) {
 }
 
 void ExtensionCounter::addOthers(const GltfObject& root) {
-    for (const std::string& name : root.texts("extensionsUsed"))
+    std::set<std::string> names = root.extensionNames();
+    for (const std::string& name : root.texts("extensionsUsed")) names.insert(name);
+    for (const std::string& name : names)
         if (!counted_.contains(name) && !isMaterialName(name) && !has(kInPartOfOthers, name))
             addName("file", name);
 }

@@ -27,12 +27,17 @@ public:
 
     /// Those of a thing that the set uses.
     void add(const std::string& kind, const GltfObject& thing);
-    /// The file's other ones, of animations and textures. Libraries of what nothing uses are no
-    /// loss.
+    /// The file's other ones, of animations and textures, whether it lists them or not. Libraries
+    /// of what nothing uses are no loss.
     void addOthers(const GltfObject& root);
+
+    /// Vertex or instance attributes that are not read.
+    void addAttribute(const std::string& kind, const std::string& name);
 
 private:
     void addName(const std::string& kind, const std::string& name);
+    void count(const std::string& kind, const std::string& name, const std::string& other,
+               const char* what);
 
     LeftOutOf& leftOut_;
     std::set<std::string> counted_;

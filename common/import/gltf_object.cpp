@@ -171,6 +171,23 @@ std::vector<std::string> GltfObject::keys() const {
     return found;
 }
 
+std::set<std::string> GltfObject::extensionNames() const {
+    std::set<std::string> found;
+    std::vector<const Json*> open{json_};
+    while (!open.empty()) {
+        const Json& thing = *open.back();
+        open.pop_back();
+        for (const auto& item : thing.items()) {
+            const bool isMember = thing.is_object();
+            if (isMember && item.key() == "extras") continue;
+            if (isMember && item.key() == "extensions" && item.value().is_object())
+                for (const auto& extension : item.value().items()) found.insert(extension.key());
+            if (item.value().is_structured()) open.push_back(&item.value());
+        }
+    }
+    return found;
+}
+
 std::string GltfObject::name() const {
     const Json* value = find("name");
     return value && value->is_string() ? value->get<std::string>() : std::string();

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,8 @@ public:
     std::vector<GltfObject> objects(const char* key, const char* kind) const;
     std::vector<std::string> texts(const char* key) const;
     std::vector<std::string> keys() const;
+    /// Names of the extensions of the object and of all that is in it, but for `extras`.
+    std::set<std::string> extensionNames() const;
 
     std::string name() const;
     /// What messages call it: "node 3 (lamp)".

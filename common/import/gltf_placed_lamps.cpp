@@ -15,16 +15,20 @@ std::vector<int> lampNodes(const GltfDocument& document) {
     return found;
 }
 
+Lamp gltfLampOf(const GltfDocument& document, int node) {
+    const GltfNode& from = document.nodes[static_cast<std::size_t>(node)];
+    Lamp lamp = document.lights[static_cast<std::size_t>(from.light)];
+    if (!from.name.empty()) lamp.name = from.name;
+    return lamp;
+}
+
 GltfLampPlace gltfLampAt(const GltfDocument& document, const GltfNodes& nodes, int node,
                          double seconds) {
-    const GltfNode& from = document.nodes[static_cast<std::size_t>(node)];
-    const Lamp& light = document.lights[static_cast<std::size_t>(from.light)];
+    const Lamp lamp = gltfLampOf(document, node);
     const Affine place = nodes.at(node, seconds);
-    const std::optional<Lamp> placed = placedLamp(light, place);
+    const std::optional<Lamp> placed = placedLamp(lamp, place);
     const bool isThere = placed && (hasSize(place) || !nodes.moves(node));
-    GltfLampPlace found{isThere ? *placed : light, isThere};
-    if (!from.name.empty()) found.lamp.name = from.name;
-    return found;
+    return {isThere ? *placed : lamp, isThere};
 }
 
 std::vector<Lamp> gltfLamps(const GltfDocument& document, const GltfNodes& nodes,

@@ -21,6 +21,11 @@ std::vector<int> lampNodes(const GltfDocument& document);
 /// The same, of those that an animation moves.
 std::vector<int> movingLampNodes(const GltfDocument& document, const GltfNodes& nodes);
 
+/// A node's lamp in the node's own axes.
+///
+/// @param node  with a lamp
+Lamp gltfLampOf(const GltfDocument& document, int node);
+
 /// A lamp in the file's world at a time.
 struct GltfLampPlace {
     Lamp lamp;

@@ -211,6 +211,10 @@ RawMesh readOm(const std::filesystem::path& path) {
                         importer.n_vertices(), importer.n_faces(), counts.vertices, counts.faces));
     }
     importer.finishColors();
+    if (counts.hasTexcoords)
+        importer.mesh.remarks["vertices whose texture coordinates are left out"] = counts.vertices;
+    if (counts.hasFaceColors)
+        importer.mesh.remarks["faces whose colours are left out"] = counts.faces;
     return std::move(importer.mesh);
 }
 

@@ -159,6 +159,8 @@ private:
         material().illumination = kind;
         if (kind == 4 || kind == 6 || kind == 7 || kind == 9)
             leaveOut(fmt::format("refraction (illum {})", kind));
+        if (kind == 0) leaveOut("constant colour (illum 0)");
+        if (kind == 10) leaveOut("being but its shadow (illum 10)");
     }
 
     /// Tf of 1 filters nothing.
@@ -175,9 +177,9 @@ private:
             const TextScanner before = text_;
             const std::string option = lowerCase(text_.wordOnLine());
             if (option == "-s") {
-                readPair(map.scale, 1);
+                if (!readPair(map.scale, 1)) leaveOut(std::string(keyword) + " -s (out of range)");
             } else if (option == "-o") {
-                readPair(map.offset, 0);
+                if (!readPair(map.offset, 0)) leaveOut(std::string(keyword) + " -o (out of range)");
             } else if (option == "-clamp") {
                 map.clamp = lowerCase(text_.wordOnLine()) == "on";
             } else if (option == "-bm" && key == "norm") {
@@ -197,18 +199,24 @@ private:
     }
 
     /// One to three numbers; those that are not there are `fallback`, and the third is not used.
-    void readPair(std::array<float, 2>& to, float fallback) {
+    ///
+    /// @return whether they are in range; others are `fallback`
+    bool readPair(std::array<float, 2>& to, float fallback) {
         to = {fallback, fallback};
+        bool inRange = true;
         for (std::size_t k = 0; k < 3; ++k) {
             const TextScanner before = text_;
             const std::string_view word = text_.wordOnLine();
             if (!isNumber(word)) {
                 text_ = before;
-                return;
+                break;
             }
             const double value = text_.number(word);
-            if (k < 2) to[k] = std::abs(value) < 1e6 ? static_cast<float>(value) : fallback;
+            const bool fits = std::abs(value) < 1e6;
+            inRange = inRange && (fits || k == 2);
+            if (k < 2) to[k] = fits ? static_cast<float>(value) : fallback;
         }
+        return inRange;
     }
 
     static bool isNumber(std::string_view word) {
@@ -221,8 +229,9 @@ private:
     std::optional<bool> skipOption(const std::string& option) {
         if (option == "-mm" || option == "-t") {
             std::array<float, 2> found{};
-            readPair(found, 0);
-            return found != (option == "-t" ? std::array<float, 2>{} : std::array<float, 2>{0, 1});
+            const bool inRange = readPair(found, 0);
+            return !inRange ||
+                   found != (option == "-t" ? std::array<float, 2>{} : std::array<float, 2>{0, 1});
         }
         constexpr std::array<std::string_view, 3> kOfFilters{"-blendu", "-blendv", "-texres"};
         constexpr std::array<std::string_view, 5> kWithOneWord{"-bm", "-boost", "-cc", "-imfchan",

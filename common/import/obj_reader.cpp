@@ -87,6 +87,14 @@ void readCorner(const TextScanner& text, std::string_view word, RawMesh& mesh, O
                                               : indexOf(text, normal, mesh.normals.size()));
 }
 
+/// Of a file without normals.
+void dropNormals(RawMesh& mesh) {
+    const auto named = mesh.faceNormals.size() -
+                       static_cast<std::size_t>(std::ranges::count(mesh.faceNormals, kNoVertex));
+    if (named > 0) mesh.remarks["corners whose normals the file does not have"] = named;
+    mesh.faceNormals.clear();
+}
+
 std::uint32_t readFace(TextScanner& text, RawMesh& mesh, ObjLooks& looks) {
     std::uint32_t size = 0;
     for (std::string_view word = text.wordOnLine(); !word.empty(); word = text.wordOnLine()) {
@@ -173,7 +181,7 @@ RawMesh readObj(const std::filesystem::path& path, References references) {
     if (mesh.faceSizes.empty())
         throwFileError(path, "has no face, expected at least one (truncated?)");
     finishColors(colors, mesh);
-    if (mesh.normals.empty()) mesh.faceNormals.clear();
+    if (mesh.normals.empty()) dropNormals(mesh);
     addObjLooks(path, references, looks, mesh);
     return mesh;
 }

@@ -87,6 +87,7 @@ private:
         if (layout_.texcoord && !(byLines_ && text_.atLineEnd())) {
             number();
             number();
+            ++mesh_.remarks["vertices whose texture coordinates are left out"];
         }
         if (byLines_ && !text_.atLineEnd())
             text_.fail("vertex with more numbers than " + layout_.prefix + "OFF has");

@@ -37,17 +37,19 @@ class Walk {
 public:
     Walk(const std::filesystem::path& path, std::string_view bytes) : path_(path), bytes_(bytes) {
         std::memcpy(counts_.data(), bytes.data() + 4, sizeof counts_);
+        found_.vertices = counts_[0];
+        found_.faces = counts_[1];
     }
 
     OmCounts run() {
         while (at_ < bytes_.size()) {
             const ChunkHeader chunk{number(2)};
-            if (chunk.entity() == kEnd) return {counts_[0], counts_[1]};
+            if (chunk.entity() == kEnd) return found_;
             skipChunk(chunk);
         }
         // Files of version 1 may end without the mark.
         if (major() >= 2) truncated();
-        return {counts_[0], counts_[1]};
+        return found_;
     }
 
 private:
@@ -85,6 +87,7 @@ private:
         } else if (chunk.entity() == kVertex && chunk.type() == kTexcoord &&
                    chunk.dimensions() == 2 && chunk.floatBytes() == 4) {
             skip(vertices, 8);
+            found_.hasTexcoords = true;
         } else if (chunk.entity() == kVertex && isColor(chunk)) {
             skip(vertices, 3);
         } else if (chunk.entity() == kVertex && topology) {
@@ -95,6 +98,7 @@ private:
             skip(faces, std::uint64_t{3} * chunk.floatBytes());
         } else if (chunk.entity() == kFace && isColor(chunk)) {
             skip(faces, 3);
+            found_.hasFaceColors = true;
         } else if (chunk.entity() == kFace && topology) {
             skipFaces(chunk);
         } else {
@@ -128,6 +132,7 @@ private:
     std::string_view bytes_;
     std::size_t at_ = kOmHeaderBytes;
     std::array<std::uint32_t, 3> counts_{};  ///< vertices, faces, edges
+    OmCounts found_;
 };
 
 }  // namespace

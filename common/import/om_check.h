@@ -9,6 +9,7 @@ namespace shadowcache {
 struct OmCounts {
     std::uint32_t vertices = 0;
     std::uint32_t faces = 0;
+    bool hasTexcoords = false, hasFaceColors = false;  ///< which are not read
 };
 
 /// Walks through all chunks of a file of OpenMesh's own format and refuses whatever its reader

@@ -5,10 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <utility>
 
 #include "common/base/error.h"
 #include "common/base/file_bytes.h"
+#include "common/base/report_failure.h"
 #include "common/import/face_colors.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/ply_header.h"
@@ -125,6 +127,22 @@ private:
     bool swap_;
 };
 
+/// Reports the properties of an element but those at the places that are read; -1 is none.
+void nameUnread(const PlyElement& element, std::span<const int> read, RawMesh& mesh) {
+    constexpr std::size_t kMostNamed = 8, kMostBytes = 40;
+    std::size_t count = 0;
+    std::string names;
+    for (std::size_t i = 0; i < element.properties.size(); ++i) {
+        if (std::ranges::find(read, static_cast<int>(i)) != read.end()) continue;
+        if (++count > kMostNamed) continue;
+        names += (count > 1 ? ", " : "") + element.properties[i].name.substr(0, kMostBytes);
+    }
+    if (count > kMostNamed) names += ", ...";
+    if (count > 0 && element.count > 0)
+        mesh.remarks[oneLine(fmt::format("properties of '{}' left out ({})",
+                                         element.name.substr(0, kMostBytes), names))] = count;
+}
+
 template <class Numbers>
 std::size_t nextListSize(const std::filesystem::path& path, Numbers& numbers,
                          const PlyProperty& property) {
@@ -159,6 +177,10 @@ void readVertices(const std::filesystem::path& path, Numbers& numbers, const Ply
     for (std::size_t i = 0; i < kChannels; ++i) {
         if (places[i] >= 0) channelOf[static_cast<std::size_t>(places[i])] = i;
     }
+
+    std::vector<int> read{places[0], places[1], places[2], color[0], color[1], color[2]};
+    if (smooth) read.insert(read.end(), {places[6], places[7], places[8]});
+    nameUnread(element, read, mesh);
 
     ColorScale scale(
         colored ? colorNumbers(element.properties[static_cast<std::size_t>(places[3])].type)
@@ -201,6 +223,7 @@ void readFaces(const std::filesystem::path& path, Numbers& numbers, const PlyEle
     }
     const std::array<int, 3> color = element.findColor();
     const bool colored = color[0] >= 0;
+    nameUnread(element, std::array{place, color[0], color[1], color[2]}, mesh);
     ColorScale scale(colored
                          ? colorNumbers(element.properties[static_cast<std::size_t>(color[0])].type)
                          : ColorNumbers::any);
@@ -241,6 +264,7 @@ void readStrips(const std::filesystem::path& path, Numbers& numbers, const PlyEl
     const int place = element.find("vertex_indices", "vertex_index");
     if (place < 0 || !element.properties[static_cast<std::size_t>(place)].isList)
         throwFileError(path, "triangle strips lack the list vertex_indices");
+    nameUnread(element, std::array{place}, mesh);
     for (std::size_t i = 0; i < element.count; ++i) {
         for (std::size_t k = 0; k < element.properties.size(); ++k) {
             const PlyProperty& property = element.properties[k];
@@ -295,6 +319,7 @@ RawMesh readBody(const std::filesystem::path& path, const PlyHeader& header, Num
             hasFaces = true;
         } else {
             skipRows(path, numbers, element);
+            nameUnread(element, {}, mesh);
         }
     }
     numbers.finish();

@@ -76,6 +76,7 @@ Camera between(const Camera& a, const Camera& b, double t) {
     c.shiftX = mix(a.shiftX, b.shiftX, t);
     c.shiftY = mix(a.shiftY, b.shiftY, t);
     c.pixelAspect = a.pixelAspect;
+    c.aspect = a.aspect;
     c.near = mix(a.near, b.near, t);
     c.far = mixReach(a.far, b.far, t);
     c.lens = {mix(a.lens.radius, b.lens.radius, t), mix(a.lens.focus, b.lens.focus, t),

@@ -26,6 +26,7 @@ struct Camera {
     double shiftX = 0;        ///< of the view to the right, in widths of the picture
     double shiftY = 0;        ///< upward, in its heights
     double pixelAspect = 1;   ///< width of a pixel over its height, above 0
+    double aspect = 0;        ///< width over height of the picture that it is made for; 0: of any
     double near = 0;          ///< distance along the view from which on things are seen, >= 0
     double far = std::numeric_limits<double>::infinity();  ///< and up to which, above `near`
     Lens lens{};                                           ///< a pinhole, unless it has a radius

@@ -42,6 +42,10 @@ CameraMove CameraSource::moveAt(int frame) const {
     }
 }
 
+std::string CameraSource::note(int frame) const {
+    return named_.shot ? named_.shot->cameraNote(named_.node, frame) : "";
+}
+
 double CameraSource::fps() const {
     if (track_) return track_->fps;
     return named_.shot ? named_.shot->fps() : 0;

@@ -35,6 +35,9 @@ public:
     /// @throws Error if the camera has no such frame, or as between() does
     CameraMove moveAt(int frame) const;
 
+    /// What of the camera a picture does not show; empty: nothing.
+    std::string note(int frame) const;
+
     /// Frames a second that its file states, or its glTF set is played at; 0: it stands still.
     double fps() const;
 

@@ -19,21 +19,41 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::vector<double> numbers(const std::filesystem::path& path, const Json& frame, const char* name,
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& key,
+                         const Json& value, const std::string& wanted) {
+    constexpr std::size_t kMostBytes = 60;
+    const std::string found = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+    throwFileError(path, key + " is " + found.substr(0, kMostBytes) + ", expected " + wanted);
+}
+
+/// The numbers of a frame's key.
+///
+/// @param where  of the frame, as "frames[3]"
+std::vector<double> numbers(const std::filesystem::path& path, const Json& frame,
+                            const std::string& where, const char* name,
                             std::vector<double> fallback) {
     const auto found = frame.find(name);
     if (found == frame.end()) return fallback;
-    std::vector<double> values;
-    if (found->is_array())
-        for (const Json& value : *found)
-            if (value.is_number()) values.push_back(value.get<double>());
-    const bool finite =
-        std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
-    if (values.size() != fallback.size() || !found->is_array() ||
-        found->size() != fallback.size() || !finite)
-        throwFileError(path,
-                       fmt::format("{} is not a list of {} finite numbers", name, fallback.size()));
-    return values;
+    const bool fits = found->is_array() && found->size() == fallback.size() &&
+                      std::ranges::all_of(*found, [](const Json& value) {
+                          return value.is_number() && std::isfinite(value.get<double>());
+                      });
+    if (!fits)
+        refuse(path, where + "." + name, *found,
+               fmt::format("a list of {} finite numbers", fallback.size()));
+    return found->get<std::vector<double>>();
+}
+
+Affine transformOf(const std::filesystem::path& path, const Json& frame, const std::string& where) {
+    const std::vector<std::string> known{"translation", "rotation", "scale"};
+    const std::string unknown = unknownKey(frame, where, known);
+    if (!unknown.empty()) throwFileError(path, "has the " + unknown);
+    const auto t = numbers(path, frame, where, "translation", {0, 0, 0});
+    const auto q = numbers(path, frame, where, "rotation", {0, 0, 0, 1});
+    const auto s = numbers(path, frame, where, "scale", {1, 1, 1});
+    if (std::ranges::all_of(q, [](double x) { return x == 0; }))
+        refuse(path, where + ".rotation", frame["rotation"], "a quaternion that is not 0");
+    return fromParts({t[0], t[1], t[2]}, {q[0], q[1], q[2], q[3]}, {s[0], s[1], s[2]});
 }
 
 }  // namespace
@@ -54,19 +74,13 @@ std::vector<Affine> readTransformTrack(const std::filesystem::path& path) {
     const auto frames = json.is_object() ? json.find("frames") : json.end();
     if (!json.is_object() || frames == json.end() || !frames->is_array() || frames->empty())
         throwFileError(path, "has no list of frames, expected {\"frames\": [...]}");
+    const std::string unknown = unknownKey(json, "", std::vector<std::string>{"frames"});
+    if (!unknown.empty()) throwFileError(path, "has the " + unknown);
     std::vector<Affine> track;
-    const std::vector<std::string> known{"translation", "rotation", "scale"};
     for (const Json& frame : *frames) {
         if (!frame.is_object())
             throwFileError(path, fmt::format("frame {} is not an object", track.size() + 1));
-        const std::string unknown =
-            unknownKey(frame, fmt::format("frames[{}]", track.size()), known);
-        if (!unknown.empty()) throwFileError(path, "has the " + unknown);
-        const auto t = numbers(path, frame, "translation", {0, 0, 0});
-        const auto q = numbers(path, frame, "rotation", {0, 0, 0, 1});
-        const auto s = numbers(path, frame, "scale", {1, 1, 1});
-        track.push_back(
-            fromParts({t[0], t[1], t[2]}, {q[0], q[1], q[2], q[3]}, {s[0], s[1], s[2]}));
+        track.push_back(transformOf(path, frame, fmt::format("frames[{}]", track.size())));
     }
     return track;
 }

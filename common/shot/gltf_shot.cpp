@@ -17,6 +17,9 @@ namespace shadowcache {
 
 namespace {
 
+/// Cosine between a camera's axes above which they are sheared, and not by rounding.
+constexpr double kLeastShear = 1e-3;
+
 /// Triangles of a mesh as its accessors announce them.
 std::size_t announcedTriangles(const GltfDocument& document, int mesh) {
     std::size_t sum = 0;
@@ -36,6 +39,13 @@ std::string cameraLabel(const GltfShot& shot, int node, std::size_t number) {
     return name.empty() ? std::to_string(number) : name;
 }
 
+/// "from 0.1 to 100 m away".
+std::string reachText(const Camera& camera) {
+    return std::isfinite(camera.far)
+               ? fmt::format("from {:g} to {:g} m away", camera.near, camera.far)
+               : fmt::format("from {:g} m away on", camera.near);
+}
+
 /// What is seen through a camera, or why nothing is.
 std::string describeCamera(const GltfShot& shot, int node) try {
     const Camera camera = shot.camera(node, 1);
@@ -44,7 +54,8 @@ std::string describeCamera(const GltfShot& shot, int node) try {
         camera.height > 0
             ? fmt::format("orthographic, {:g} high", camera.height)
             : fmt::format("perspective, {:.4g} degrees high", camera.fovY * 180 / kPi);
-    return fmt::format("{}, at {:.4g}, {:.4g}, {:.4g} in frame 1{}\n", kind, at.x, at.y, at.z,
+    return fmt::format("{}, sees {}, at {:.4g}, {:.4g}, {:.4g} in frame 1{}\n", kind,
+                       reachText(camera), at.x, at.y, at.z,
                        shot.nodes().moves(node) ? ", moves" : "");
 } catch (const Error& e) {
     return fmt::format("cannot be used: {}\n", e.what());
@@ -164,11 +175,28 @@ Camera GltfShot::camera(int node, double frame) const {
         fail("the node's scale leaves no viewing direction");
     camera.up = right.normalized().cross(camera.forward).normalized();
     camera.fovY = from.fovY;
-    if (from.orthographic) camera.height = from.height * world_.axis[0].length();
+    camera.aspect = from.aspect;
+    const double unit = world_.axis[0].length();
+    if (from.orthographic) camera.height = from.height * unit;
+    camera.near = from.near * unit;
+    camera.far = from.far * unit;
+    if (!(camera.near < kMostCoordinate))
+        fail(fmt::format("znear {:g} m away, expected less than {:g}", camera.near,
+                         kMostCoordinate));
     if (!(camera.height <= kMostViewHeight))
         fail(
             fmt::format("a view {:g} high, expected at most {:g}", camera.height, kMostViewHeight));
     return camera;
+}
+
+std::string GltfShot::cameraNote(int node, double frame) const {
+    const Affine at = place(node, frame);
+    const Vec3d x = unitOf(at.axis[0]), y = unitOf(at.axis[1]), z = unitOf(at.axis[2]);
+    if (x.cross(y).dot(z) < 0)
+        return "a scale below 0, its own or a parent's, mirrors it: the picture is not mirrored";
+    if (std::max({std::abs(x.dot(y)), std::abs(y.dot(z)), std::abs(z.dot(x))}) > kLeastShear)
+        return "a parent's scale shears it: the picture is not sheared";
+    return "";
 }
 
 std::vector<GltfShot> openShots(std::span<const std::filesystem::path> files,

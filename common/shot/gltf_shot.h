@@ -40,6 +40,9 @@ public:
 
     /// @throws Error if the node's scale leaves no direction of view
     Camera camera(int node, double frame) const;
+    /// What of the node a picture does not show: it mirrors, or its axes are sheared; empty:
+    /// nothing.
+    std::string cameraNote(int node, double frame) const;
     /// A node's place in the world.
     Affine place(int node, double frame) const;
     /// A mesh's place in the world.

@@ -25,9 +25,10 @@ MovingShots movingShotsOf(std::span<const std::filesystem::path> files, const Me
     return std::make_shared<const std::vector<GltfShot>>(std::move(shots));
 }
 
-std::vector<Lamp> movingLampsOf(const LoadedSet& set, int frame) {
-    if (!set.shots) return {};
-    return MovingLamps(*set.shots, {}, set.options, set.mesh.origin).at(frame);
+MovingLamps movingLampsOf(const LoadedSet& set) {
+    const std::span<const GltfShot> shots =
+        set.shots ? std::span<const GltfShot>(*set.shots) : std::span<const GltfShot>();
+    return {shots, {}, set.options, set.mesh.origin};
 }
 
 }  // namespace
@@ -56,13 +57,13 @@ std::unique_ptr<const LoadedSet> loadSet(std::span<const std::filesystem::path> 
 
 std::unique_ptr<const LoadedSet> setAt(const LoadedSet& set, int frame) {
     TriangleMesh mesh = set.mesh;
-    std::ranges::move(movingLampsOf(set, frame), std::back_inserter(mesh.lamps));
+    std::ranges::move(movingLampsOf(set).at(frame), std::back_inserter(mesh.lamps));
     return std::make_unique<const LoadedSet>(std::move(mesh), set.options, set.shots, frame);
 }
 
 std::vector<std::string> namesForGains(const LoadedSet& set) {
     std::vector<std::string> names = lampNames(set.mesh);
-    for (const Lamp& lamp : movingLampsOf(set, 1)) names.push_back(lamp.name);
+    for (const Lamp& lamp : movingLampsOf(set).unplaced()) names.push_back(lamp.name);
     return names;
 }
 

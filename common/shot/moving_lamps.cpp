@@ -1,6 +1,7 @@
 #include "common/shot/moving_lamps.h"
 
 #include "common/import/gltf_placed_lamps.h"
+#include "common/import/lamp_gain.h"
 #include "common/import/lamp_place.h"
 
 namespace shadowcache {
@@ -19,6 +20,23 @@ Lamp MovingLamps::lampAt(const GltfShot& shot, int node, int frame) const {
     Lamp lamp = lampOfSet(shot.document().path, found.lamp, options_);
     if (!found.isThere) lamp.gain = Rgb(0, 0, 0);
     return lamp;
+}
+
+std::vector<Lamp> MovingLamps::unplaced() const {
+    std::vector<Lamp> lamps;
+    if (!options_.lamps) return lamps;
+    const auto add = [&](const GltfShot& shot, const std::vector<int>& nodes) {
+        for (const int node : nodes) {
+            Lamp& lamp = lamps.emplace_back(gltfLampOf(shot.document(), node));
+            changeUnit(lamp, options_.scale);
+            lamp.gain = lampGainOf(lamp.name, options_.gains);
+            lamp.moves = true;
+        }
+    };
+    for (const GltfShot& shot : shots_) add(shot, shot.movingLampNodes());
+    for (const DynamicObject& object : objects_)
+        if (object.shot) add(*object.shot, lampNodes(object.shot->document()));
+    return lamps;
 }
 
 std::vector<Lamp> MovingLamps::at(int frame) const {

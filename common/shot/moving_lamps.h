@@ -29,6 +29,10 @@ public:
     /// @throws Error naming the file: a lamp is out of reach, or a track has no such frame
     std::vector<Lamp> at(int frame) const;
 
+    /// The same lamps before a frame is chosen: with their names, gains and strengths, all in the
+    /// set's origin.
+    std::vector<Lamp> unplaced() const;
+
 private:
     Lamp lampAt(const GltfShot& shot, int node, int frame) const;
 

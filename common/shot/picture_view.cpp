@@ -1,5 +1,8 @@
 #include "common/shot/picture_view.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <cmath>
 
 namespace shadowcache {
@@ -58,6 +61,25 @@ ExrView viewOf(const Camera& camera, int width, int height) {
         view.screenWidth = static_cast<float>(wide);
     }
     return view;
+}
+
+std::string aspectNote(const Camera& camera, int width, int height) {
+    if (!(camera.aspect > 0)) return "";
+    // Sizes in whole pixels have the ratio of no other.
+    const double found = width * camera.pixelAspect, wanted = height * camera.aspect;
+    if (std::abs(found - wanted) < 1 || std::abs(found - wanted) < camera.aspect) return "";
+    return fmt::format(
+        "made for pictures {:.4g} times as wide as high, the size of {}x{} has {:.4g}: the view is "
+        "as high as the camera's, and {}",
+        camera.aspect, width, height, found / height, found < wanted ? "narrower" : "wider");
+}
+
+double farthestOf(const Camera& camera, const Box3d& box) {
+    const auto along = [&](int axis) {
+        const double way = camera.forward[axis], at = camera.origin[axis];
+        return std::max(way * (box.min[axis] - at), way * (box.max[axis] - at));
+    };
+    return along(0) + along(1) + along(2);
 }
 
 }  // namespace shadowcache

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <memory>
@@ -16,6 +17,7 @@
 #include "common/image/exr.h"
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_reader.h"
+#include "common/mesh/placed_mesh.h"
 #include "common/shot/gltf_shot.h"
 #include "common/shot/picture_view.h"
 #include "render/app/bake_of_shot.h"
@@ -123,6 +125,7 @@ private:
         if (!run_.reference.empty()) reference_ = readReference(run_.reference, settings_.options);
         stage_->load();
         for (const int frame : run_.frames) stage_->requireFrame(frame);
+        noteCamera();
         double loaded = secondsNow() - stage_->sceneSeconds();
         if (bake) {
             const double before = secondsNow();
@@ -138,6 +141,29 @@ private:
         requireLight(*lit_);
         if (!lit_->note().empty()) printNote(lit_->note(), NoteKind::note);
         timing_ = {loaded - start, secondsNow() - loaded};
+    }
+
+    /// Names what the picture shows otherwise than who made the camera may expect.
+    void noteCamera() const {
+        const std::string name = "camera " + job_.camera.name + ": ";
+        const Camera first = camera_->moveAt(run_.frames.front()).middle();
+        const RenderOptions& options = settings_.options;
+        if (const std::string note = aspectNote(first, options.width, options.height);
+            !note.empty())
+            printNote(name + note, NoteKind::warning);
+        if (const std::string note = camera_->note(run_.frames.front()); !note.empty())
+            printNote(name + note, NoteKind::warning);
+        Box3d box = placedBounds(stage_->mesh());
+        if (box.isEmpty() || !std::isfinite(first.far)) return;
+        box.min += stage_->mesh().origin;
+        box.max += stage_->mesh().origin;
+        double farthest = 0;
+        for (const int frame : run_.frames)
+            farthest = std::max(farthest, farthestOf(camera_->moveAt(frame).middle(), box));
+        if (farthest > first.far)
+            printNote(fmt::format("{}sees up to {:g} m along the view, the set reaches {:.4g} m",
+                                  name, first.far, farthest),
+                      NoteKind::note);
     }
 
     void requireLight(const LitStage& lit) const {

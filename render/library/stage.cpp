@@ -24,7 +24,7 @@ void Stage::load(const std::function<void()>& onStep) {
     stillLamps_ = mesh_.lamps.size();
     objects_ = openDynamic(set.dynamic, meshOptions, set.fps);
     movingLamps_.emplace(shots_, objects_, meshOptions, mesh_.origin);
-    placeLamps(1);
+    std::ranges::move(movingLamps_->unplaced(), std::back_inserter(mesh_.lamps));
     if (!mesh_.lamps.empty()) note_(fmt::format("lamps: {}", mesh_.lamps.size()), NoteKind::note);
     if (const std::size_t moving = mesh_.lamps.size() - stillLamps_; moving > 0)
         note_(fmt::format("moving lamps: {}, not in the cache; while a frame is exposed they stand "

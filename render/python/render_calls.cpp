@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/image/exr.h"
+#include "common/shot/picture_view.h"
 #include "render/frame/aov_channels.h"
 #include "render/library/lit_stage.h"
 #include "render/library/option_table.h"
@@ -118,6 +119,9 @@ Rendered renderChannels(LitShot& shot, const CameraMove& camera, int frame,
     const PictureSettings settings = resolve(asked, shot.cache != nullptr, shot.set->options.gloss);
     light(shot, asked, settings);
     if (!shot.stage->note().empty()) notes.push_back(shot.stage->note());
+    const std::string aspect =
+        aspectNote(camera.middle(), settings.options.width, settings.options.height);
+    if (!aspect.empty()) notes.push_back("camera: " + aspect);
     RenderStats stats;
     const Picture picture = shot.stage->plan(camera, frame, settings.options, stats,
                                              asked.rays.targetError.value_or(0));

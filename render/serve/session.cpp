@@ -10,6 +10,7 @@
 #include "common/base/process.h"
 #include "common/base/progress.h"
 #include "common/base/watch.h"
+#include "common/shot/picture_view.h"
 #include "render/frame/aov_channels.h"
 #include "render/serve/pixel_file.h"
 
@@ -132,6 +133,13 @@ CameraMove Session::cameraAt(int frame) const {
     return *camera_;
 }
 
+/// Once, whatever number of pictures is of it.
+void Session::noteAspect(const Camera& camera) {
+    const std::string note = aspectNote(camera, size_.width, size_.height);
+    if (!note.empty() && note != aspectNote_) log_("camera: " + note);
+    aspectNote_ = note;
+}
+
 void Session::makeLit(const PictureSettings& settings) {
     const LightingOptions wanted = lightingOf(options_.picture, settings);
     if (!lit_ || &lit_->entry() != &settings.estimator || !isSame(lit_->options(), wanted)) {
@@ -161,6 +169,7 @@ Session::Reply Session::render(std::uint64_t number, const RenderRequest& reques
     const PictureSettings settings =
         resolve(asked, stage_->cache() != nullptr, stageOptions_.set.mesh.gloss);
     const CameraMove camera = cameraAt(request.frame);
+    noteAspect(camera.middle());
     PixelFile pixels(request.pixels);
     if (pixels.isNew()) pixelFiles_.insert(request.pixels);
     const double start = secondsNow();

@@ -45,6 +45,7 @@ private:
     Reply see(const CameraRequest& request);
     Reply render(std::uint64_t number, const RenderRequest& request);
     CameraMove cameraAt(int frame) const;
+    void noteAspect(const Camera& camera);
     void makeLit(const PictureSettings& settings);
 
     Log log_;
@@ -56,6 +57,7 @@ private:
     std::optional<CameraSource> cameras_;  ///< in place of camera_
     bool camerasOfSet_ = false;            ///< they go with stage_
     SizeRequest size_{960, 540};
+    std::string aspectNote_;  ///< of the last picture
     RegionRequest region_;
     OptionsRequest options_;
     std::optional<LitStage> lit_;

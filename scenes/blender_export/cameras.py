@@ -10,7 +10,6 @@ from .differences import differences
 from .report import Report
 
 STAND_IN = "shadowcache stand-in"  # a camera that a render without one is started with; never exported
-USUAL_CLIP = 0.1001, 99.99  # metres: clip planes of Blender's new cameras, which hardly cut anything
 
 
 def picture_size(camera, scene):
@@ -38,8 +37,6 @@ def in_camera_files(camera, render):
         yield "shift"
     if camera.dof.use_dof:
         yield "depth of field"
-    if camera.clip_start > USUAL_CLIP[0] or camera.clip_end < USUAL_CLIP[1]:
-        yield "clip planes"
     if render.pixel_aspect_x != render.pixel_aspect_y:
         yield "pixel aspect"
 

@@ -45,6 +45,59 @@ TEST(GltfExtensions, OfNodesAndMeshesAreNamed) {
         << describe(mesh.report);
 }
 
+/// A file need not list what it uses.
+TEST(GltfExtensions, ThatNoListHasAreNamedAndReadAllTheSame) {
+    GltfBuilder file = squareScene();
+    file.append("materials",
+                {{"occlusionTexture",
+                  {{"index", 0}, {"extensions", {{"EXT_of_texture_info", Json::object()}}}}},
+                 {"emissiveFactor", {1, 1, 1}},
+                 {"extensions",
+                  {{"KHR_materials_sheen", Json::object()},
+                   {"MSFT_packing", Json::object()},
+                   {"KHR_materials_emissive_strength", {{"emissiveStrength", 3}}}}}});
+    file.append("textures", {{"extensions", {{"EXT_of_texture", Json::object()}}}});
+    file.json["meshes"][0]["primitives"][0]["material"] = 0;
+    file.json["accessors"][0]["extensions"]["EXT_of_accessor"] = Json::object();
+    file.json["extensions"]["EXT_of_file"] = Json::object();
+    file.json["extras"]["extensions"]["EXT_of_nothing"] = Json::object();
+    file.animate(0, "translation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0});
+    Json& target = file.json["animations"][0]["channels"][0]["target"];
+    target = {{"path", "pointer"},
+              {"extensions", {{"KHR_animation_pointer", {{"pointer", "/nodes/0/translation"}}}}}};
+    const LeftOutOf wanted{{{"file", "EXT_of_accessor is left out"}, 1},
+                           {{"file", "EXT_of_file is left out"}, 1},
+                           {{"file", "EXT_of_texture is left out"}, 1},
+                           {{"file", "EXT_of_texture_info is left out"}, 1},
+                           {{"file", "KHR_animation_pointer is left out"}, 1},
+                           {{"file", "MSFT_packing is left out"}, 1}};
+    MeshOptions options;
+    options.gloss = true;
+    const TriangleMesh mesh = loadGlb(file, options);
+    EXPECT_EQ(mesh.report.leftOutOf, wanted) << describe(mesh.report);
+    EXPECT_EQ(mesh.report.leftOut.at("KHR_materials_sheen"), 1u);
+    EXPECT_EQ(mesh.materials.at(0).finish.emission, Rgb(3.0f));
+}
+
+TEST(GltfExtensions, AttributesOfAProgramsOwnAreNamed) {
+    GltfBuilder file = squareScene();
+    Json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+    for (const char* name : {"_BATCHID", "COLOR_1", "TEXCOORD_1"})
+        attributes[name] = attributes["POSITION"];
+    const LeftOutOf wanted{{{"primitive", "attribute COLOR_1 is left out"}, 1},
+                           {{"primitive", "attribute _BATCHID is left out"}, 1}};
+    EXPECT_EQ(loadGlb(file).report.leftOutOf, wanted);
+}
+
+TEST(GltfNodes, RotationsThatAreNoneAreNamed) {
+    GltfBuilder file = squareScene();
+    file.json["nodes"][0]["rotation"] = {0, 0, 0, 0};
+    const LeftOutOf wanted{{{"node", "rotation is 0, no quaternion (left out)"}, 1}};
+    EXPECT_EQ(loadGlb(file).report.leftOutOf, wanted);
+    file.json["nodes"][0]["rotation"] = {0, 0, 0, 2};
+    EXPECT_TRUE(loadGlb(file).report.leftOutOf.empty());
+}
+
 TEST(GltfExtensions, ManyNamesAreCountedTogether) {
     GltfBuilder file = squareScene();
     for (int i = 0; i < 1000; ++i)
@@ -114,6 +167,16 @@ TEST(GltfExtensions, HiddenNodesHideThoseBelowThem) {
     EXPECT_EQ(placedCount(loadGlb(file)), 2u);
     file.json["nodes"].back()["extensions"]["KHR_node_visibility"]["visible"] = true;
     EXPECT_EQ(placedCount(loadGlb(file)), 4u);
+}
+
+TEST(GltfScenes, OtherThanTheDefaultAreNamed) {
+    GltfBuilder file = squareScene();
+    const int other = file.append("nodes", {{"mesh", 0}, {"translation", {5, 0, 0}}});
+    EXPECT_TRUE(loadGlb(file).report.leftOutOf.empty());
+    file.json["scenes"].push_back({{"nodes", {other}}});
+    const LeftOutOf wanted{{{"scene", "nodes are left out, as another is the default"}, 1}};
+    EXPECT_EQ(loadGlb(file).report.leftOutOf, wanted);
+    EXPECT_EQ(placedCount(loadGlb(file)), 2u);
 }
 
 TEST(GltfExtensions, FilesWithoutScenesShowAllRoots) {

@@ -3,10 +3,14 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "common/import/load_mesh.h"
 #include "common/import/mesh_reader.h"
 #include "common/import/set_files.h"
+#include "common/shot/camera_source.h"
 #include "common/shot/gltf_shot.h"
+#include "common/shot/picture_view.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/loaded_mesh.h"
 #include "tests/support/temporary_folder.h"
@@ -113,6 +117,64 @@ TEST(GltfCameras, AreFoundByNameOrNumber) {
     const std::string list = describe(shots[0]);
     EXPECT_NE(list.find("camera 3: perspective"), std::string::npos) << list;
     EXPECT_NE(list.find("camera closed: cannot be used"), std::string::npos) << list;
+}
+
+/// The camera of a file with one of this view, `scale` metres a unit.
+Camera cameraOf(const char* type, const Json& view, double scale = 1) {
+    GltfBuilder file = squareScene();
+    file.root(
+        {{"name", "eye"}, {"camera", file.append("cameras", {{"type", type}, {type, view}})}});
+    const TemporaryFolder folder;
+    const auto path = folder.write("a.glb", file.glb());
+    MeshOptions options;
+    options.scale = scale;
+    const std::vector<GltfShot> shots = openShots({&path, 1}, options, 24);
+    return CameraSource({"eye", {}, {}}, shots).at(1);
+}
+
+TEST(GltfCameras, HaveClipPlanes) {
+    const Camera perspective =
+        cameraOf("perspective", {{"yfov", 0.5}, {"znear", 0.25}, {"zfar", 40}}, 2);
+    EXPECT_EQ(perspective.near, 0.5);
+    EXPECT_EQ(perspective.far, 80);
+    const Camera open = cameraOf("perspective", {{"yfov", 0.5}, {"znear", 0.1}});
+    EXPECT_EQ(open.near, 0.1);
+    EXPECT_EQ(open.far, std::numeric_limits<double>::infinity());
+    const Camera flat =
+        cameraOf("orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0}, {"zfar", 7}});
+    EXPECT_EQ(flat.near, 0);
+    EXPECT_EQ(flat.far, 7);
+    for (const auto& [near, far] : {std::pair(2.0, 1.0), {1.0, 1.0}, {-1.0, 1.0}})
+        expectError(
+            [&] {
+                cameraOf("perspective", {{"yfov", 0.5}, {"znear", near}, {"zfar", far}});
+            },
+            "a.glb",
+            fmt::format("znear {:g} and zfar {:g}, expected 0 <= znear < zfar", near, far));
+    expectError(
+        [] {
+            cameraOf("perspective", {{"yfov", 0.5}, {"znear", 2e30}});
+        },
+        "a.glb", "znear 2e+30 m away");
+}
+
+TEST(GltfCameras, TellPicturesOfAnotherAspect) {
+    const Camera wide = cameraOf("perspective", {{"yfov", 0.5}, {"aspectRatio", 16.0 / 9}});
+    const Camera flat = cameraOf("orthographic", {{"xmag", 3.2}, {"ymag", 1.8}});
+    for (const Camera& camera : {wide, flat}) {
+        for (const auto& [width, height] : {std::pair(1920, 1080), {160, 90}, {10, 6}, {11, 6}})
+            EXPECT_EQ(aspectNote(camera, width, height), "");
+        EXPECT_EQ(aspectNote(camera, 800, 600),
+                  "made for pictures 1.778 times as wide as high, the size of 800x600 has 1.333: "
+                  "the view is as high as the camera's, and narrower");
+        EXPECT_NE(aspectNote(camera, 200, 90).find("and wider"), std::string::npos);
+    }
+    EXPECT_EQ(aspectNote(cameraOf("perspective", {{"yfov", 0.5}}), 800, 600), "");
+    expectError(
+        [] {
+            cameraOf("orthographic", {{"xmag", -3}, {"ymag", 2}});
+        },
+        "a.glb", "xmag -3, expected a number above 0");
 }
 
 TEST(GlbChunks, OfOtherKindsArePassedOver) {

@@ -168,6 +168,27 @@ TEST(GltfSkin, WhatDoesNotFitIsRefused) {
         "below themselves");
 }
 
+/// Programs write a clip of each gait into one file.
+TEST(GltfAnimations, ThatGiveWayToALaterOneAreNamed) {
+    GltfBuilder file = squareScene();
+    const int still = file.root({{"mesh", 0}});
+    const int node = file.root({{"mesh", 0}, {"translation", {5, 0, 0}}});
+    for (const float x : {1.0f, 2.0f})
+        file.animate(node, "translation", "LINEAR", {0, 1}, {x, 0, 0, x, 1, 0});
+    file.json["animations"][0]["name"] = "walk";
+    file.json["animations"][1]["name"] = "run";
+    const LeftOutOf wanted{
+        {{"animation", "movements give way to those of a later one, where both have some: walk"},
+         1}};
+    EXPECT_EQ(loadGlb(file).report.leftOutOf, wanted);
+    // Of another node, or another thing of the same.
+    Json& target = file.json["animations"][1]["channels"][0]["target"];
+    target["path"] = "scale";
+    EXPECT_TRUE(loadGlb(file).report.leftOutOf.empty());
+    target = {{"node", still}, {"path", "translation"}};
+    EXPECT_TRUE(loadGlb(file).report.leftOutOf.empty());
+}
+
 TEST(GltfInstancing, PlacesEachCopy) {
     GltfBuilder file = squareGltf();
     Json node = instancesAt(file, {0, 0, 0, 3, 0, 0, 0, 0, 5});
@@ -190,7 +211,8 @@ TEST(GltfInstancing, PlacesEachCopy) {
     EXPECT_NEAR((corner(2, 1) - Vec3d(3, 2, 10)).length(), 0, 1e-4);
     expectNear(corner(4, 1), {-1, 0, 15});
     for (std::uint32_t i = 0; i < 6; ++i) EXPECT_GT(placedNormal(mesh, i).z, 0.99f);
-    EXPECT_TRUE(mesh.report.leftOutOf.empty()) << describe(mesh.report);
+    const LeftOutOf wanted{{{"instance", "attribute _ID is left out"}, 1}};
+    EXPECT_EQ(mesh.report.leftOutOf, wanted) << describe(mesh.report);
 }
 
 TEST(GltfInstancing, WhatDoesNotFitIsRefused) {

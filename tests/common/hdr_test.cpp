@@ -114,6 +114,33 @@ TEST(Hdr, DividesByEveryExposureAndColorCorrection) {
     EXPECT_EQ(read("EXPOSURE=1e-40\n"), Rgb(65504.0f));
 }
 
+TEST(Hdr, TellsOtherPrimariesAndKeepsThem) {
+    const TemporaryFolder folder;
+    const auto read = [&](const std::string& lines) {
+        return readRadiance(folder.write(
+            "a.hdr", hdr("FORMAT=32-bit_rle_rgbe\n" + lines, 1, 1, "\x80\x40\x20\x81")));
+    };
+    for (const std::string same :
+         {"", "PRIMARIES=.64 .33 .3 .6 .15 .06 .3127 .329\n", "GAMMA=1.0\n", "PIXASPECT=2\n"}) {
+        EXPECT_TRUE(read(same).notes.empty()) << same;
+        EXPECT_FALSE(read(same).chromaticities) << same;
+    }
+    const RadianceImage aces = read("PRIMARIES= 0.7347 0.2653 0 1 0.0001 -0.077 0.32168 0.33767\n");
+    ASSERT_TRUE(aces.chromaticities);
+    EXPECT_EQ(aces.chromaticities->at(0), 0.7347f);
+    EXPECT_EQ(aces.chromaticities->at(7), 0.33767f);
+    EXPECT_NEAR(aces.luminanceWeights.x, 0.318f, 0.003f);
+    EXPECT_EQ(aces.image.pixels[0], Rgb(1, 0.5f, 0.25f));
+    ASSERT_EQ(aces.notes.size(), 1u);
+    EXPECT_NE(aces.notes[0].find("not Rec. 709 but red 0.7347,0.2653"), std::string::npos);
+    EXPECT_EQ(read("GAMMA=2.2\n").notes.at(0), "GAMMA of 2.2 is left out: texels are linear");
+    for (const std::string bad : {"PRIMARIES=1 2 3", "PRIMARIES=red", "PRIMARIES=0 0 0 0 0 0 0 1e9",
+                                  "PRIMARIES=nan 0 0 0 0 0 0 0", "GAMMA=", "GAMMA=two"})
+        expectError([&] { read(bad + "\n"); }, "a.hdr", "line 3");
+    expectError([&] { read("PRIMARIES=0 0 0 0 0 0 0 0\n"); }, "a.hdr",
+                "primaries red 0,0, green 0,0, blue 0,0, white 0,0 have no luminance");
+}
+
 using Rgbe = std::array<std::uint8_t, 4>;
 
 /// 9 x 8 texels, all different, each of one power of two.

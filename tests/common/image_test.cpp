@@ -13,6 +13,7 @@
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfRgbaFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTiledRgbaFile.h>
 #include <gtest/gtest.h>
 
@@ -254,6 +255,52 @@ TEST(Radiance, TakesLuminanceWeightsFromChromaticities) {
         weightsOf({{0.7347f, 0.2653f}, {0.0f, 1.0f}, {0.0001f, -0.077f}, {0.32168f, 0.33767f}});
     EXPECT_GT(aces.z, 0.0f);
     EXPECT_NEAR(aces.x + aces.y + aces.z, 1.0f, 1e-6f);
+    expectError(
+        [&] {
+            weightsOf({{0.3f, 0}, {0.3f, 0}, {0.3f, 0}, {0.3f, 0}});
+        },
+        "a.exr", "primaries red 0.3,0, green 0.3,0, blue 0.3,0, white 0.3,0 have no luminance");
+}
+
+TEST(Radiance, NamesColorSpacesThatItDoesNotConvert) {
+    const TemporaryFolder folder;
+    const auto texels = rgbaTexels();
+    const auto notes = [&](const char* attribute, const char* space, bool primaries) {
+        const auto path = folder.path() / "a.exr";
+        Imf::Header header(kWidth, kHeight);
+        if (primaries) Imf::addChromaticities(header, {});
+        header.insert(attribute, Imf::StringAttribute(space));
+        {
+            Imf::RgbaOutputFile file(path.c_str(), header, Imf::WRITE_RGB);
+            file.setFrameBuffer(texels.data(), 1, kWidth);
+            file.writePixels(kHeight);
+        }
+        return readRadiance(path).notes;
+    };
+    for (const char* attribute : {"colorInteropID", "oiio:ColorSpace"}) {
+        EXPECT_TRUE(notes(attribute, "lin_rec709_scene", false).empty());
+        EXPECT_TRUE(notes(attribute, "Linear", false).empty());
+        EXPECT_TRUE(notes(attribute, "lin_ap1_scene", true).empty());
+        for (const char* space : {"lin_ap1_scene", "ACEScg", "sRGB", "Filmic Log"}) {
+            const std::vector<std::string> found = notes(attribute, space, false);
+            ASSERT_EQ(found.size(), 1u) << space;
+            EXPECT_EQ(
+                found[0].find(std::string(attribute) + " is " + space + ", which is left out"), 0u)
+                << found[0];
+        }
+        EXPECT_EQ(notes(attribute, "srgb_rec709_scene", true).size(), 1u);
+    }
+}
+
+TEST(Radiance, OtherFilesAreRefusedByTheirKind) {
+    const TemporaryFolder folder;
+    using namespace std::string_literals;
+    for (const auto& [bytes, kind] : {std::pair("\x89PNG\r\n"s, "PNG"),
+                                      {"\xff\xd8\xff\xe0"s, "JPEG"},
+                                      {"MM\0*\0"s, "TIFF"},
+                                      {"\1\2\3\xfe\5"s, "a file of the bytes 01 02 03 fe ..."}})
+        expectError([&] { readRadiance(folder.write("a.exr", bytes)); }, "a.exr",
+                    "is neither OpenEXR nor Radiance HDR, but "s + kind);
 }
 
 TEST(Radiance, MendsAndCountsBadTexels) {

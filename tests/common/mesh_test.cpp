@@ -72,6 +72,17 @@ TEST(Mesh, ReadsHalfEdgesAndColorsOfOm2) {
     expectAccounted(mesh.report);
 }
 
+TEST(Mesh, NamesWhatItDoesNotReadOfOm) {
+    std::string om = squareOm();
+    om += bytesOf(std::uint16_t{0x0e40});  // texture coordinates of vertices, 2 floats of 32 bits
+    om += std::string(4 * 8, '\0');
+    om += bytesOf(std::uint16_t{0x1088});  // colours of faces, 3 bytes
+    om += std::string(2 * 3, '\7');
+    EXPECT_EQ(describe(loadBytes("a.om", om).report),
+              "2 triangles; 2 faces whose colours are left out; 4 vertices whose texture "
+              "coordinates are left out");
+}
+
 TEST(Mesh, ReadsEveryFormOfObjFace) {
     const TriangleMesh mesh = loadBytes("a.obj",
                                         "v 0 0 0 1 0.5 0.25\r\nv 1 0 0\r\nvt 0 0\r\nvn 0 0 1\r\n"

@@ -207,6 +207,21 @@ TEST_F(ObjMaterial, WhatIsLeftOutIsNamedOnce) {
     EXPECT_NE(describe(mesh.report).find("material without its map_Bump"), std::string::npos);
 }
 
+TEST_F(ObjMaterial, KindsOfLightThatAreNotReadAreNamed) {
+    EXPECT_EQ(leftOut(square("Kd 1 1 1\nillum 0\n"), "constant colour (illum 0)"), 1u);
+    EXPECT_EQ(leftOut(square("Kd 1 1 1\nillum 10\n"), "being but its shadow (illum 10)"), 1u);
+    for (const char* kind : {"1", "2", "3", "5", "8"})
+        EXPECT_TRUE(square(std::string("Kd 1 1 1\nillum ") + kind).report.leftOut.empty()) << kind;
+}
+
+TEST_F(ObjMaterial, NumbersOfPicturesOutOfRangeAreNamed) {
+    picture("all.png", {kRed, kGreen, kBlue, kWhite});
+    const TriangleMesh far = square("map_Kd -o 1e7 0 0 -s 1 1e6 all.png\n");
+    EXPECT_EQ(leftOut(far, "map_Kd -o (out of range)"), 1u);
+    EXPECT_EQ(leftOut(far, "map_Kd -s (out of range)"), 1u);
+    EXPECT_TRUE(square("map_Kd -o 99 0 1e9 -s 1 1e5 all.png\n").report.leftOut.empty());
+}
+
 TEST_F(ObjMaterial, WhatIsDamagedIsLeftOut) {
     picture("whole.png", {kRed, kGreen, kBlue, kWhite});
     folder_.write("cut.png", readBytes(folder_.path() / "whole.png").substr(0, 40));

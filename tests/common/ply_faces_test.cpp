@@ -1,6 +1,9 @@
-// PLY's triangle strips, colours of faces, and names of colours.
+// PLY's triangle strips, colours of faces, names of colours, and what is not read of it.
 
 #include <gtest/gtest.h>
+
+#include <map>
+#include <string>
 
 #include "common/import/load_mesh.h"
 #include "common/mesh/looks.h"
@@ -74,6 +77,45 @@ TEST(PlyFaces, ColoursOfVerticesAreStronger) {
         "0 0 0 0 255 0\n1 0 0 0 255 0\n1 1 0 0 255 0\n3 0 1 2 255 0 0\n");
     EXPECT_EQ(albedoAt(mesh, 0, 0.3f, 0.3f, Rgb(0.5f)), Rgb(0, 1, 0));
     EXPECT_EQ(mesh.report.leftOut.count("colours of the faces (the vertices have their own)"), 1u);
+}
+
+TEST(PlyFaces, WhatIsNotReadIsNamed) {
+    const auto said = [](const TriangleMesh& mesh) { return mesh.report.remarks; };
+    const TriangleMesh mesh = loadPly(
+        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float nx\nproperty float ny\nproperty float nz\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+        "property uchar alpha\nproperty float s\n"
+        "element edge 1\nproperty int vertex1\nproperty int vertex2\n"
+        "element face 1\nproperty list uchar int vertex_indices\n"
+        "property list uchar float texcoord\nelement none 0\nproperty int i\n",
+        "0 0 0 0 0 1 9 9 9 255 0\n1 0 0 0 0 1 9 9 9 255 0\n1 1 0 0 0 1 9 9 9 255 0\n0 1\n"
+        "3 0 1 2 2 0 0\n");
+    const std::map<std::string, std::size_t> wanted{
+        {"properties of 'edge' left out (vertex1, vertex2)", 2},
+        {"properties of 'face' left out (texcoord)", 1},
+        {"properties of 'vertex' left out (alpha, s)", 2}};
+    EXPECT_EQ(said(mesh), wanted);
+    // A colour needs red, green and blue.
+    EXPECT_EQ(said(loadPly("element vertex 3\nproperty float x\nproperty float y\n"
+                           "property float z\nproperty uchar red\nproperty uchar green\n"
+                           "element face 1\nproperty list uchar int vertex_indices\n",
+                           "0 0 0 9 9\n1 0 0 9 9\n1 1 0 9 9\n3 0 1 2\n"))
+                  .at("properties of 'vertex' left out (red, green)"),
+              2u);
+    std::string many = kVertices;
+    for (int i = 0; i < 20; ++i) many += "property float f" + std::to_string(i) + "\n";
+    std::string rows;
+    for (const char* corner : {"0 0 0", "1 0 0", "1 1 0", "0 1 0"}) {
+        rows += corner;
+        for (int i = 0; i < 20; ++i) rows += " 0";
+        rows += "\n";
+    }
+    EXPECT_EQ(said(loadPly(many + "element face 1\nproperty list uchar int vertex_indices\n",
+                           rows + "3 0 1 2\n"))
+                  .at("properties of 'vertex' left out (f0, f1, f2, f3, f4, f5, f6, f7, ...)"),
+              20u);
+    EXPECT_TRUE(said(strips("4 0 1 3 2\n")).empty());
 }
 
 }  // namespace

@@ -76,7 +76,8 @@ TEST(Off, IsSeparatedByWhiteSpace) {
                         "3 0 2\n3 0.5 0.5 0.5 1 # grey\n\n"));
     expectTwo(loadBytes("a.off",
                         "STCNOFF4 2 0\n0 0 0 0 0 1 1 0 0 1 0.5 0.5\n1 0 0 0 0 1 1 0 0 1 0 0\n"
-                        "1 1 0 0 0 1 1 0 0 1 0 0\n0 1 0 0 0 1 1 0 0 1 0 0\n3 0 1 2\n3 0 2 3\n"));
+                        "1 1 0 0 0 1 1 0 0 1 0 0\n0 1 0 0 0 1 1 0 0 1 0 0\n3 0 1 2\n3 0 2 3\n"),
+              "4 vertices whose texture coordinates are left out");
 }
 
 TEST(Off, WhoseNumbersDoNotFitIsRefused) {
@@ -188,6 +189,13 @@ TEST(TextFiles, MayHoldWhatWindowsWritesForNoNumber) {
                   2u)
             << word;
     expectRefused("a.obj", replaced(squareObj(), "v 1 0 0", "v 1.#FOO 0 0"), "expected a number");
+}
+
+TEST(Obj, NormalsThatAreMissingAreCounted) {
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    expectTwo(loadBytes("a.obj", vertices + "f 1//1 2//1 3//1\nf 1 3 4\n"),
+              "3 corners whose normals the file does not have");
+    expectTwo(loadBytes("a.obj", vertices + "vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4\n"));
 }
 
 TEST(Obj, WhatIsLostIsCounted) {

@@ -258,12 +258,6 @@ def sheared_camera():
     plane(diffuse()[0])
 
 
-@names("clip planes, which only CAMERA.json holds")
-def clip_planes():
-    scene().camera.data.clip_start = 3
-    plane(diffuse()[0])
-
-
 @names("pixel aspect, which only CAMERA.json holds")
 def wide_pixels():
     scene().render.pixel_aspect_x = 2

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numeric>
 
 #include "common/image/exr.h"
 #include "tests/support/cli_fixture.h"
@@ -34,8 +35,9 @@ std::string shotGlb() {
         file.root({{"camera", lens}, {"name", "shot"}, {"rotation", {-0.2, 0, 0, 0.98}}});
     file.animate(camera, "translation", "LINEAR", {0, 1}, {0, 2, 3, 0.5, 2, 3});
     const int flatLens = file.append(
-        "cameras", {{"type", "orthographic"},
-                    {"orthographic", {{"xmag", 2}, {"ymag", 2}, {"znear", 0.1}, {"zfar", 9}}}});
+        "cameras",
+        {{"type", "orthographic"},
+         {"orthographic", {{"xmag", 8.0 / 3}, {"ymag", 2}, {"znear", 0.1}, {"zfar", 9}}}});
     file.root(
         {{"camera", flatLens}, {"name", "plan"}, {"rotation", flat}, {"translation", {0, 3, 0}}});
     return file.glb();
@@ -130,6 +132,87 @@ TEST_F(ShotTest, DimsLampsByName) {
         most = std::max(most, usual[i]);
     }
     EXPECT_GT(most, 0.1f);
+}
+
+// A wall 3 m before the camera and a floor behind it: what lies beyond zfar is sky.
+TEST_F(ShotTest, CamerasOfGltfHaveClipPlanesThatAreNamed) {
+    const auto write = [&](double near, double far) {
+        GltfBuilder file = squareGltf();
+        file.root({{"mesh", 0}, {"translation", {-0.5, -0.5, -3}}});
+        const int lens = file.append(
+            "cameras", {{"type", "perspective"},
+                        {"perspective",
+                         {{"yfov", 0.1}, {"aspectRatio", 1.0}, {"znear", near}, {"zfar", far}}}});
+        file.root({{"camera", lens}, {"name", "eye"}});
+        folder_.write("wall.glb", file.glb());
+    };
+    const std::string command =
+        "wall.glb --env 2,2,2 --albedo 0.25 --bounces 0 --camera eye --spp 16 -o a.exr --size ";
+    const auto mean = [&] {
+        const std::vector<float> values = red("a.exr");
+        return std::accumulate(values.begin(), values.end(), 0.0f) /
+               static_cast<float>(values.size());
+    };
+    write(0.1, 3.5);
+    EXPECT_EQ(runWell("render", command + "4x4").out.find("the set reaches"), std::string::npos);
+    EXPECT_NEAR(mean(), 0.5f, 0.05f);
+    write(0.1, 2.5);
+    const auto clipped = runWell("render", command + "4x4");
+    EXPECT_NE(clipped.out.find("camera eye: sees up to 2.5 m along the view, the set reaches 3 m"),
+              std::string::npos)
+        << clipped.out;
+    EXPECT_EQ(mean(), 2);
+    write(3.25, 9);
+    runWell("render", command + "4x4");
+    EXPECT_EQ(mean(), 2);
+    EXPECT_NE(runWell("render", "wall.glb --list").out.find("sees from 3.25 to 9 m away"),
+              std::string::npos);
+    const auto wide = run("render", command + "8x4");
+    EXPECT_EQ(wide.status, 0);
+    EXPECT_NE(wide.err.find("warning: camera eye: made for pictures 1 times as wide as high"),
+              std::string::npos)
+        << wide.err;
+}
+
+TEST_F(ShotTest, CamerasThatAreMirroredOrShearedAreNamed) {
+    const auto warning = [&](const nlohmann::json& parent) {
+        GltfBuilder file = squareScene();
+        const int lens = file.append(
+            "cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}});
+        nlohmann::json node = parent;
+        node["children"] = {file.append("nodes", {{"camera", lens},
+                                                  {"name", "eye"},
+                                                  {"rotation", {0, 0, 0.38268343, 0.92387953}},
+                                                  {"translation", {0.5, 0.5, 3}}})};
+        file.root(node);
+        folder_.write("eye.glb", file.glb());
+        const auto result =
+            run("render", "eye.glb --env 1,1,1 --camera eye --size 4x4 --spp 1 -o a.exr");
+        EXPECT_EQ(result.status, 0) << result.err;
+        return result.err;
+    };
+    EXPECT_EQ(warning({{"scale", {2, 2, 2}}}), "");
+    EXPECT_NE(warning({{"scale", {-1, 1, 1}}}).find("camera eye: a scale below 0"),
+              std::string::npos);
+    EXPECT_NE(warning({{"scale", {1, 2, 1}}}).find("camera eye: a parent's scale shears it"),
+              std::string::npos);
+}
+
+// Where a lamp is in frames that nobody asks for is no reason to refuse.
+TEST_F(ShotTest, LampsOutOfReachRefuseTheirFramesAlone) {
+    GltfBuilder file = squareScene();
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+        {{"type", "point"}, {"name", "comet"}, {"intensity", 4}}};
+    const int node = file.root({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    file.animate(node, "translation", "STEP", {0, 0.5, 1}, {1e20f, 0, 0, 0.5, 0.5, 1, 1e20f, 0, 0});
+    folder_.write("lit.glb", file.glb());
+    const std::string command =
+        "lit.glb --eye 0.5,0.5,2 --look-at 0.5,0.51,0 --size 4x4 --spp 4 --lamp comet=2 -o ";
+    runWell("render", command + "f.####.exr --frames 12-14");
+    EXPECT_GT(std::ranges::max(red("f.0013.exr")), 0.1f);
+    for (const std::string frame : {"1", "24", "12,24"})
+        expectRefusal(run("render", command + "a.####.exr --frames " + frame), "render", "lit.glb",
+                      "lamp comet: is not within 1e+12 of the origin");
 }
 
 TEST_F(ShotTest, ListsWhatAFileHolds) {

@@ -156,8 +156,13 @@ TEST(MovingTracks, AreReadOrRefused) {
     refuses("{", "is not JSON");
     refuses("[]", "has no list of frames");
     refuses(R"({"frames": []})", "has no list of frames");
-    refuses(R"({"frames": [{"scale": [1, 2]}]})", "scale is not a list of 3 finite numbers");
-    refuses(R"({"frames": [{"rotation": [1, 2, 3, "x"]}]})", "rotation is not a list of 4");
+    refuses(R"({"frames": [{"scale": [1, 2]}]})",
+            "frames[0].scale is [1,2], expected a list of 3 finite numbers");
+    refuses(R"({"frames": [{"rotation": [1, 2, 3, "x"]}]})",
+            "frames[0].rotation is [1,2,3,\"x\"], expected a list of 4");
+    refuses(R"({"frames": [{}, {"rotation": [0, 0, 0, 0.0]}]})",
+            "frames[1].rotation is [0,0,0,0.0], expected a quaternion that is not 0");
+    refuses(R"({"fps": 12, "frames": [{}]})", "unknown key fps");
     refuses(R"({"frames": [{}, {"position": [0, 1, 0]}]})", "unknown key frames[1].position");
     refuses(R"({"frames": [)" + std::string(1000, '[') + "]}", "nested deeper");
     EXPECT_EQ(parseDynamic("a@b.obj").mesh, "a@b.obj");
