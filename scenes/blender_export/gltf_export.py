@@ -66,6 +66,7 @@ class GltfExport:
                     entries.append((shown.row, {"name": shown.name, "camera": self.file.add("cameras", camera)}))
                 continue
             if shown.kind == "LIGHT":
+                lamps.name_differences(shown.thing, self.report)
                 light = lamps.entry(shown.thing, self.report)
                 if light:
                     entries.append((shown.row, {"name": shown.name, "extensions": self._light(light)}))

@@ -184,6 +184,26 @@ def driven_by_nodes():
     tree.links.new(tree.nodes.new("ShaderNodeBlackbody").outputs[0], tree.nodes["Emission"].inputs["Color"])
 
 
+@names("light lamp: wide; Cycles has a sun brighter")
+def half_a_sky_of_sun():
+    lamp("SUN", angle=2.4)
+
+
+@names("light lamp: wide; Cycles has a sun brighter")
+def wide_sun_that_is_seen():
+    lamp("SUN", angle=0.5).visible_camera = True
+
+
+@names("light lamp: a narrow spread")
+def beam():
+    lamp("AREA", spread=0.02)
+
+
+@names("light lamp: a scale of 0")
+def no_scale():
+    lamp("POINT", scale=(0, 0, 0))
+
+
 @names("light lamp: light below 0")
 def negative():
     lamp("POINT", energy=-5)
@@ -233,6 +253,16 @@ def names_all():
     blender_compare.names_all(start, left_out_of)
 
 
+def named_after_an_export():
+    """What is changed in a lamp when its set is exported, and needs no other."""
+    start()
+    thing = lamp("POINT", energy=100)
+    assert not blender_compare.render("SHADOWCACHE", "RGB")[1]
+    thing.visible_diffuse = False
+    _, left_out = blender_compare.render("SHADOWCACHE", "RGB")
+    assert left_out == ["light lamp: hidden from diffuse rays"], left_out
+
+
 def cones():
     """Of spots of all whole degrees: the inner angle is at most the outer one, and right."""
     export = sys.modules["shadowcache.blender_export.lamps"]
@@ -250,4 +280,4 @@ def cones():
 
 
 install()
-blender_compare.run(VALUES.store, (compare, names_all, cones))
+blender_compare.run(VALUES.store, (compare, names_all, named_after_an_export, cones))
