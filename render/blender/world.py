@@ -13,7 +13,7 @@ from mathutils import Euler
 from . import exr, fingerprint
 from .blender_export.differences import differences, node_differences
 from .blender_export.image_files import path_of
-from .blender_export.node_values import Reader, constant, link_of, source
+from .blender_export.node_values import Reader, constant, link_of, output_of, source
 from .blender_export.texels import (DATA, LINEAR, MOST_APART, filter_gap, has_texels, is_encoded, linear_texels,
                                     stored_texels, unknown_of)
 from .map_file import is_read_alike
@@ -32,7 +32,7 @@ class NotPlain(Exception):
 
 def background_of(world, reader):
     """The Background node that is the whole world; None for nothing at all."""
-    output = world.node_tree.get_output_node("CYCLES")
+    output = output_of(world.node_tree)
     if not output:
         return None
     if source(output.inputs["Volume"]):
@@ -111,7 +111,7 @@ def left_out(world, is_plain):
         return []
     found = list(differences(world))
     if world.use_nodes:
-        output = world.node_tree.get_output_node("CYCLES")
+        output = output_of(world.node_tree)
         if output and source(output.inputs["Volume"]):
             found.append("Volume")
         if not is_plain:

@@ -9,7 +9,7 @@ import bpy
 
 from . import versions
 from .differences import differences, node_differences
-from .node_values import Reader, source
+from .node_values import Reader, output_of, source
 
 EXTENSION = "KHR_lights_punctual"
 SHAPES = {"SQUARE": "rectangle", "RECTANGLE": "rectangle", "DISK": "ellipse", "ELLIPSE": "ellipse"}
@@ -78,7 +78,7 @@ def has_shear(thing):
 
 def strength_of(lamp, report):
     """Factors by a lamp's nodes: colour times strength of an Emission."""
-    output = lamp.node_tree.get_output_node("CYCLES") if lamp.use_nodes and lamp.node_tree else None
+    output = output_of(lamp.node_tree) if lamp.use_nodes and lamp.node_tree else None
     if not lamp.use_nodes:
         return 1, 1, 1
     feeding = source(output.inputs["Surface"]) if output else None

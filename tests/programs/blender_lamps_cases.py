@@ -128,6 +128,15 @@ def nodes():
 
 
 @shows
+def muted_output():
+    """Beside a lamp that shines."""
+    lamp("POINT", place=(1, 1, 2), energy=60, shadow_soft_size=0.1, color=(1, 0.6, 0.2))
+    thing = lamp("POINT", energy=100)
+    thing.data.use_nodes = True
+    thing.data.node_tree.nodes["Light Output"].mute = True
+
+
+@shows
 def seen():
     """Some before the floor and the box, one half hidden, one from behind, one through another."""
     lamp("POINT", place=(-1.8, 0.3, 1), energy=20, shadow_soft_size=0.35, color=(1, 0.4, 0.2)).visible_camera = True

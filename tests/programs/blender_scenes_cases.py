@@ -86,6 +86,13 @@ def reroutes():
     tree.links.new(second.outputs[0], shader.inputs["Color"])
 
 
+@shows
+def muted_output():
+    material, tree, _ = diffuse()
+    tree.nodes["Material Output"].mute = True
+    plane(material)
+
+
 # What stands for no material.
 
 @shows
@@ -281,6 +288,14 @@ def sky_is_off():
 def world_is_muted():
     bpy.context.scene.world.node_tree.nodes["Background"].mute = True
     plane(diffuse()[0])
+
+
+@shows
+def output_of_world_is_muted():
+    """A lit plane under no sky."""
+    bpy.context.scene.world.node_tree.nodes["World Output"].mute = True
+    glow, _, _ = principled(Base_Color=(0, 0, 0, 1), Specular=0, Emission=(0.2, 0.4, 0.1, 1), Emission_Strength=1)
+    plane(glow)
 
 
 @shows
