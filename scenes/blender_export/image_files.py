@@ -7,6 +7,9 @@ import struct
 import bpy
 
 PNG, PALETTE = b"\x89PNG\r\n\x1a\n", 3
+# Beginnings of files of which Cycles and Blender read the same; TGA has none.
+KINDS = "PNG, JPEG, BMP, TGA, TIFF, WebP, EXR and Radiance"
+READ_ALIKE = (PNG, b"\xff\xd8\xff", b"BM", b"II*\0", b"MM\0*", b"RIFF", b"\x76\x2f\x31\x01", b"#?")
 MOST_HEADER = 1 << 16  # bytes, of a Radiance file
 
 
@@ -24,6 +27,8 @@ def unlike_blender(image):
         return ""
     with open(path, "rb") as file:
         magic = file.read(len(PNG))
+        if not (magic.startswith(READ_ALIKE) or path.lower().endswith(".tga")):
+            return "a file of another kind than %s" % KINDS
         if magic == PNG and has_transparent_colour(file):
             return "a transparent colour (tRNS)"
         if magic.startswith(b"#?") and has_turned_rows(file):

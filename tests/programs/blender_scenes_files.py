@@ -141,6 +141,12 @@ def transparent_colour():
     textured_by(write(".png", data[:end] + struct.pack(">I", 6) + chunk + struct.pack(">I", zlib.crc32(chunk)) + data[end:]))
 
 
+@names("a file of another kind than PNG")
+def another_kind():
+    """Of logarithms, which Cycles reads as they are."""
+    textured_by(saved(".dpx", "DPX"))
+
+
 @names("rows in another order than from above")
 def rows_from_below():
     textured_by(hdr(size=b"+Y 4 +X 8"), "Linear")
