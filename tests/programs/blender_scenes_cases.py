@@ -420,6 +420,14 @@ def mapped_as_normal():
     placed(node, tree, kind="NORMAL")
 
 
+@names("placed by Mapping")
+def mapped_from_a_muted_node():
+    """Which hands nothing on, so that the Mapping's own vector counts."""
+    _, tree, node = textured()
+    placed(node, tree)
+    tree.nodes["Texture Coordinate"].mute = True
+
+
 @names("Brightness is 2")
 def colour_mapping():
     textured()[2].color_mapping.brightness = 2
