@@ -105,6 +105,12 @@ def by_view(tree):
     return found
 
 
+def of_layer(tree):
+    """Names of attributes of the view layer and the scene, without which Cycles makes the map."""
+    return [node.attribute_name for node in nodes_in(tree) if node.type == "ATTRIBUTE" and
+            node.attribute_type == "VIEW_LAYER" and any(s.is_linked for s in node.outputs)]
+
+
 def left_out(world, is_plain):
     """What the map of a world does not show."""
     if world is None:
@@ -116,6 +122,7 @@ def left_out(world, is_plain):
             found.append("Volume")
         if not is_plain:
             found += ["node %s: all see it as the camera does" % name for name in by_view(world.node_tree)]
+            found += ["attribute %s of the view layer: the map is made without it" % name for name in of_layer(world.node_tree)]
     return ["world %s: %s" % (world.name, text) for text in found]
 
 

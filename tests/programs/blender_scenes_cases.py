@@ -502,6 +502,14 @@ def world_volume():
     plane(diffuse()[0])
 
 
+@names("world world: attribute light of the view layer")
+def world_of_view_layer():
+    tree, node, background = world_node("ShaderNodeAttribute")
+    node.attribute_type, node.attribute_name = "VIEW_LAYER", "light"
+    tree.links.new(node.outputs["Fac"], background.inputs["Strength"])
+    plane(diffuse()[0])
+
+
 @names("Max Bounces is 0")
 def world_bounces():
     bpy.context.scene.world.cycles.max_bounces = 0
