@@ -12,6 +12,8 @@ import numpy
 from .blender_export import versions
 from .blender_export.coordinates import STORED
 from .blender_export.differences import differences
+from .blender_export.gltf_export import passed_by_cycles
+from .blender_export.lamps import name_differences
 from .blender_export.report import Report
 from .blender_export.shown import materials_of, walk, world_matrices
 from .blender_export.triangles import read
@@ -149,10 +151,11 @@ class Strengths:
 
 def content_of(depsgraph, report):
     """A digest of the meshes, materials and lamps that are shown, instance by instance; not of where they are, nor of the
-    strengths of lamps by name, which are beside it. Adds to the report what of the objects is not exported."""
+    strengths of lamps by name, which are beside it. Adds to the report what of objects and lamps is not exported."""
     meshes, materials, known, found, strengths, names = {}, {}, {}, [], Strengths(), set()
     for shown in walk(depsgraph, report):
         if shown.kind == "LIGHT":
+            name_differences(shown.thing, report)
             found.append((shown.row, lamp_digest(shown.thing)))
             strengths.add(shown.thing)
         if shown.kind != "MESH":
@@ -171,7 +174,7 @@ def content_of(depsgraph, report):
             known[shown.key] = digest_of(meshes[data.as_pointer()], looks)
         found.append((shown.row, known[shown.key]))
     by_name = strengths.by_name(names)
-    return digest_of(found, strengths.digest(by_name)), by_name
+    return digest_of(found, strengths.digest(by_name), passed_by_cycles(depsgraph.scene)), by_name
 
 
 def places_digest(matrices, rows):

@@ -13,7 +13,7 @@ from mathutils import Euler
 from . import exr, fingerprint
 from .blender_export.differences import differences, node_differences
 from .blender_export.image_files import path_of
-from .blender_export.node_values import Reader, constant, link_of, source
+from .blender_export.node_values import Reader, constant, link_of, output_of, source
 from .blender_export.texels import (DATA, LINEAR, MOST_APART, filter_gap, has_texels, is_encoded, linear_texels,
                                     stored_texels, unknown_of)
 from .map_file import is_read_alike
@@ -32,7 +32,7 @@ class NotPlain(Exception):
 
 def background_of(world, reader):
     """The Background node that is the whole world; None for nothing at all."""
-    output = world.node_tree.get_output_node("CYCLES")
+    output = output_of(world.node_tree)
     if not output:
         return None
     if source(output.inputs["Volume"]):
@@ -105,17 +105,24 @@ def by_view(tree):
     return found
 
 
+def of_layer(tree):
+    """Names of attributes of the view layer and the scene, without which Cycles makes the map."""
+    return [node.attribute_name for node in nodes_in(tree) if node.type == "ATTRIBUTE" and
+            node.attribute_type == "VIEW_LAYER" and any(s.is_linked for s in node.outputs)]
+
+
 def left_out(world, is_plain):
     """What the map of a world does not show."""
     if world is None:
         return []
     found = list(differences(world))
     if world.use_nodes:
-        output = world.node_tree.get_output_node("CYCLES")
+        output = output_of(world.node_tree)
         if output and source(output.inputs["Volume"]):
             found.append("Volume")
         if not is_plain:
             found += ["node %s: all see it as the camera does" % name for name in by_view(world.node_tree)]
+            found += ["attribute %s of the view layer: the map is made without it" % name for name in of_layer(world.node_tree)]
     return ["world %s: %s" % (world.name, text) for text in found]
 
 

@@ -70,7 +70,7 @@ def of_input(socket, reader):
         return Coordinates(), "a muted node"
     output, node = feed.output, feed.output.node
     if node.type == "MAPPING":
-        if link_of(node.inputs["Vector"]) is None:
+        if feed_of(node.inputs["Vector"]) is None:
             return Coordinates(), "Mapping"
         before, unknown = of_input(node.inputs["Vector"], reader)
         settings = [s for s in node.inputs if s.name != "Vector" and s.enabled]

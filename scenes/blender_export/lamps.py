@@ -9,19 +9,22 @@ import bpy
 
 from . import versions
 from .differences import differences, node_differences
-from .node_values import Reader, source
+from .node_values import Reader, output_of, source
 
 EXTENSION = "KHR_lights_punctual"
 SHAPES = {"SQUARE": "rectangle", "RECTANGLE": "rectangle", "DISK": "ellipse", "ELLIPSE": "ellipse"}
 OF_CAMERA = "hidden from the camera"
 THROUGH_GLASS = "light hidden from the camera: seen through glass in Cycles, not here"
 NO_SPREAD = math.pi - 1e-6
+# Angles beyond which light, or the look, of a lamp differs from Cycles by 1 per cent.
+WIDE_SUN, WIDE_SEEN_SUN, NARROW_SPREAD = math.radians(70), math.radians(15), math.radians(3)
+UNEVEN_SUN = "wide; Cycles has a sun brighter towards its edge, here it is even"
 
 
 def entry(thing, report):
-    """A light of a glTF document, of an evaluated object; None if it is none."""
+    """A light of a glTF document, of an evaluated object; None if it is none. name_differences() names what of the lamp is
+    not rendered, but for its nodes."""
     lamp = thing.data
-    name_differences(thing, report)
     if lamp.type == "AREA" and lamp.cycles.is_portal:
         return None
     light = [c * lamp.energy * s for c, s in zip(lamp.color, strength_of(lamp, report))]
@@ -43,6 +46,12 @@ def name_differences(thing, report):
         found.append("seen by the camera, as in Cycles where a lamp has Multiple Importance")
     if thing.data.type == "AREA" and has_shear(thing):
         found.append("sheared")
+    if thing.data.type == "AREA" and thing.data.spread < NARROW_SPREAD:
+        found.append("a narrow spread; Cycles' rounding changes its light")
+    if thing.data.type == "SUN" and thing.data.angle > (WIDE_SEEN_SUN if is_seen(thing) else WIDE_SUN):
+        found.append(UNEVEN_SUN)
+    if not all(axis.length for axis in thing.matrix_world.to_3x3().col):
+        found.append("a scale of 0, which counts otherwise in Cycles")
     for text in found:
         report.add("light %s: %s" % (thing.name, text))
 
@@ -69,7 +78,7 @@ def has_shear(thing):
 
 def strength_of(lamp, report):
     """Factors by a lamp's nodes: colour times strength of an Emission."""
-    output = lamp.node_tree.get_output_node("CYCLES") if lamp.use_nodes and lamp.node_tree else None
+    output = output_of(lamp.node_tree) if lamp.use_nodes and lamp.node_tree else None
     if not lamp.use_nodes:
         return 1, 1, 1
     feeding = source(output.inputs["Surface"]) if output else None

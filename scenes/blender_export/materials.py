@@ -17,6 +17,7 @@ from .pictures import ONE
 from .texels import Lookup, border_matrix
 
 WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071}
+TRANSMISSION = "KHR_materials_transmission"
 NOTHING = (0.8, 0.8, 0.8)  # albedo of Cycles where there is no material
 # Of all materials of a kind, in one entry.
 LOBES = "Principled BSDF: its lobes are those of glTF; where they are rough, light differs from Cycles by up to a tenth"
@@ -33,6 +34,7 @@ class Look:
     maps: list = field(default_factory=list)   # Coordinates by TEXCOORD
     tint: object = None                        # name of the colours of the mesh, "" for the active ones; None: none
     fade: object = None                        # name of those whose alpha is the opacity
+    passes: bool = False                       # whether rays go straight on through it, in Cycles, too
 
 
 class Materials:
@@ -100,6 +102,8 @@ class MaterialWriter:
         for node in self.reader.seen.values():
             for text in node_differences(node):
                 self.leave_out(text)
+        self.look.passes = not self.is_glass and (self.entry.get("alphaMode") == "BLEND" or
+                                                  TRANSMISSION in self.entry.get("extensions", ()))
         self.look.number = self.file.add("materials", self.entry)
         return self.look
 
@@ -116,6 +120,7 @@ class MaterialWriter:
         plain = glass.Layers()
         if not self.material.use_nodes:
             self._write_plain(self.material.diffuse_color)
+            self._within(self.material.diffuse_color[:3], "Base Color")
             return plain
         socket, output = surface_of(self.material)
         if output:
@@ -183,7 +188,7 @@ class MaterialWriter:
             info = self._texture(((value.image, value.channel), None, None, None), False, value.image)
             if info:
                 extension["transmissionTexture"] = info
-        self._extend("KHR_materials_transmission", extension)
+        self._extend(TRANSMISSION, extension)
 
     def _extend(self, name, extension):
         self.file.use(name)
@@ -191,6 +196,7 @@ class MaterialWriter:
 
     def _specular_of(self, shader):
         value = self.reader.value(versions.principled_input(shader, "Specular"))
+        self._within(value.factor, "Specular")
         if self.panes and not versions.has_own_index(shader) and glass.transmits(shader, self.reader):
             return self._specular_of_glass(shader, value)
         if versions.has_own_index(shader) and source(shader.inputs["IOR"]):
@@ -214,6 +220,11 @@ class MaterialWriter:
         if value.unknown:
             self.leave_out("%s: node %s" % (socket, value.unknown))
         return value
+
+    def _within(self, numbers, socket):
+        """Names what glTF clamps."""
+        if list(numbers) != unit(numbers):
+            self.leave_out("%s below 0 or above 1" % socket)
 
     def _place(self, node):
         """Coordinates of an image node's texels, and the name of a node that cannot be expressed, or None."""
@@ -255,8 +266,7 @@ class MaterialWriter:
             alpha = Value(alpha.factor)
         solid = alpha.image is None and alpha.colours is None and alpha.factor[0] >= 1
         self.look.tint, self.look.fade = colour.colours, alpha.colours
-        if colour.factor != tuple(unit(colour.factor)):
-            self.leave_out("Base Color below 0 or above 1")
+        self._within(colour.factor, "Base Color")
         pbr = self.entry["pbrMetallicRoughness"] = {"baseColorFactor": [*unit(colour.factor), 1]}
         if not solid:
             self._write_opacity(unit(alpha.factor)[0])
@@ -273,6 +283,7 @@ class MaterialWriter:
         self._known(metallic, "Metallic")
         self._known(roughness, "Roughness")
         for value, socket in ((metallic, "Metallic"), (roughness, "Roughness")):
+            self._within(value.factor, socket)
             if value.colours is not None:
                 self.leave_out("%s: colours %s" % (socket, value.colours or "of the mesh"))
         if not self._beside(roughness, metallic, "Metallic"):

@@ -163,8 +163,13 @@ class Reader:
         return replace(colour, factor=(colour.factor[number],), channel=number if own else colour.channel)
 
 
+def output_of(tree):
+    """The output node that Cycles renders, of a material, a world or a lamp; None, as nothing is, where it is muted."""
+    output = tree.get_output_node("CYCLES")
+    return None if output and output.mute else output
+
+
 def surface_of(material):
     """The output that a material's surface is, or None, and the node Material Output, or None."""
-    tree = material.node_tree
-    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+    output = output_of(material.node_tree)
     return (source(output.inputs["Surface"]), output) if output else (None, None)

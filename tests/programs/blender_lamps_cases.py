@@ -128,6 +128,15 @@ def nodes():
 
 
 @shows
+def muted_output():
+    """Beside a lamp that shines."""
+    lamp("POINT", place=(1, 1, 2), energy=60, shadow_soft_size=0.1, color=(1, 0.6, 0.2))
+    thing = lamp("POINT", energy=100)
+    thing.data.use_nodes = True
+    thing.data.node_tree.nodes["Light Output"].mute = True
+
+
+@shows
 def seen():
     """Some before the floor and the box, one half hidden, one from behind, one through another."""
     lamp("POINT", place=(-1.8, 0.3, 1), energy=20, shadow_soft_size=0.35, color=(1, 0.4, 0.2)).visible_camera = True
@@ -184,6 +193,26 @@ def driven_by_nodes():
     tree.links.new(tree.nodes.new("ShaderNodeBlackbody").outputs[0], tree.nodes["Emission"].inputs["Color"])
 
 
+@names("light lamp: wide; Cycles has a sun brighter")
+def half_a_sky_of_sun():
+    lamp("SUN", angle=2.4)
+
+
+@names("light lamp: wide; Cycles has a sun brighter")
+def wide_sun_that_is_seen():
+    lamp("SUN", angle=0.5).visible_camera = True
+
+
+@names("light lamp: a narrow spread")
+def beam():
+    lamp("AREA", spread=0.02)
+
+
+@names("light lamp: a scale of 0")
+def no_scale():
+    lamp("POINT", scale=(0, 0, 0))
+
+
 @names("light lamp: light below 0")
 def negative():
     lamp("POINT", energy=-5)
@@ -233,6 +262,16 @@ def names_all():
     blender_compare.names_all(start, left_out_of)
 
 
+def named_after_an_export():
+    """What is changed in a lamp when its set is exported, and needs no other."""
+    start()
+    thing = lamp("POINT", energy=100)
+    assert not blender_compare.render("SHADOWCACHE", "RGB")[1]
+    thing.visible_diffuse = False
+    _, left_out = blender_compare.render("SHADOWCACHE", "RGB")
+    assert left_out == ["light lamp: hidden from diffuse rays"], left_out
+
+
 def cones():
     """Of spots of all whole degrees: the inner angle is at most the outer one, and right."""
     export = sys.modules["shadowcache.blender_export.lamps"]
@@ -250,4 +289,4 @@ def cones():
 
 
 install()
-blender_compare.run(VALUES.store, (compare, names_all, cones))
+blender_compare.run(VALUES.store, (compare, names_all, named_after_an_export, cones))

@@ -86,6 +86,13 @@ def reroutes():
     tree.links.new(second.outputs[0], shader.inputs["Color"])
 
 
+@shows
+def muted_output():
+    material, tree, _ = diffuse()
+    tree.nodes["Material Output"].mute = True
+    plane(material)
+
+
 # What stands for no material.
 
 @shows
@@ -284,6 +291,14 @@ def world_is_muted():
 
 
 @shows
+def output_of_world_is_muted():
+    """A lit plane under no sky."""
+    bpy.context.scene.world.node_tree.nodes["World Output"].mute = True
+    glow, _, _ = principled(Base_Color=(0, 0, 0, 1), Specular=0, Emission=(0.2, 0.4, 0.1, 1), Emission_Strength=1)
+    plane(glow)
+
+
+@shows
 def colour_to_world_strength():
     tree, node, background = world_node("ShaderNodeRGB")
     node.outputs[0].default_value = (0.2, 0.5, 0.9, 1)
@@ -356,6 +371,25 @@ def mix_of_transparent_and_mirror_by_fresnel():
     upright(mixed_shaders("ShaderNodeFresnel", transparent(0.6, 0.8, 0.3), MIRROR))
 
 
+def panes(count):
+    """One above the other, over a floor."""
+    pane = mixed_shaders(0.2, transparent(1, 1, 1), ("ShaderNodeBsdfDiffuse", {"Color": (0.9, 0.2, 0.1, 1)}))
+    above(pane)
+    for i in range(1, count):
+        plane(pane, 2, "pane").location.z = 1 + 0.1 * i
+
+
+@shows
+def as_many_panes_as_light_passes():
+    """Four on the way to the floor, and four on the way back."""
+    panes(4)
+
+
+@names("Cycles ends light behind 8 transparent surfaces, here it goes on (diffuse)")
+def more_panes_than_light_passes():
+    panes(5)
+
+
 @names("glass: light passes straight")
 def glass():
     above(mixed_shaders(1, transparent(1, 1, 1), ("ShaderNodeBsdfGlass", {"Roughness": 0})))
@@ -384,6 +418,37 @@ def bright():
     plane(diffuse((2, 0.5, 0.5))[0])
 
 
+@names("Base Color below 0 or above 1")
+def bright_without_nodes():
+    material, _, _ = diffuse()
+    material.use_nodes, material.diffuse_color = False, (2, 0.5, 0.5, 1)
+    plane(material)
+
+
+def fed(socket, number):
+    """A plane with a number that a node makes, which no editor bounds."""
+    material, tree, shader = principled()
+    node = tree.nodes.new("ShaderNodeValue")
+    node.outputs[0].default_value = number
+    tree.links.new(node.outputs[0], shader.inputs[socket])
+    plane(material)
+
+
+@names("Metallic below 0 or above 1")
+def too_metallic():
+    fed("Metallic", 2)
+
+
+@names("Roughness below 0 or above 1")
+def too_rough():
+    fed("Roughness", 2)
+
+
+@names("Specular below 0 or above 1")
+def too_specular():
+    fed("Specular", 3)
+
+
 @names("colour space XYZ")
 def space():
     textured(space="XYZ")
@@ -403,6 +468,14 @@ def box():
 def mapped_as_normal():
     _, tree, node = textured()
     placed(node, tree, kind="NORMAL")
+
+
+@names("placed by Mapping")
+def mapped_from_a_muted_node():
+    """Which hands nothing on, so that the Mapping's own vector counts."""
+    _, tree, node = textured()
+    placed(node, tree)
+    tree.nodes["Texture Coordinate"].mute = True
 
 
 @names("Brightness is 2")
@@ -476,6 +549,14 @@ def aperture_ratio():
 def world_volume():
     tree, node, _ = world_node("ShaderNodeVolumeScatter")
     tree.links.new(node.outputs[0], tree.nodes["World Output"].inputs["Volume"])
+    plane(diffuse()[0])
+
+
+@names("world world: attribute light of the view layer")
+def world_of_view_layer():
+    tree, node, background = world_node("ShaderNodeAttribute")
+    node.attribute_type, node.attribute_name = "VIEW_LAYER", "light"
+    tree.links.new(node.outputs["Fac"], background.inputs["Strength"])
     plane(diffuse()[0])
 
 

@@ -141,6 +141,29 @@ def transparent_colour():
     textured_by(write(".png", data[:end] + struct.pack(">I", 6) + chunk + struct.pack(">I", zlib.crc32(chunk)) + data[end:]))
 
 
+@names("a file of another kind than PNG")
+def another_kind():
+    """Of logarithms, which Cycles reads as they are."""
+    textured_by(saved(".dpx", "DPX"))
+
+
+@names("columns from the right")
+def columns_from_the_right():
+    head = struct.pack("<BBBHHBHHHHBB", 0, 0, 2, 0, 0, 0, 0, 0, 2, 1, 24, 0x10)
+    textured_by(write(".tga", head + bytes((0, 0, 255, 0, 128, 0))))
+
+
+@names("alpha of a WEBP")
+def alpha_of_webp():
+    textured_by(saved(".webp", "WEBP"))
+
+
+@names("alpha of a BMP")
+def alpha_of_bmp():
+    head = struct.pack("<2sIHHIIiiHHIIiiII", b"BM", 62, 0, 0, 54, 40, 2, 1, 1, 32, 0, 8, 0, 0, 0, 0)
+    textured_by(write(".bmp", head + bytes((0, 0, 255, 0, 0, 128, 0, 100))))
+
+
 @names("rows in another order than from above")
 def rows_from_below():
     textured_by(hdr(size=b"+Y 4 +X 8"), "Linear")
