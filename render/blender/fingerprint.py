@@ -12,6 +12,7 @@ import numpy
 from .blender_export import versions
 from .blender_export.coordinates import STORED
 from .blender_export.differences import differences
+from .blender_export.gltf_export import passed_by_cycles
 from .blender_export.lamps import name_differences
 from .blender_export.report import Report
 from .blender_export.shown import materials_of, walk, world_matrices
@@ -173,7 +174,7 @@ def content_of(depsgraph, report):
             known[shown.key] = digest_of(meshes[data.as_pointer()], looks)
         found.append((shown.row, known[shown.key]))
     by_name = strengths.by_name(names)
-    return digest_of(found, strengths.digest(by_name)), by_name
+    return digest_of(found, strengths.digest(by_name), passed_by_cycles(depsgraph.scene)), by_name
 
 
 def places_digest(matrices, rows):

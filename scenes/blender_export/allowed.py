@@ -250,10 +250,11 @@ PROPERTIES = {
                   "adaptive_threshold time_limit use_denoising denoiser denoising_input_passes denoising_prefilter "
                   "max_bounces diffuse_bounces glossy_bounces sample_clamp_direct sample_clamp_indirect pixel_filter_type "
                   "filter_width use_layer_samples"),
+        "transparent_max_bounces": READ,
         **of(Free("is of Fast GI, which is named"), "ao_bounces ao_bounces_render fast_gi_method"),
         **of(METHOD, "auto_scrambling_distance scrambling_distance blur_glossy device "
                      "direct_light_sampling_type light_sampling_threshold min_light_bounces "
-                     "min_transparent_bounces transparent_max_bounces sampling_pattern tile_size use_auto_tile "
+                     "min_transparent_bounces sampling_pattern tile_size use_auto_tile "
                      "shading_system guiding_distribution_type guiding_training_samples surface_guiding_probability "
                      "use_guiding use_guiding_direct_light use_guiding_mis_weights use_deterministic_guiding "
                      "use_surface_guiding use_volume_guiding volume_guiding_probability debug_bvh_layout "

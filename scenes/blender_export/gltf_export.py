@@ -1,5 +1,7 @@
 """A glTF document of a render depsgraph."""
 
+from collections import Counter
+
 import numpy
 
 from . import cameras, lamps, matrices
@@ -9,6 +11,14 @@ from .meshes import MeshWriter
 from .motion import Motion
 from .pictures import Pictures
 from .shown import materials_of, walk
+
+# Of a set with so many polygons that rays pass that light may meet more of them on its way there and back to the camera.
+MOST_PASSED = "Transparent Max Bounces: Cycles ends light behind %d transparent surfaces, here it goes on"
+
+
+def passed_by_cycles(scene):
+    """How many transparent surfaces a ray passes in Cycles; None without that add-on."""
+    return getattr(getattr(scene, "cycles", None), "transparent_max_bounces", None)
 
 
 class GltfExport:
@@ -55,7 +65,7 @@ class GltfExport:
 
     def _entries(self):
         """Row and node of all that is shown."""
-        known, entries, scene, seen, through_glass = {}, [], self.depsgraph.scene, set(), []
+        known, entries, scene, seen, through_glass, passed = {}, [], self.depsgraph.scene, set(), [], Counter()
         for shown in walk(self.depsgraph, self.report):
             if shown.kind == "CAMERA":
                 if not self.with_cameras:
@@ -76,9 +86,13 @@ class GltfExport:
             if shown.key not in known:
                 known[shown.key] = self._mesh_of(shown.thing)
             if known[shown.key] is not None:
+                passed.update(self.meshes.passed[known[shown.key]])
                 entries.append((shown.row, {"name": shown.name, "mesh": known[shown.key]}))
         for name in through_glass if self.materials.has_glass else ():
             self.report.share(lamps.THROUGH_GLASS, name)
+        most = passed_by_cycles(scene)
+        for name in sorted(passed) if most is not None and 2 * passed.total() > most else ():
+            self.report.share(MOST_PASSED % most, name)
         if self.with_cameras and scene.camera and scene.camera.name not in seen | {cameras.STAND_IN}:
             self.report.add("camera %s: renders hide it" % scene.camera.name)
         return entries

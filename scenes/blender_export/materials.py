@@ -17,6 +17,7 @@ from .pictures import ONE
 from .texels import Lookup, border_matrix
 
 WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071}
+TRANSMISSION = "KHR_materials_transmission"
 NOTHING = (0.8, 0.8, 0.8)  # albedo of Cycles where there is no material
 # Of all materials of a kind, in one entry.
 LOBES = "Principled BSDF: its lobes are those of glTF; where they are rough, light differs from Cycles by up to a tenth"
@@ -33,6 +34,7 @@ class Look:
     maps: list = field(default_factory=list)   # Coordinates by TEXCOORD
     tint: object = None                        # name of the colours of the mesh, "" for the active ones; None: none
     fade: object = None                        # name of those whose alpha is the opacity
+    passes: bool = False                       # whether rays go straight on through it, in Cycles, too
 
 
 class Materials:
@@ -100,6 +102,8 @@ class MaterialWriter:
         for node in self.reader.seen.values():
             for text in node_differences(node):
                 self.leave_out(text)
+        self.look.passes = not self.is_glass and (self.entry.get("alphaMode") == "BLEND" or
+                                                  TRANSMISSION in self.entry.get("extensions", ()))
         self.look.number = self.file.add("materials", self.entry)
         return self.look
 
@@ -183,7 +187,7 @@ class MaterialWriter:
             info = self._texture(((value.image, value.channel), None, None, None), False, value.image)
             if info:
                 extension["transmissionTexture"] = info
-        self._extend("KHR_materials_transmission", extension)
+        self._extend(TRANSMISSION, extension)
 
     def _extend(self, name, extension):
         self.file.use(name)

@@ -1,6 +1,7 @@
 """Meshes of a glTF document from Blender's evaluated meshes."""
 
 import hashlib
+from collections import Counter
 
 import numpy
 
@@ -62,6 +63,7 @@ class MeshWriter:
         self.materials = materials
         self.report = report
         self.by_content = {}
+        self.passed = {}  # by the numbers of meshes: polygons that rays pass, by the names of their materials
 
     def write(self, name, mesh, slots):
         """The number of a mesh with a material (or None) for each slot; None if it has no triangle."""
@@ -77,7 +79,17 @@ class MeshWriter:
         slot = numpy.clip(material_numbers(mesh), 0, max(len(slots) - 1, 0))
         parts = [self._part(mesh, arrays, corners, slots[k // 2] if slots else None, normals, bool(k % 2))
                  for k, corners in self._groups(arrays, 2 * slot + smooth)]
-        return self._once(name, parts)
+        number = self._once(name, parts)
+        self.passed[number] = self._passed_by(slot, slots)
+        return number
+
+    def _passed_by(self, slot, slots):
+        """How many polygons rays pass straight on, by the names of their materials."""
+        found = Counter()
+        for material, count in zip(slots, numpy.bincount(slot, minlength=len(slots))):
+            if count and self.materials.find(material).passes:
+                found[material.name] += int(count)
+        return found
 
     @staticmethod
     def _groups(arrays, group_of_polygon):

@@ -371,6 +371,25 @@ def mix_of_transparent_and_mirror_by_fresnel():
     upright(mixed_shaders("ShaderNodeFresnel", transparent(0.6, 0.8, 0.3), MIRROR))
 
 
+def panes(count):
+    """One above the other, over a floor."""
+    pane = mixed_shaders(0.2, transparent(1, 1, 1), ("ShaderNodeBsdfDiffuse", {"Color": (0.9, 0.2, 0.1, 1)}))
+    above(pane)
+    for i in range(1, count):
+        plane(pane, 2, "pane").location.z = 1 + 0.1 * i
+
+
+@shows
+def as_many_panes_as_light_passes():
+    """Four on the way to the floor, and four on the way back."""
+    panes(4)
+
+
+@names("Cycles ends light behind 8 transparent surfaces, here it goes on (diffuse)")
+def more_panes_than_light_passes():
+    panes(5)
+
+
 @names("glass: light passes straight")
 def glass():
     above(mixed_shaders(1, transparent(1, 1, 1), ("ShaderNodeBsdfGlass", {"Roughness": 0})))
