@@ -10,6 +10,7 @@ PNG, PALETTE = b"\x89PNG\r\n\x1a\n", 3
 # Beginnings of files of which Cycles and Blender read the same; TGA has none.
 KINDS = "PNG, JPEG, BMP, TGA, TIFF, WebP, EXR and Radiance"
 READ_ALIKE = (PNG, b"\xff\xd8\xff", b"BM", b"II*\0", b"MM\0*", b"RIFF", b"\x76\x2f\x31\x01", b"#?")
+TGA_ORDER = 17  # place of the byte with the order of texels
 MOST_HEADER = 1 << 16  # bytes, of a Radiance file
 
 
@@ -27,8 +28,11 @@ def unlike_blender(image):
         return ""
     with open(path, "rb") as file:
         magic = file.read(len(PNG))
-        if not (magic.startswith(READ_ALIKE) or path.lower().endswith(".tga")):
-            return "a file of another kind than %s" % KINDS
+        if not magic.startswith(READ_ALIKE):
+            if not path.lower().endswith(".tga"):
+                return "a file of another kind than %s" % KINDS
+            if is_from_right(file):
+                return "columns from the right"
         if magic == PNG and has_transparent_colour(file):
             return "a transparent colour (tRNS)"
         if magic.startswith(b"#?") and has_turned_rows(file):
@@ -47,6 +51,12 @@ def has_transparent_colour(file):
         if name == b"IHDR" and data[9:10] == bytes((PALETTE,)):
             return False
         file.seek(4, os.SEEK_CUR)
+
+
+def is_from_right(file):
+    """Whether the rows of a TGA begin on the right, which Blender does not heed."""
+    file.seek(TGA_ORDER)
+    return any(byte & 0x10 for byte in file.read(1))
 
 
 def has_turned_rows(file):

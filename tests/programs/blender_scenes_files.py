@@ -147,6 +147,18 @@ def another_kind():
     textured_by(saved(".dpx", "DPX"))
 
 
+@names("columns from the right")
+def columns_from_the_right():
+    head = struct.pack("<BBBHHBHHHHBB", 0, 0, 2, 0, 0, 0, 0, 0, 2, 1, 24, 0x10)
+    textured_by(write(".tga", head + bytes((0, 0, 255, 0, 128, 0))))
+
+
+@names("alpha of a BMP")
+def alpha_of_bmp():
+    head = struct.pack("<2sIHHIIiiHHIIiiII", b"BM", 62, 0, 0, 54, 40, 2, 1, 1, 32, 0, 8, 0, 0, 0, 0)
+    textured_by(write(".bmp", head + bytes((0, 0, 255, 0, 0, 128, 0, 100))))
+
+
 @names("rows in another order than from above")
 def rows_from_below():
     textured_by(hdr(size=b"+Y 4 +X 8"), "Linear")
