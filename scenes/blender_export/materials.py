@@ -120,6 +120,7 @@ class MaterialWriter:
         plain = glass.Layers()
         if not self.material.use_nodes:
             self._write_plain(self.material.diffuse_color)
+            self._within(self.material.diffuse_color[:3], "Base Color")
             return plain
         socket, output = surface_of(self.material)
         if output:
@@ -195,6 +196,7 @@ class MaterialWriter:
 
     def _specular_of(self, shader):
         value = self.reader.value(versions.principled_input(shader, "Specular"))
+        self._within(value.factor, "Specular")
         if self.panes and not versions.has_own_index(shader) and glass.transmits(shader, self.reader):
             return self._specular_of_glass(shader, value)
         if versions.has_own_index(shader) and source(shader.inputs["IOR"]):
@@ -218,6 +220,11 @@ class MaterialWriter:
         if value.unknown:
             self.leave_out("%s: node %s" % (socket, value.unknown))
         return value
+
+    def _within(self, numbers, socket):
+        """Names what glTF clamps."""
+        if list(numbers) != unit(numbers):
+            self.leave_out("%s below 0 or above 1" % socket)
 
     def _place(self, node):
         """Coordinates of an image node's texels, and the name of a node that cannot be expressed, or None."""
@@ -259,8 +266,7 @@ class MaterialWriter:
             alpha = Value(alpha.factor)
         solid = alpha.image is None and alpha.colours is None and alpha.factor[0] >= 1
         self.look.tint, self.look.fade = colour.colours, alpha.colours
-        if colour.factor != tuple(unit(colour.factor)):
-            self.leave_out("Base Color below 0 or above 1")
+        self._within(colour.factor, "Base Color")
         pbr = self.entry["pbrMetallicRoughness"] = {"baseColorFactor": [*unit(colour.factor), 1]}
         if not solid:
             self._write_opacity(unit(alpha.factor)[0])
@@ -277,6 +283,7 @@ class MaterialWriter:
         self._known(metallic, "Metallic")
         self._known(roughness, "Roughness")
         for value, socket in ((metallic, "Metallic"), (roughness, "Roughness")):
+            self._within(value.factor, socket)
             if value.colours is not None:
                 self.leave_out("%s: colours %s" % (socket, value.colours or "of the mesh"))
         if not self._beside(roughness, metallic, "Metallic"):

@@ -418,6 +418,37 @@ def bright():
     plane(diffuse((2, 0.5, 0.5))[0])
 
 
+@names("Base Color below 0 or above 1")
+def bright_without_nodes():
+    material, _, _ = diffuse()
+    material.use_nodes, material.diffuse_color = False, (2, 0.5, 0.5, 1)
+    plane(material)
+
+
+def fed(socket, number):
+    """A plane with a number that a node makes, which no editor bounds."""
+    material, tree, shader = principled()
+    node = tree.nodes.new("ShaderNodeValue")
+    node.outputs[0].default_value = number
+    tree.links.new(node.outputs[0], shader.inputs[socket])
+    plane(material)
+
+
+@names("Metallic below 0 or above 1")
+def too_metallic():
+    fed("Metallic", 2)
+
+
+@names("Roughness below 0 or above 1")
+def too_rough():
+    fed("Roughness", 2)
+
+
+@names("Specular below 0 or above 1")
+def too_specular():
+    fed("Specular", 3)
+
+
 @names("colour space XYZ")
 def space():
     textured(space="XYZ")
