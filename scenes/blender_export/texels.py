@@ -77,8 +77,8 @@ def unknown_alpha_of(image):
         words = "premultiplied alpha"
     elif is_of_floats(image) and is_encoded(image):
         words = "alpha of floats with colour space %s" % image.colorspace_settings.name
-    elif image.file_format in ("TIFF", "BMP") and not image.packed_file:
-        # Of a TIFF Blender does not tell whether colours are times it; of a BMP Cycles reads none.
+    elif image.file_format in ("TIFF", "BMP", "WEBP") and not image.packed_file:
+        # Of a TIFF Blender does not tell whether colours are times it; of a BMP Cycles reads none; of WebP it rounds them.
         words = "alpha of a %s" % image.file_format
     else:
         return ""

@@ -153,6 +153,11 @@ def columns_from_the_right():
     textured_by(write(".tga", head + bytes((0, 0, 255, 0, 128, 0))))
 
 
+@names("alpha of a WEBP")
+def alpha_of_webp():
+    textured_by(saved(".webp", "WEBP"))
+
+
 @names("alpha of a BMP")
 def alpha_of_bmp():
     head = struct.pack("<2sIHHIIiiHHIIiiII", b"BM", 62, 0, 0, 54, 40, 2, 1, 1, 32, 0, 8, 0, 0, 0, 0)
