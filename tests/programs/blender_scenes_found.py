@@ -208,6 +208,42 @@ def instancer_is_indirect():
     bpy.context.view_layer.layer_collection.children["made"].indirect_only = True
 
 
+def on_a_mesh(kind, size, **settings):
+    """Cubes on the vertices, or the faces, of a bent sheet."""
+    plane(diffuse()[0], 6)
+    mesh = bpy.data.meshes.new("sheet")
+    mesh.from_pydata([(-1.4, -1, 0.2), (1.2, -1, 0.2), (1.2, 1, 0.5), (-1.4, 1, 0.5), (0, 2, 1)], [], [(0, 1, 2, 3), (3, 2, 4)])
+    mesh.materials.append(diffuse((0.9, 0.2, 0.1))[0])
+    sheet, thing = link("sheet", mesh), cube(diffuse((0.3, 0.5, 0.7))[0])
+    thing.scale, thing.location.z, thing.parent = (size,) * 3, 0.05, sheet
+    sheet.instance_type = kind
+    for name, value in settings.items():
+        setattr(sheet, name, value)
+
+
+@shows
+def instances_on_vertices():
+    on_a_mesh("VERTS", 0.3, use_instance_vertices_rotation=True, show_instancer_for_render=False)
+
+
+@shows
+def instances_on_faces():
+    on_a_mesh("FACES", 0.4, use_instance_faces_scale=True, instance_faces_scale=0.6, show_instancer_for_render=True)
+
+
+@shows
+def instances_of_instances():
+    outer = instanced("inner")
+    made = bpy.data.collections.new("outer")
+    scene().collection.objects.unlink(outer)
+    made.objects.link(outer)
+    outer.scale, outer.location.x = (0.3, 0.3, 0.3), 0.5
+    for x, turn in ((-1.2, 0.3), (0.8, -0.5)):
+        shown = link("empty", None)
+        shown.instance_type, shown.instance_collection = "COLLECTION", made
+        shown.location.x, shown.rotation_euler.z = x, turn
+
+
 def hairy():
     """A cube, and the modifier that grows hair on it."""
     thing = cube(diffuse((0.3, 0.5, 0.7))[0])
