@@ -27,7 +27,9 @@ class Frame:
         self.engine = engine
         self.depsgraph = depsgraph
         self.scene = depsgraph.scene
-        self.settings = depsgraph.scene.shadowcache
+        # With the values of the frame: in an animation the original scene keeps those that it had before.
+        self.evaluated = depsgraph.scene_eval
+        self.settings = self.evaluated.shadowcache
         self.session = session
         self.job = job
         self.set_file = set_file_of(self.scene, depsgraph.view_layer.name)
@@ -162,14 +164,15 @@ class Frame:
             return  # it would lack what Cycles adds
         self._tell_load(None)
         self._tell_view()
-        self.session.tell("options", options_of(self.scene, 1, 1))
+        self.session.tell("options", options_of(self.evaluated, 1, 1))
         on_picture(self._picture(self.session.render(self.scene.frame_current, **self._calls("First picture"))))
 
     def _tell_light(self):
         self._say("World")
-        light, left_out = world_map.light_of(self.scene, self.depsgraph.view_layer, folder_of(self.scene))
+        layer = self.depsgraph.view_layer_eval
+        light, left_out = world_map.light_of(self.evaluated, layer, folder_of(self.scene))
         if isinstance(light, world_map.Baking):
-            light.prepare(self.scene.world)
+            light.prepare(self.evaluated.world)
         reply = self.session.light(world_map.keys_of(light, self._stopped, self._say), **self._calls("World"))
         left_out = left_out + ["world %s: %s" % (self.scene.world.name, note) for note in reply["notes"] if MENDED in note]
         self.left_out += [entry for entry in left_out if entry not in self.left_out]
@@ -178,11 +181,11 @@ class Frame:
         aovs, of_centre = passes.aovs_of(self.wanted)
         calls = self._calls("Render")
         if of_centre:
-            self.session.tell("options", options_of(self.scene, 1, 1, of_centre, PASS_RAYS, self.is_hybrid,
+            self.session.tell("options", options_of(self.evaluated, 1, 1, of_centre, PASS_RAYS, self.is_hybrid,
                                                     self.groups))
             centre = self._picture(self.session.render(self.scene.frame_current, **calls))
         rays = None if self.settings.target_error else self.settings.camera_rays
-        self.session.tell("options", options_of(self.scene, rays, self.settings.samples, aovs, PASS_RAYS,
+        self.session.tell("options", options_of(self.evaluated, rays, self.settings.samples, aovs, PASS_RAYS,
                                                 self.is_hybrid, self.groups))
         plain = calls["on_reply"]
 

@@ -7,7 +7,7 @@ from .blender_export.differences import differences
 
 def left_out(depsgraph, camera):
     """As texts. camera: an object, or None."""
-    scene, layer = depsgraph.scene, depsgraph.view_layer
+    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     found = ["scene %s: %s" % (scene.name, text) for text in differences(scene)]
     found += ["view layer %s: %s" % (layer.name, text) for text in differences(layer)]
     if camera and camera.type == "CAMERA":

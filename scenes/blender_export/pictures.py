@@ -93,6 +93,11 @@ class Pictures:
     def _compose(self, channels, colour, found, change):
         texels = {lookup: t.linear() for lookup, t in found.items()}
         height, width = max(rgba.shape[:2] for rgba in texels.values())
+        if len({(*rgba.shape[:2], lookup.interpolation) for lookup, rgba in texels.items()}) > 1:
+            for name in sorted({lookup.name for lookup in texels}):
+                self.report.add("image %s: in one texture with others of another size or filter" % name)
+        if len({lookup.name for lookup in texels}) < len(texels):
+            self.report.add("image %s: looked up with Alpha and without" % next(iter(texels)).name)
         texels = {lookup: self._sized(rgba, height, width) for lookup, rgba in texels.items()}
 
         def plane(channel):

@@ -92,7 +92,7 @@ def has_mesh(thing):
 
 def materials_of(thing, depsgraph):
     """Material, or None, for each slot."""
-    override = depsgraph.view_layer.material_override
+    override = depsgraph.view_layer_eval.material_override
     slots = [slot.material for slot in thing.material_slots]
     return [override] * max(len(slots), 1) if override else slots
 

@@ -28,6 +28,21 @@ def encode_srgb(x):
     return numpy.where(x <= 0.0031308, x * 12.92, 1.055 * numpy.maximum(x, 0) ** (1 / 2.4) - 0.055)
 
 
+def is_used(output):
+    """Whether an output leads to an output of the material: Cycles drops all other nodes, and their links."""
+    todo, seen = [output], set()
+    while todo:
+        for link in todo.pop().links:
+            node = link.to_node
+            if link.is_muted or node.name in seen:
+                continue
+            if node.type.startswith("OUTPUT"):
+                return True
+            seen.add(node.name)
+            todo += node.outputs
+    return False
+
+
 @dataclass(frozen=True)
 class Lookup:
     """How an image node looks its image up."""
@@ -38,7 +53,7 @@ class Lookup:
 
     @staticmethod
     def of(node):
-        return Lookup(node.image.name_full, not any(s.is_linked for s in node.outputs if s.name == "Alpha"),
+        return Lookup(node.image.name_full, not any(is_used(s) for s in node.outputs if s.name == "Alpha"),
                       node.interpolation, getattr(node, "extension", "REPEAT"))
 
 
@@ -166,6 +181,14 @@ def filter_gap(stored):
     return abs(wanted / found - 1) if found > 0 else 0
 
 
+def opacity_gap(stored):
+    """By what share of the mean colours times opacity are off between texels where both are filtered, each by itself."""
+    colour, alpha = stored[..., :3].astype(float), stored[..., 3:].astype(float)
+    apart = sum(numpy.abs(numpy.diff(colour, axis=axis) * numpy.diff(alpha, axis=axis)).sum() for axis in (0, 1)) / 8
+    shown = (colour * alpha).sum()
+    return apart / shown if shown > 0 else 0
+
+
 def weights_of(fraction, interpolation):
     """Of the neighbours, from one to the left on: of texels for linear filters, of cubic B-splines."""
     f = fraction
@@ -231,6 +254,9 @@ class Texels:
         self.times, self.unknown = 1, ""
         if self.encoded or lookup.interpolation not in ("Linear", "Closest"):
             self.times, self.unknown = finer(self.stored, self.encoded, lookup.interpolation)
+        if not lookup.is_alone and lookup.interpolation != "Closest" and has_opacity(image) and \
+                opacity_gap(self.stored) > MOST_APART:
+            self.unknown = self.unknown or "Cycles filters its colours times their opacity"
 
     @cached_property
     def stored(self):

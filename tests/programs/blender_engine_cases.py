@@ -340,20 +340,25 @@ def animation():
     assert stamps() == after, "frames that were baked for are baked for again"
     camera.animation_data_clear()
     thing = bpy.data.objects["Cube.001"]
-    for frame, z in ((1, 0.8), (3, 1.8)):
-        thing.location.z = z
+    tree = scene.world.node_tree
+    strength = next(node for node in tree.nodes if node.type == "BACKGROUND").inputs["Strength"]
+    for frame, z, light in ((1, 0.8, 1), (3, 1.8, 2)):
+        thing.location.z, strength.default_value = z, light
         thing.keyframe_insert("location", frame=frame)
+        strength.keyframe_insert("default_value", frame=frame)
+    scene.frame_set(1)
     bpy.ops.render.render(animation=True)
     moved = stamps()
     scene.frame_set(3)
     wanted = planes(render("CYCLES"), "Combined")
     found = {n.split(".", 1)[1]: p for n, p in blender_exr.read(os.path.join(WORK, "frame.0003.exr")).items()}
-    expect_same("frame 3 of a moving object", planes(found, "Combined"), wanted)
+    expect_same("frame 3 of a moving object under a brighter sky", planes(found, "Combined"), wanted)
     render("SHADOWCACHE")
     assert {n: t for n, t in stamps().items() if n.endswith(".glb")} == \
         {n: t for n, t in moved.items() if n.endswith(".glb")}, "a frame of a known motion exports the set"
     scene.frame_set(1)
     thing.animation_data_clear()
+    tree.animation_data_clear()
 
 
 def all_moves():

@@ -161,7 +161,9 @@ TEST_F(BlenderExport, KeepsTexturesAndNamesWhatItCannotExpress) {
     EXPECT_EQ(leftOut("textured"),
               "material check: Roughness: node Noise Texture\n"
               "Principled BSDF: its lobes are those of glTF; where they are rough, light differs "
-              "from Cycles by up to a tenth (check)\nmaterial check: Clearcoat\n");
+              "from Cycles by up to a tenth (check)\nmaterial check: Clearcoat\n"
+              "Transparent Max Bounces: Cycles ends light behind 8 transparent surfaces, here it "
+              "goes on (check)\n");
     EXPECT_EQ(leftOut("lamp"), "object Cube: hidden from the camera\n");
     EXPECT_EQ(leftOut("deforming"), "object Cube: its vertices move; it is as in frame 1\n");
     EXPECT_EQ(leftOut("eyehidden"), "");

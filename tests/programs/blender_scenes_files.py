@@ -7,7 +7,7 @@ import zlib
 
 import bpy
 import numpy
-from blender_kit import checks, diffuse, names, plane, shows, textured
+from blender_kit import checks, diffuse, image, names, plane, shows, textured
 from blender_scene import WORK
 from blender_scenes_found import is_baked, scene
 
@@ -145,6 +145,39 @@ def transparent_colour():
 def another_kind():
     """Of logarithms, which Cycles reads as they are."""
     textured_by(saved(".dpx", "DPX"))
+
+
+def see_through(alpha_texels=None, **settings):
+    """A plane with an image for its colour, and the Alpha of that, or the colour of another one, for its opacity."""
+    texels = numpy.random.default_rng(1).random((4, 4, 4))
+    _, tree, node = textured(texels, **settings)
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    shader.inputs["Specular"].default_value = 0
+    tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+    tree.links.new(shader.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    if alpha_texels is None:
+        tree.links.new(node.outputs["Alpha"], shader.inputs["Alpha"])
+        return
+    other = tree.nodes.new("ShaderNodeTexImage")
+    other.image = image(alpha_texels, "Non-Color")
+    tree.links.new(other.outputs["Color"], shader.inputs["Alpha"])
+
+
+@names("Cycles filters its colours times their opacity")
+def colours_between_opacities():
+    see_through()
+
+
+@names("in one texture with others of another size or filter")
+def images_of_two_sizes():
+    see_through(checks())
+
+
+@shows
+def opacity_that_nothing_uses():
+    """Colours are then times it."""
+    _, tree, node = textured(checks(alpha=0.25))
+    tree.links.new(node.outputs["Alpha"], tree.nodes.new("ShaderNodeMath").inputs[0])
 
 
 @names("columns from the right")
