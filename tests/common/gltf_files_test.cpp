@@ -144,13 +144,15 @@ TEST(GltfCameras, HaveClipPlanes) {
         cameraOf("orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0}, {"zfar", 7}});
     EXPECT_EQ(flat.near, 0);
     EXPECT_EQ(flat.far, 7);
-    for (const auto& [near, far] : {std::pair(2.0, 1.0), {1.0, 1.0}, {-1.0, 1.0}})
+    for (const auto& planes : {std::pair(2.0, 1.0), {1.0, 1.0}, {-1.0, 1.0}})
         expectError(
             [&] {
-                cameraOf("perspective", {{"yfov", 0.5}, {"znear", near}, {"zfar", far}});
+                cameraOf("perspective",
+                         {{"yfov", 0.5}, {"znear", planes.first}, {"zfar", planes.second}});
             },
             "a.glb",
-            fmt::format("znear {:g} and zfar {:g}, expected 0 <= znear < zfar", near, far));
+            fmt::format("znear {:g} and zfar {:g}, expected 0 <= znear < zfar", planes.first,
+                        planes.second));
     expectError(
         [] {
             cameraOf("perspective", {{"yfov", 0.5}, {"znear", 2e30}});

@@ -295,12 +295,12 @@ TEST(Radiance, NamesColorSpacesThatItDoesNotConvert) {
 TEST(Radiance, OtherFilesAreRefusedByTheirKind) {
     const TemporaryFolder folder;
     using namespace std::string_literals;
-    for (const auto& [bytes, kind] : {std::pair("\x89PNG\r\n"s, "PNG"),
-                                      {"\xff\xd8\xff\xe0"s, "JPEG"},
-                                      {"MM\0*\0"s, "TIFF"},
-                                      {"\1\2\3\xfe\5"s, "a file of the bytes 01 02 03 fe ..."}})
-        expectError([&] { readRadiance(folder.write("a.exr", bytes)); }, "a.exr",
-                    "is neither OpenEXR nor Radiance HDR, but "s + kind);
+    for (const auto& file : {std::pair("\x89PNG\r\n"s, "PNG"),
+                             {"\xff\xd8\xff\xe0"s, "JPEG"},
+                             {"MM\0*\0"s, "TIFF"},
+                             {"\1\2\3\xfe\5"s, "a file of the bytes 01 02 03 fe ..."}})
+        expectError([&] { readRadiance(folder.write("a.exr", file.first)); }, "a.exr",
+                    "is neither OpenEXR nor Radiance HDR, but "s + file.second);
 }
 
 TEST(Radiance, MendsAndCountsBadTexels) {

@@ -22,23 +22,23 @@ namespace {
 class BlenderExport : public testing::Test {
 protected:
     static void SetUpTestSuite() {
-        folder_ = std::make_unique<TemporaryFolder>();
+        exported = std::make_unique<TemporaryFolder>();
         const std::string command =
-            "cd " + folder_->path().string() +
+            "cd " + exported->path().string() +
             " && PYTHONDONTWRITEBYTECODE=1 blender -b --factory-startup --python-exit-code 1 -P " +
             SHADOWCACHE_TEST_PROGRAMS "/blender_cases.py -- " SHADOWCACHE_SCENES " > log 2>&1";
         if (std::system("command -v blender > /dev/null 2>&1") == 0)
-            failed_ = std::system(command.c_str()) != 0;
+            exportFailed = std::system(command.c_str()) != 0;
     }
-    static void TearDownTestSuite() { folder_.reset(); }
+    static void TearDownTestSuite() { exported.reset(); }
 
     void SetUp() override {
         SHADOWCACHE_NEEDS("Blender (Debian package: blender)", "command -v blender");
-        ASSERT_FALSE(failed_) << readBytes(folder_->path() / "log");
+        ASSERT_FALSE(exportFailed) << readBytes(exported->path() / "log");
     }
 
     static TriangleMesh mesh(const std::string& name) {
-        const std::filesystem::path path = folder_->path() / name;
+        const std::filesystem::path path = exported->path() / name;
         MeshOptions options;
         options.zUp = name.ends_with(".ply");
         options.shadingNormals = options.gloss = true;
@@ -46,7 +46,7 @@ protected:
     }
 
     static std::string leftOut(const std::string& mode) {
-        return readBytes(folder_->path() / (mode + ".txt"));
+        return readBytes(exported->path() / (mode + ".txt"));
     }
 
     /// Of the corners in the world.
@@ -69,11 +69,11 @@ protected:
     }
 
     static GltfShot shot(const std::string& mode) {
-        return {folder_->path() / (mode + ".glb"), {}, 24};
+        return {exported->path() / (mode + ".glb"), {}, 24};
     }
 
-    static inline std::unique_ptr<TemporaryFolder> folder_;
-    static inline bool failed_ = false;
+    static inline std::unique_ptr<TemporaryFolder> exported;
+    static inline bool exportFailed = false;
 };
 
 // A plane of 2 triangles at height 0, a cube of 12 up to 1.
