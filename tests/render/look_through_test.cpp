@@ -59,8 +59,8 @@ std::array<Shown, 22> shownBy(const Scene& scene, double cosine, float leastOfPa
         scene.look(packet, RayPacket::kSize, leastOfPanes, hits.data());
         for (const Hit& hit : hits) {
             const double height = static_cast<double>(hit.position.y) + scene.mesh().origin.y;
-            Shown& at = hit.found ? shown[static_cast<std::size_t>(std::lround(10 * height))]
-                                  : shown.back();
+            const long number = hit.found ? std::lround(10 * height) : 21;
+            Shown& at = shown[static_cast<std::size_t>(number)];
             at.rays += 1.0 / kChances;
             at.light +=
                 Vec3d(hit.tint) * (static_cast<double>(byShare ? hit.share : 1.0f) / kChances);
