@@ -10,7 +10,7 @@ namespace shadowcache {
 ShadingPoint shadingPointOf(const EstimatorContext& context, const PathVertex& vertex);
 
 /// Adds the direct light of the vertices that are to be lit to the level's light, estimated with
-/// one sample each: to the irradiance, and what lobes reflect of it to `mirrored`.
+/// the samples of the plan: to the irradiance, and what lobes reflect of it to `mirrored`.
 ///
 /// @return shadow rays
 std::uint64_t lightVertices(const Estimator& estimator, const EstimatorPlan* plan,

@@ -16,7 +16,7 @@ class VisibleEmitters;
 struct FramePlan {
     /// By the estimator's pilot; null: none looked at the frame. Copies of a request share it.
     std::shared_ptr<const EstimatorPlan> estimator = {};
-    /// The same for vertices of paths; null: none of it.
+    /// The same for vertices of paths; `estimator` where no paths were sent.
     std::shared_ptr<const EstimatorPlan> vertices = {};
     /// What spreads of pixels contain beside what a few rays meet; null: nothing.
     std::shared_ptr<const VisibleEmitters> visibleEmitters = {};

@@ -128,7 +128,7 @@ std::vector<ShadingPoint> thinned(std::span<const ShadingPoint> points, std::siz
 }
 
 /// Samples of direct light that a path's vertex has in the mean, where a camera ray has `samples`:
-/// what is left to win grows with them for the ray, and is left to other paths at the vertex.
+/// fewer, since many vertices light one pixel.
 int samplesOfVertex(int samples) {
     return static_cast<int>(std::lround(std::sqrt(samples)));
 }
