@@ -14,6 +14,7 @@
 #include "common/shot/moving_set.h"
 #include "tests/support/compressed_gltf.h"
 #include "tests/support/gltf_posed.h"
+#include "tests/support/loaded_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shadowcache::test {
