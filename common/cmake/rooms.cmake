@@ -4,13 +4,12 @@
 # The set of headers that rooms share which are not cold. A folder may have one of its own.
 set(SHADOWCACHE_ROOM_HEADERS shadowcache_room_headers)
 
-# shadowcache_room(NAME [COLD | HOT] SOURCES file... [MAY_INCLUDE room...] [PACKAGES target...])
+# shadowcache_room(NAME [COLD] SOURCES file... [MAY_INCLUDE room...] [PACKAGES target...])
 # The room in the folder NAME beside the caller becomes the library shadowcache_TOP_NAME. Rooms are named
 # TOP/NAME; PACKAGES are those of Debian that only this room sees. COLD: nothing in it
-# takes time when a program runs. HOT: its loops are what takes the time, so that each file is compiled alone, and
-# what the compiler inlines depends on nothing else.
+# takes time when a program runs.
 function(shadowcache_room name)
-    cmake_parse_arguments(room "COLD;HOT" "" "SOURCES;MAY_INCLUDE;PACKAGES" ${ARGN})
+    cmake_parse_arguments(room "COLD" "" "SOURCES;MAY_INCLUDE;PACKAGES" ${ARGN})
     cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}"
         OUTPUT_VARIABLE top)
     set(target shadowcache_${top}_${name})
@@ -19,9 +18,7 @@ function(shadowcache_room name)
         add_library(${target} STATIC ${room_SOURCES})
         set(scope PUBLIC)
         target_link_libraries(${target} PRIVATE ${room_PACKAGES})
-        if(NOT room_HOT)
-            shadowcache_compile_together(${target})
-        endif()
+        shadowcache_compile_together(${target})
         if(room_COLD)
             shadowcache_compile_cold(${target})
         else()

@@ -82,11 +82,11 @@ struct Values {
 };
 
 /// By what neighbours are judged.
-struct Guides {
+struct FilterGuides {
     std::array<Plane, 3> normal, position;
     Plane height;  ///< greatest over the plane of the pixel, for each pixel of distance
 
-    explicit Guides(std::size_t size) : height(size) {
+    explicit FilterGuides(std::size_t size) : height(size) {
         for (Plane& plane : normal) plane.resize(size);
         for (Plane& plane : position) plane.resize(size);
     }
@@ -118,7 +118,7 @@ struct alignas(64) Lanes {
 };
 
 /// How far the neighbours at `tap` of the pixels from `p` on lie on the same surface.
-void matchSurfaces(const Guides& guides, std::ptrdiff_t p, const Tap& tap, Lanes& weight) {
+void matchSurfaces(const FilterGuides& guides, std::ptrdiff_t p, const Tap& tap, Lanes& weight) {
     const std::ptrdiff_t q = p + tap.offset;
     const float *nx = guides.normal[0].data(), *ny = guides.normal[1].data(),
                 *nz = guides.normal[2].data();
@@ -140,7 +140,7 @@ void matchSurfaces(const Guides& guides, std::ptrdiff_t p, const Tap& tap, Lanes
 }
 
 /// The mean variance of the neighbours on the same surface.
-void smoothVariances(const Guides& guides, const Values& from, std::span<const Tap> taps,
+void smoothVariances(const FilterGuides& guides, const Values& from, std::span<const Tap> taps,
                      std::ptrdiff_t p, Values& to) {
     Lanes sum, weights, weight;
     for (const Tap& tap : taps) {
@@ -158,7 +158,7 @@ void smoothVariances(const Guides& guides, const Values& from, std::span<const T
 
 /// The mean residual of the neighbours on the same surface that differ by no more than the noise,
 /// and its variance.
-void smoothResiduals(const Guides& guides, const Values& from, const Rgb& luminance,
+void smoothResiduals(const FilterGuides& guides, const Values& from, const Rgb& luminance,
                      std::span<const Tap> taps, float correlation, std::ptrdiff_t p, Values& to) {
     Lanes sum[3], independent, dependent, weights, weight;
     const float* v = from.variance.data();
@@ -205,7 +205,7 @@ void forEachBlock(const Layout& layout, const Smooth& smooth) {
 
 void filterResiduals(ResidualImage& image, const Rgb& luminanceWeights) {
     const Layout layout(image.width, image.height);
-    Guides guides(layout.size());
+    FilterGuides guides(layout.size());
     Values values(layout.size()), smoothed(layout.size());
     const auto forEachPixel = [&](const auto& visit) {
         parallelFor(static_cast<std::size_t>(image.height), kRowsOfChunk, [&](const Chunk& chunk) {

@@ -12,9 +12,13 @@ namespace {
 /// Weight of the counts' own prediction beside the measured share, in rays.
 constexpr double kCalibrationPrior = 2;
 
-/// Least error of the visibility that is corrected: below it nothing is to be gained, and what the
-/// counts call fully visible or fully occluded stays free of noise.
+/// Least error of the visibility that is corrected where what the counts call fully visible or
+/// fully occluded would no longer be free of noise.
 constexpr double kLeastCorrection = 0.02;
+
+/// Share of the rays predicted to be visible that are, below which counts are worth as little in
+/// bins with too few rays to tell.
+constexpr double kLeastFound = 0.5;
 
 /// Standard errors that a measured share must be off by to count as the cache's fault.
 SHADOWCACHE_TUNED(double, kCorrectionErrors, 4);
@@ -23,7 +27,7 @@ SHADOWCACHE_TUNED(double, kCorrectionErrors, 4);
 
 Calibration::Calibration() {
     factor_.fill(1);
-    correction_.fill(0);
+    slope_.fill(1);
 }
 
 void Calibration::add(float a, bool visible) {
@@ -41,7 +45,17 @@ void Calibration::add(const Calibration& other) {
     }
 }
 
+double Calibration::lightFound() const {
+    double visible = 0, predicted = 0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+        visible += static_cast<double>(visible_[i]);
+        predicted += sum_[i];
+    }
+    return (visible + kCalibrationPrior) / (predicted + kCalibrationPrior);
+}
+
 void Calibration::update() {
+    const double all = lightFound();
     for (std::size_t i = 0; i < kBins; ++i) {
         if (rays_[i] == 0) continue;
         const auto rays = static_cast<double>(rays_[i]);
@@ -53,12 +67,25 @@ void Calibration::update() {
         const double predictedUncertainty = i < kBinsPerSide ? predicted : 1 - predicted;
         factor_[i] =
             static_cast<float>(std::clamp(uncertainty, least, 1 - least) / predictedUncertainty);
-        const double share = std::clamp(visible / rays, 1 / (rays + 2), 1 - 1 / (rays + 2));
+        slope_[i] = 1;
+        offset_[i] = 0;
+        // In proportion: where no ray is visible the counts of the whole bin are worth nothing.
+        if (all < kLeastFound) {
+            slope_[i] = static_cast<float>((visible + kCalibrationPrior * all) /
+                                           (rays * predicted + kCalibrationPrior));
+            continue;
+        }
+        const double measured = visible / rays;
+        const double share = std::clamp(measured, 1 / (rays + 2), 1 - 1 / (rays + 2));
         const double error = std::sqrt(share * (1 - share) / rays);
-        const double off = found - predicted;
-        correction_[i] = std::abs(off) > std::max(kLeastCorrection, kCorrectionErrors * error)
-                             ? static_cast<float>(off)
-                             : 0.0f;
+        const bool darker = measured < predicted;
+        const bool leavesCertain = darker == (i < kBinsPerSide);
+        if (std::abs(found - predicted) <=
+            std::max(leavesCertain ? 0 : kLeastCorrection, kCorrectionErrors * error))
+            continue;
+        slope_[i] =
+            static_cast<float>(darker ? measured / predicted : (1 - measured) / (1 - predicted));
+        offset_[i] = darker ? 0 : 1 - slope_[i];
     }
 }
 

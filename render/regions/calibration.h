@@ -26,18 +26,19 @@ public:
 
     /// Calibrated prediction for a region whose counts predict visibility `a`.
     struct Calibrated {
-        float posterior;   ///< probability that its light is seen, in (0, 1)
-        float correction;  ///< to add to the visibility the counts give, where they are wrong by
-                           ///< more than chance and rounding explain; else 0
+        float posterior;  ///< probability that its light is seen, in (0, 1)
+        /// The visibility v that the counts give is corrected to slope v + offset, which is v
+        /// except where they are wrong by more than chance and rounding explain.
+        float slope, offset;
     };
     Calibrated apply(float a) const {
         Calibrated calibrated;
-        apply<1>(&a, &calibrated.posterior, &calibrated.correction);
+        apply<1>(&a, &calibrated.posterior, &calibrated.slope, &calibrated.offset);
         return calibrated;
     }
     /// The same of `count` regions at once: loops that become vectors.
     template <int count>
-    void apply(const float* a, float* posterior, float* correction) const {
+    void apply(const float* a, float* posterior, float* slope, float* offset) const {
         float uncertainty[count], factor[count];
         std::uint32_t bin[count];
         for (int i = 0; i < count; ++i) {
@@ -46,7 +47,8 @@ public:
         }
         for (int i = 0; i < count; ++i) {
             factor[i] = factor_[bin[i]];
-            correction[i] = correction_[bin[i]];
+            slope[i] = slope_[bin[i]];
+            offset[i] = offset_[bin[i]];
         }
         for (int i = 0; i < count; ++i) {
             // Uncertainties of one bin differ by half an octave: what is right for their mean may
@@ -74,10 +76,14 @@ private:
         return (bin < last ? bin : last) + kBinsPerSide * static_cast<std::uint32_t>(a > 0.5f);
     }
 
+    /// Rays that were visible over those that the counts predict to be.
+    double lightFound() const;
+
     std::array<std::uint64_t, kBins> visible_{}, rays_{};
     std::array<double, kBins> sum_{};  ///< of a, over the rays
     alignas(64) std::array<float, kBins> factor_;
-    alignas(64) std::array<float, kBins> correction_{};
+    alignas(64) std::array<float, kBins> slope_;
+    alignas(64) std::array<float, kBins> offset_{};
 };
 
 }  // namespace shadowcache

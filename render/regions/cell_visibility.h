@@ -48,13 +48,6 @@ inline void estimateVisibility(const PooledBlock* counts, const ParentVisibility
     }
 }
 
-/// Prediction moved by the pilot's correction, within [0, 1].
-inline float corrected(float c, float correction) {
-    const float moved = c + correction;
-    const float atMost1 = moved < 1 ? moved : 1.0f;
-    return atMost1 > 0 ? atMost1 : 0.0f;
-}
-
 /// Mean square of the residual in a region that is visible with probability `a` and whose
 /// visibility the control variate takes for `c`, in units of its light. The two moments are those
 /// of the integrand and of the fit that stands in for it.

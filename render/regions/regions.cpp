@@ -11,10 +11,11 @@ void Regions::add(const RegionEvidence& e, const Calibration& calibration) {
     RegionGroup& group = groups.emplace_back();
     group.firstCell = e.firstCell;
     group.level = e.level;
-    alignas(64) float correction[kBlockCells], predicted[kBlockCells], sure[kBlockCells];
-    calibration.apply<kBlockCells>(e.posterior, group.calibrated, correction);
+    alignas(64) float slope[kBlockCells], offset[kBlockCells];
+    alignas(64) float predicted[kBlockCells], sure[kBlockCells];
+    calibration.apply<kBlockCells>(e.posterior, group.calibrated, slope, offset);
     for (int i = 0; i < kBlockCells; ++i) {
-        const float cached = corrected(e.counted[i], correction[i]);
+        const float cached = slope[i] * e.counted[i] + offset[i];
         const float c = e.fitted[i] > 0 ? cached : 0.0f;
         group.light[i] = e.light[i];
         group.exact[i] = e.exact[i];

@@ -15,11 +15,18 @@
 namespace shadowcache {
 namespace {
 
+/// The visibility `v` of a region of posterior `a`, corrected.
+float corrected(const Calibration& calibration, float a, float v) {
+    const Calibration::Calibrated c = calibration.apply(a);
+    return c.slope * v + c.offset;
+}
+
 TEST(Calibration, IsTheCountsOwnBeforeAnyRay) {
     const Calibration untested;
     for (const float a : {1e-5f, 0.01f, 0.3f, 0.5f, 0.6f, 0.99f, 0.9999f}) {
         EXPECT_FLOAT_EQ(untested.apply(a).posterior, a);
-        EXPECT_EQ(untested.apply(a).correction, 0.0f);
+        EXPECT_EQ(untested.apply(a).slope, 1.0f);
+        EXPECT_EQ(untested.apply(a).offset, 0.0f);
     }
 }
 
@@ -53,9 +60,48 @@ TEST(Calibration, FindsCountsThatAreWrongAndLeavesRightOnesAlone) {
     wrong.update();
     correct.update();
     EXPECT_NEAR(wrong.apply(0.999f).posterior, 0.5f, 0.01f);
-    EXPECT_NEAR(0.999f + wrong.apply(0.999f).correction, 0.5f, 0.01f);
+    EXPECT_NEAR(corrected(wrong, 0.999f, 0.999f), 0.5f, 0.01f);
     EXPECT_NEAR(correct.apply(0.999f).posterior, 0.999f, 1e-4f);
-    EXPECT_EQ(correct.apply(0.999f).correction, 0.0f);
+    EXPECT_EQ(corrected(correct, 0.999f, 0.999f), 0.999f);
+}
+
+// In proportion to what the counts have, so that no place of a bin gains or loses more than there is.
+TEST(Calibration, CorrectsWithinTheRangeOfVisibility) {
+    Calibration tooBright, tooDark;
+    for (int i = 0; i < 4000; ++i) {
+        for (const float a : {0.3f, 0.9f}) {
+            tooBright.add(a, i % 5 == 0);
+            tooDark.add(a, i % 50 != 0);
+        }
+    }
+    tooBright.update();
+    tooDark.update();
+    EXPECT_NEAR(corrected(tooBright, 0.9f, 0.9f), 0.2f, 0.01f);
+    EXPECT_NEAR(corrected(tooDark, 0.3f, 0.3f), 0.98f, 0.01f);
+    for (const float a : {0.3f, 0.9f})
+        for (float v = 0; v <= 1; v += 0.125f) {
+            EXPECT_LE(corrected(tooBright, a, v), v);
+            EXPECT_GE(corrected(tooBright, a, v), 0.0f);
+            EXPECT_GE(corrected(tooDark, a, v), v);
+            EXPECT_LE(corrected(tooDark, a, v), 1.0f);
+        }
+}
+
+// A dark room: what most of the rays do not find is not predicted where few rays went either. Where
+// most rays find what they should, bins of few rays are left alone.
+TEST(Calibration, BinsOfFewRaysAreWorthWhatAllAre) {
+    Calibration dark, lit;
+    for (int i = 0; i < 4000; ++i) {
+        dark.add(0.3f, false);
+        lit.add(0.3f, i % 10 < 3);
+    }
+    for (int i = 0; i < 3; ++i)
+        for (Calibration* room : {&dark, &lit}) room->add(0.06f, false);
+    dark.update();
+    lit.update();
+    EXPECT_LT(corrected(dark, 0.3f, 1.0f), 1e-4f);
+    EXPECT_LT(corrected(dark, 0.06f, 1.0f), 0.01f);
+    EXPECT_EQ(corrected(lit, 0.06f, 1.0f), 1.0f);
 }
 
 // The quadratic is a projection: its error has no part of degree 0, 1 or 2, and the moments hold.
