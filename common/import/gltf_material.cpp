@@ -1,5 +1,7 @@
 #include "common/import/gltf_material.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -173,11 +175,18 @@ private:
 
     void readEmission() {
         const std::vector<double> factor = numbersOr(from_.numbers("emissiveFactor", 3), {0, 0, 0});
-        const double scale =
-            from_.extension("KHR_materials_emissive_strength").number("emissiveStrength", 1);
-        for (int k = 0; k < 3; ++k)
-            finish_.emission[k] =
-                bounded(factor[static_cast<std::size_t>(k)] * scale, 0, kMostEmission);
+        const GltfObject extension = from_.extension("KHR_materials_emissive_strength");
+        const double scale = extension.number("emissiveStrength", 1);
+        if (!(scale >= 0 && scale <= kMostEmission))
+            extension.refuse("emissiveStrength", fmt::format("0 to {:.4g}", kMostEmission));
+        for (int k = 0; k < 3; ++k) {
+            const double emitted = factor[static_cast<std::size_t>(k)] * scale;
+            if (!(emitted >= 0 && emitted <= kMostEmission))
+                from_.refuse("emissiveFactor",
+                             fmt::format("three numbers of 0 to {:.4g} times emissiveStrength",
+                                         kMostEmission));
+            finish_.emission[k] = static_cast<float>(emitted);
+        }
         if (finish_.emission != Rgb(0.0f))
             finish_.emissionTexture = slotOf(from_, "emissiveTexture");
     }

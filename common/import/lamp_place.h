@@ -10,7 +10,7 @@
 namespace shadowcache {
 
 /// Light of a lamp, at most: sums of more would not be finite.
-inline constexpr double kMostLampStrength = 1e30;
+inline constexpr double kMostLampStrength = 1e15;
 
 /// A lamp as a map puts it into the world. Scale changes the size of areas alone, and leaves their
 /// intensity. None: it has no direction there.

@@ -71,6 +71,7 @@ public:
             } catch (const Error&) {
                 leaveOut(std::string(word) + " (not as expected)");
             }
+            if (!refusal_.empty()) text_.fail(refusal_);
         }
         for (MtlMaterial& m : materials_) finish(m);
         if (!materials_.empty())
@@ -101,7 +102,7 @@ private:
         } else if (key == "ks") {
             readColor(word, m.specular);
         } else if (key == "ke") {
-            readColor(word, m.emission);
+            readEmission(word);
         } else if (key == "d") {
             readOpacity();
         } else if (key == "tr") {
@@ -134,15 +135,34 @@ private:
     float readShare() { return bounded(text_.number(text_.wordOnLine()), 1); }
 
     /// "r g b", or "r" for a grey; colours given as spectra or in XYZ are left out.
-    void readColor(std::string_view keyword, std::optional<Rgb>& to) {
+    std::optional<Vec3d> colorOnLine(std::string_view keyword) {
         const std::string_view first = text_.wordOnLine();
-        if (first == "spectral" || first == "xyz")
-            return leaveOut(std::string(keyword) + " " + std::string(first));
+        if (first == "spectral" || first == "xyz") {
+            leaveOut(std::string(keyword) + " " + std::string(first));
+            return {};
+        }
         const double r = text_.number(first);
         const std::string_view second = text_.wordOnLine();
         const double g = second.empty() ? r : text_.number(second);
-        const double b = second.empty() ? r : text_.number(text_.wordOnLine());
-        to = Rgb(bounded(r, kMostColor), bounded(g, kMostColor), bounded(b, kMostColor));
+        return Vec3d(r, g, second.empty() ? r : text_.number(text_.wordOnLine()));
+    }
+
+    void readColor(std::string_view keyword, std::optional<Rgb>& to) {
+        if (const std::optional<Vec3d> c = colorOnLine(keyword))
+            to = Rgb(bounded(c->x, kMostColor), bounded(c->y, kMostColor),
+                     bounded(c->z, kMostColor));
+    }
+
+    /// Light that is less than none, or endless, is refused.
+    void readEmission(std::string_view keyword) {
+        const std::optional<Vec3d> c = colorOnLine(keyword);
+        if (!c) return;
+        for (int k = 0; k < 3; ++k)
+            if (!((*c)[k] >= 0 && (*c)[k] <= kMostColor))
+                refusal_ = fmt::format("material {}: {} {:g} {:g} {:g}, expected 0 to {:g}",
+                                       printableWord(material().name), keyword, c->x, c->y, c->z,
+                                       kMostColor);
+        material().emission = Rgb(*c);
     }
 
     void readOpacity() {
@@ -246,6 +266,7 @@ private:
     }
 
     TextScanner text_;
+    std::string refusal_;  ///< of a line that must not be left out
     std::vector<MtlMaterial> materials_;
     std::vector<std::string> early_;  ///< lines before the first material
 };

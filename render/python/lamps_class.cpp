@@ -70,7 +70,7 @@ Vec3d directionOf(const Vec3d& v, const char* name, std::size_t i) {
 
 Rgb strengthOf(const Vec3d& v, const char* name, std::size_t i, double times = 1) {
     for (int k = 0; k < 3; ++k)
-        if (!(v[k] >= 0 && v[k] * times <= kMostLampStrength)) refuse(name, i, "0 to 1e30");
+        if (!(v[k] >= 0 && v[k] * times <= kMostLampStrength)) refuse(name, i, "0 to 1e15");
     return Rgb(v * times);
 }
 

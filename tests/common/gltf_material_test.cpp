@@ -140,7 +140,6 @@ TEST(GltfMaterial, IsLambertianWhereGlossIsNotRead) {
 TEST(GltfMaterial, FactorsOutOfRangeAreBroughtIntoIt) {
     const TriangleMesh mesh = loadLooks(
         squareWith({{"pbrMetallicRoughness", {{"metallicFactor", -3}, {"roughnessFactor", 1e9}}},
-                    {"emissiveFactor", {-1, 1e300, 0}},
                     {"extensions",
                      {{"KHR_materials_ior", {{"ior", 0.2}}},
                       {"KHR_materials_specular", {{"specularFactor", 7}}}}}}));
@@ -149,8 +148,22 @@ TEST(GltfMaterial, FactorsOutOfRangeAreBroughtIntoIt) {
     EXPECT_EQ(s.diffuse, Rgb(1.0f));
     EXPECT_EQ(s.f0, Rgb(0.0f));  // an index of refraction of 1
     EXPECT_EQ(s.f90, Rgb(1.0f));
-    EXPECT_EQ(s.emission.x, 0);
-    EXPECT_TRUE(std::isfinite(s.emission.y));
+}
+
+TEST(GltfMaterial, LightThatIsLessThanNoneOrEndlessIsRefused) {
+    const auto refused = [](const nlohmann::json& material, const char* cause) {
+        expectError([&] { loadLooks(squareWith(material)); }, "material 0", cause);
+    };
+    const auto strength = [](double s) {
+        return nlohmann::json{
+            {"emissiveFactor", {1, 1, 0}},
+            {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", s}}}}}};
+    };
+    refused({{"emissiveFactor", {-1, 1, 0}}}, "expected three numbers of 0 to 1e+15");
+    refused({{"emissiveFactor", {1, 1e300, 0}}}, "expected three numbers of 0 to 1e+15");
+    refused(strength(-5), "emissiveStrength -5.0, expected 0 to 1e+15");
+    refused(strength(1e39), "emissiveStrength 1e+39");
+    EXPECT_EQ(at(loadLooks(squareWith(strength(1e15))), 0.6f, 0.2f).emission.x, 1e15f);
 }
 
 TEST(GltfMaterial, AnIndexOfRefractionOfZeroReflectsEverything) {

@@ -229,10 +229,9 @@ TEST_F(ObjMaterial, WhatIsDamagedIsLeftOut) {
     EXPECT_EQ(leftOut(cut, "cut.png (no whole PNG, JPEG or WebP)"), 1u);
     EXPECT_EQ(cut.materials.at(0).albedo, Rgb(0.25f, 0.5f, 1));
     // Numbers out of range are brought into it.
-    const Material material = square("Kd 5 -1 nan\nPr 7\nd -2\nKe inf 1e300 -1\n").materials.at(0);
+    const Material material = square("Kd 5 -1 nan\nPr 7\nd -2\n").materials.at(0);
     EXPECT_EQ(material.albedo, Rgb(1, 0, 0));
     EXPECT_EQ(material.opacity, 0.0f);
-    for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isfinite(material.finish.emission[k]));
 }
 
 TEST_F(ObjMaterial, LinesThatCannotBeReadAreNamed) {
@@ -378,9 +377,15 @@ TEST_F(ObjMaterial, NumbersOutOfRangeAreCounted) {
         return square(lines).report.remarks[kClampedMaterials];
     };
     EXPECT_EQ(clamped("Kd 1 0 0\nKs 1 1 1\nNs 1000\nPr 1\nKe 9 9 9\n"), 0u);
-    for (const char* lines :
-         {"Kd 255 0 0\n", "Kd -1 0 0\n", "Ks nan 0 0\n", "Pr 2\n", "d -1\n", "Ke inf 0 0\n"})
+    for (const char* lines : {"Kd 255 0 0\n", "Kd -1 0 0\n", "Ks nan 0 0\n", "Pr 2\n", "d -1\n"})
         EXPECT_EQ(clamped(lines), 1u) << lines;
+}
+
+TEST_F(ObjMaterial, LightThatIsLessThanNoneOrEndlessIsRefused) {
+    for (const char* light : {"-1 0 0", "nan 1 1", "inf 0 0", "0 1e16 0", "-3"})
+        expectError([&] { square(std::string("Kd 1 0 0\nKe ") + light + "\n"); }, ".mtl: line 3",
+                    "expected 0 to 1e+15");
+    EXPECT_EQ(square("Ke 0 1e15 0\n").materials.at(0).finish.emission.y, 1e15f);
 }
 
 TEST_F(ObjMaterial, PicturesWithoutTexcoordsAreCounted) {

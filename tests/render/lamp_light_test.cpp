@@ -166,6 +166,47 @@ TEST(LampGloss, IsTheIntegralOverTheLamp) {
     EXPECT_LT(leastOfControl, test::significance(4));
 }
 
+/// Light that a place gets from an area, before which a ceiling may stand.
+///
+/// @param turned    columns: across the ceiling, to the place, and along it
+/// @param distance  of the ceiling before the area; none: there is none
+double lightUnderCeiling(const std::array<Vec3d, 3>& turned, const Vec3d& middle, double extent,
+                         std::optional<double> distance) {
+    TriangleMesh mesh;
+    const auto at = [&](double x, double y, double z) {
+        return Vec3f(middle + turned[0] * x + turned[1] * y + turned[2] * z);
+    };
+    test::addQuad(mesh, at(-1, 2, -1), at(-1, 2, 1), at(1, 2, 1), at(1, 2, -1));
+    if (distance)
+        test::addQuad(mesh, at(-extent, *distance, -extent), at(-extent, *distance, extent),
+                      at(extent, *distance, extent), at(extent, *distance, -extent));
+    Lamp area = bulb(middle, 0, 1);
+    area.form = Lamp::Form::rectangle;
+    area.direction = turned[1];
+    area.halfWidth = turned[0] * 0.4;
+    area.halfHeight = turned[2] * 0.3;
+    mesh.lamps = {area};
+    const test::World world(std::move(mesh), darkSky());
+    const ShadingPoint point = test::pointAlong(world.scene, at(0.2, 1, 0.1), Vec3f(turned[1]));
+    const auto estimator = findEstimator("mis").make(world.context(), {});
+    return test::runEstimator(*estimator, point, 8, 30).mean(1);
+}
+
+// Cycles' users put them there. The control is a ceiling a millimetre before them.
+TEST(AreaLamp, ShinesInThePlaneOfItsCeiling) {
+    for (std::uint64_t k = 0; k < 8; ++k) {
+        const auto unit = [&](std::uint64_t n) { return 2 * toUnit(hashWords(k, n)) - 1; };
+        const Vec3d down = Vec3d(unit(1), unit(2), unit(3)).normalized();
+        const Vec3d across = down.cross(Vec3d(unit(4), unit(5), unit(6))).normalized();
+        const std::array<Vec3d, 3> turned{across, down, across.cross(down)};
+        const Vec3d middle = Vec3d(unit(7), unit(8), unit(9)) * std::pow(10.0, 1.5 * unit(10));
+        const double extent = 2 + 8 * std::abs(unit(11));
+        const double open = lightUnderCeiling(turned, middle, extent, {});
+        EXPECT_GT(lightUnderCeiling(turned, middle, extent, 0.0), 0.9999 * open) << k;
+        EXPECT_LT(lightUnderCeiling(turned, middle, extent, 0.001), 1e-6 * open) << k;
+    }
+}
+
 /// An area with a spread over a floor.
 TriangleMesh underSpread(double spread) {
     TriangleMesh mesh;
