@@ -21,6 +21,9 @@ struct EmitterPart {
     /// Stands for the triangle of what has no surface.
     static constexpr std::uint32_t kNoSurface = std::numeric_limits<std::uint32_t>::max();
 
+    /// Stands for the table of what has none.
+    static constexpr std::uint32_t kNoTable = std::numeric_limits<std::uint32_t>::max();
+
     Form form = Form::triangle;
     std::array<Vec3f, 3> corner{};  ///< of triangles, relative to the mesh's origin
     Vec3f centre{0};                ///< but of suns
@@ -44,6 +47,7 @@ struct EmitterPart {
     bool seenByCamera = false;          ///< of lamps: Lamp::seenByCamera, with an extent
     bool twoSided = false;              ///< emits on both sides
     bool varies = false;                ///< its radiance is not the same everywhere
+    std::uint32_t table = kNoTable;     ///< of Emitters: EmissionTable
 
     /// Whether it is a surface, which stops rays and is seen.
     bool isSurface() const { return placed != kNoSurface; }

@@ -50,6 +50,19 @@ std::ptrdiff_t Emitters::find(std::uint32_t mesh, std::uint32_t placed) const {
     return static_cast<std::ptrdiff_t>(at->second);
 }
 
+EmitterPoint Emitters::sample(const EmitterPart& t, const Receiver& at, double u,
+                              double v) const noexcept {
+    return t.table == EmitterPart::kNoTable ? samplePoint(t, at, u, v)
+                                            : tables_[t.table].sample(t, at, u, v);
+}
+
+float Emitters::densityAt(const EmitterPart& triangle, const Receiver& at,
+                          const Vec3f& position) const noexcept {
+    return triangle.table == EmitterPart::kNoTable
+               ? shadowcache::densityAt(triangle, at, position)
+               : tables_[triangle.table].densityAt(triangle, at, position);
+}
+
 Rgb Emitters::radianceAt(const EmitterPart& t, const EmitterPoint& point) const noexcept {
     if (!t.varies) return t.radiance * point.share;
     const TriangleMesh& mesh = *meshes_[t.mesh];

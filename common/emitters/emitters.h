@@ -73,6 +73,13 @@ public:
     /// Whether cameras see some lamp.
     bool hasSeenLamps() const { return hasSeenLamps_; }
 
+    /// Draws a point of a part, as samplePoint() does, of triangles with a table by that.
+    EmitterPoint sample(const EmitterPart& t, const Receiver& at, double u,
+                        double v) const noexcept;
+    /// Density with which sample() draws a point of a triangle [1/sr].
+    float densityAt(const EmitterPart& triangle, const Receiver& at,
+                    const Vec3f& position) const noexcept;
+
     /// Radiance of a part at a point of it; of a single direction times its solid angle.
     Rgb radianceAt(const EmitterPart& t, const EmitterPoint& point) const noexcept;
 
@@ -120,6 +127,7 @@ private:
 
     std::vector<const TriangleMesh*> meshes_;
     std::vector<EmitterPart> parts_;
+    std::vector<EmissionTable> tables_;
     std::vector<std::uint32_t> emitterOf_;
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> roots_;  ///< by emitter: its node

@@ -144,7 +144,9 @@ struct Emitters::Builder {
 
 Emitters::Emitters(std::span<const TriangleMesh* const> meshes, EmitterWeight weight)
     : meshes_(meshes.begin(), meshes.end()) {
-    std::vector<FoundPart> found = findParts(meshes, weight);
+    FoundParts all = findParts(meshes, weight);
+    tables_ = std::move(all.tables);
+    std::vector<FoundPart>& found = all.parts;
     const auto moving = std::stable_partition(
         found.begin(), found.end(), [](const FoundPart& part) { return !part.part.moves; });
     parts_.reserve(found.size());

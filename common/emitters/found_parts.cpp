@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "common/base/hash.h"
 #include "common/mesh/looks.h"
@@ -11,8 +13,11 @@ namespace shadowcache {
 
 namespace {
 
-/// Points of a triangle whose mean radiance is that of the triangle.
+/// Points of a triangle whose mean radiance is that of the triangle, where it has no table.
 constexpr int kMeanPoints = 32;
+
+/// Cells of all tables of a set, at most: half a second, and 16 megabytes.
+constexpr std::size_t kMostCellsOfSet = std::size_t{1} << 20;
 
 /// Of a triangle that varies, weight of what its brightest point may emit: no point is missed.
 constexpr float kLeastBrightness = 0.05f;
@@ -51,7 +56,20 @@ EmitterPart triangleOf(const std::array<Vec3d, 3>& corners) {
     return t;
 }
 
-/// The triangle as it emits; without area if it does not.
+/// Sets what a triangle emits in the mean, and its weight.
+void setMean(const TriangleMesh& mesh, std::uint32_t triangle, float most, EmitterPart& t) {
+    for (int i = 0; i < kMeanPoints; ++i) {
+        // A lattice of the unit square, folded to the triangle.
+        float u = (static_cast<float>(i) + 0.5f) / kMeanPoints;
+        float v = std::fmod(static_cast<float>(i) * 0.6180339887f + 0.5f, 1.0f);
+        if (u + v > 1) u = 1 - u, v = 1 - v;
+        t.radiance += emittedAt(mesh, triangle, u, v) * (1.0f / kMeanPoints);
+    }
+    t.weight = brightness(t.radiance) + kLeastBrightness * most;
+}
+
+/// The triangle as it emits; without area if it does not. Its radiance and weight are not yet those
+/// of one that varies.
 EmitterPart emissive(const TriangleMesh& mesh, std::uint32_t placed, const Material& material) {
     const std::array<Vec3d, 3> corners = placedCorners(mesh, placed);
     EmitterPart t = triangleOf(corners);
@@ -60,22 +78,36 @@ EmitterPart emissive(const TriangleMesh& mesh, std::uint32_t placed, const Mater
     t.placed = placed;
     t.twoSided = material.doubleSided;
     t.varies = !isPlain(mesh, material);
-    const std::uint32_t triangle = placedTriangle(mesh, placed).triangle;
-    if (!t.varies) {
-        t.radiance = emittedAt(mesh, triangle, 0, 0);
-        t.weight = brightness(t.radiance);
-        return t;
-    }
-    for (int i = 0; i < kMeanPoints; ++i) {
-        // A lattice of the unit square, folded to the triangle.
-        float u = (static_cast<float>(i) + 0.5f) / kMeanPoints;
-        float v = std::fmod(static_cast<float>(i) * 0.6180339887f + 0.5f, 1.0f);
-        if (u + v > 1) u = 1 - u, v = 1 - v;
-        t.radiance += emittedAt(mesh, triangle, u, v) * (1.0f / kMeanPoints);
-    }
-    t.weight = brightness(t.radiance) +
-               kLeastBrightness * brightness(mostEmitted(material) * material.finish.gain);
+    if (t.varies) return t;
+    t.radiance = emittedAt(mesh, placedTriangle(mesh, placed).triangle, 0, 0);
+    t.weight = brightness(t.radiance);
     return t;
+}
+
+/// Sets what triangles emit that vary, and makes tables for those that vary much.
+void setVarying(std::span<const TriangleMesh* const> meshes, FoundParts& found) {
+    const auto varying = static_cast<std::size_t>(
+        std::ranges::count_if(found.parts, [](const FoundPart& p) { return p.part.varies; }));
+    if (varying == 0) return;
+    const std::size_t cells = kMostCellsOfSet / varying;
+    for (FoundPart& p : found.parts) {
+        EmitterPart& t = p.part;
+        if (!t.varies) continue;
+        const TriangleMesh& mesh = *meshes[t.mesh];
+        const std::uint32_t triangle = placedTriangle(mesh, t.placed).triangle;
+        const Material& material = *materialOf(mesh, triangle);
+        const float most = brightness(mostEmitted(material) * material.finish.gain);
+        std::optional<EmissionTable> table = EmissionTable::of(mesh, triangle, most, cells);
+        if (!table) {
+            setMean(mesh, triangle, most, t);
+            continue;
+        }
+        t.radiance = table->mean();
+        t.weight = brightness(t.radiance) + table->floor();
+        if (!table->pays()) continue;
+        t.table = static_cast<std::uint32_t>(found.tables.size());
+        found.tables.push_back(std::move(*table));
+    }
 }
 
 void addSurfaces(const TriangleMesh& mesh, std::uint32_t number, EmitterWeight weight,
@@ -166,10 +198,11 @@ Rgb emittedAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v
     return emission * opacityAt(mesh, material, triangle, u, v);
 }
 
-std::vector<FoundPart> findParts(std::span<const TriangleMesh* const> meshes,
-                                 EmitterWeight weight) {
-    std::vector<FoundPart> found;
+FoundParts findParts(std::span<const TriangleMesh* const> meshes, EmitterWeight weight) {
+    FoundParts all;
+    std::vector<FoundPart>& found = all.parts;
     for (std::uint32_t m = 0; m < meshes.size(); ++m) addSurfaces(*meshes[m], m, weight, found);
+    if (weight == EmitterWeight::radiance) setVarying(meshes, all);
     for (std::uint32_t m = 0; m < meshes.size(); ++m)
         for (std::size_t i = 0; i < meshes[m]->lamps.size(); ++i) {
             const Lamp& lamp = meshes[m]->lamps[i];
@@ -186,7 +219,7 @@ std::vector<FoundPart> findParts(std::span<const TriangleMesh* const> meshes,
                 found.push_back({part, hashWords(m, i, 1)});
             }
         }
-    return found;
+    return all;
 }
 
 }  // namespace shadowcache

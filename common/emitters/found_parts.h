@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/emitters/emission_table.h"
 #include "common/emitters/emitter_part.h"
 
 namespace shadowcache {
@@ -21,7 +22,11 @@ struct FoundPart {
 };
 
 /// All that emits of meshes of one origin: triangles of surfaces, then the lamps.
-std::vector<FoundPart> findParts(std::span<const TriangleMesh* const> meshes, EmitterWeight weight);
+struct FoundParts {
+    std::vector<FoundPart> parts;
+    std::vector<EmissionTable> tables;  ///< EmitterPart::table
+};
+FoundParts findParts(std::span<const TriangleMesh* const> meshes, EmitterWeight weight);
 
 /// Radiance of a triangle of a mesh at barycentric coordinates.
 ///

@@ -16,7 +16,8 @@ Rgb EmitterLight::emissionOverDensity(const Hit& hit, const Receiver& at, bool d
     const std::ptrdiff_t found = emitters_.find(0, hit.triangle);
     if (draws && found >= 0) {
         const auto part = static_cast<std::size_t>(found);
-        density += chanceOf(part, at, tools) * densityAt(emitters_.parts()[part], at, hit.position);
+        density += chanceOf(part, at, tools) *
+                   emitters_.densityAt(emitters_.parts()[part], at, hit.position);
     }
     return surfaceSeen(hit, {}).emission * (1 / density);
 }

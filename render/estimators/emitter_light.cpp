@@ -96,7 +96,7 @@ EmitterLight::Drawn EmitterLight::draw(const Receiver& at, std::size_t k,
     const Emitters::Choice chosen = emitters_.choose(e, at, choice);
     if (!(chosen.chance > 0)) return drawn;
     const EmitterPart& t = emitters_.parts()[chosen.part];
-    drawn.point = samplePoint(t, at, unit(tools.words_[1][k]), unit(tools.words_[2][k]));
+    drawn.point = emitters_.sample(t, at, unit(tools.words_[1][k]), unit(tools.words_[2][k]));
     drawn.density = tools.chances_[e] * chosen.chance * drawn.point.density;
     if (!(drawn.density > 0)) return drawn;
     drawn.part = &t;
