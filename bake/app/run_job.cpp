@@ -23,6 +23,7 @@
 #include "common/base/parallel.h"
 #include "common/base/process.h"
 #include "common/base/version.h"
+#include "common/cache/stored_bytes.h"
 #include "common/import/load_mesh.h"
 
 namespace shadowcache {
@@ -53,13 +54,16 @@ void writeStats(const BakeJob& job, const TriangleMesh& mesh, const BakeResult& 
     stats.set("seconds.bake", times.baked - times.selected);
     stats.set("seconds.write", times.written - times.baked);
     stats.set("rays.bake", result.rays);
+    stats.set("rays.emitters", result.emitterRays);
     if (const auto& part = result.header.part) {
         stats.set("cache.sides", part->sides);
         stats.set("cache.sides_of_set", part->sidesOfSet);
     }
     stats.set("cache.items", std::uint64_t{result.items.size()});
     stats.set("cache.blocks", std::uint64_t{result.items.blocks.size()});
+    stats.set("cache.emitters", std::uint64_t{result.header.emitters.size()});
     stats.set("cache.bytes", std::uint64_t{bytes});
+    stats.set("cache.emitter_bytes", storedBytes(job.output).emitters);
     stats.set("cache.spacing", result.header.spacing);
     stats.set("cache.level", static_cast<std::uint64_t>(result.header.level));
     stats.set("peak_rss_bytes", peakMemoryBytes());

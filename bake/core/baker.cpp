@@ -102,6 +102,7 @@ public:
         out.probeSeconds = traced - start;
         out.itemSeconds = secondsNow() - traced;
         out.itemRays = baked.rays;
+        out.emitterRays = baked.emitterRays;
         out.items = std::move(baked.items);
     }
 
@@ -284,8 +285,10 @@ private:
         out.rays += counts.rays;
         if (options_.transport)
             out.rays += traceHits(scene_, voxels_.frame(), voxel, patch, out.items.hits);
-        if (!emitters_.empty())
-            out.rays += traceEmitters(scene_, emitters_, patch, out.items.emitters);
+        if (emitters_.empty()) return;
+        const std::uint64_t traced = traceEmitters(scene_, emitters_, patch, out.items.emitters);
+        out.rays += traced;
+        out.emitterRays += traced;
     }
 
     /// Whether what one item's probe rays found may show in the other.
@@ -355,6 +358,7 @@ BakeResult bake(const Scene& scene, const BakeOptions& options, const VoxelSelec
     Baked baked = Bake(scene, options, result.header.spacing, selection, checkpoint).run();
     result.items = std::move(baked.items);
     result.rays = baked.rays;
+    result.emitterRays = baked.emitterRays;
     return result;
 }
 
