@@ -186,6 +186,32 @@ def test_cameras_see_lamps_that_say_so(floor):
             assert np.allclose(seen(lamps), radiance if camera else 0, rtol=1e-4), (camera, radiance)
 
 
+def test_light_groups_by_name(floor):
+    """Each name is a group: its light is the picture of its lamps alone, and gains go by name."""
+    camera = shadowcache.Camera((0, 2.5, 3), (0, 0, 0))
+    desk = Lamps.points([(0.5, 3, 2), (-1, 2, 0)], 2, name="desk")
+    panel = Lamps.areas((0, 2.5, 0), (1, 0, 0), (0, 0, 0.5), COLOR)
+    nameless = Lamps.spots((1, 3, 0), (0, -1, 0), 3, name="")
+
+    def rendered_with(lamps, **options):
+        return shadowcache.render(floor.with_lamps(lamps), None, BLACK, camera, size=(16, 9), spp=16, bounces=0, **options)
+
+    pictures = rendered_with(desk + panel + nameless, light_groups=["*"])
+    groups = {name[6:]: light for name, light in pictures.items() if name.startswith("light:")}
+    assert list(groups) == ["sky", "desk", "areas", "rest"]
+    assert np.allclose(sum(groups.values()), pictures["color"], atol=1e-5)
+    for name, lamps in (("desk", desk), ("areas", panel), ("rest", nameless)):
+        alone = rendered_with(lamps)["color"].mean(axis=(0, 1))
+        assert np.allclose(groups[name].mean(axis=(0, 1)), alone, rtol=0.1), (name, alone)
+        assert not np.allclose(1.5 * groups[name].mean(axis=(0, 1)), alone, rtol=0.1)  # the control
+    both = rendered_with(desk + panel, light_groups=["on=desk", "on=are*"])
+    assert not both["light:rest"].any() and np.allclose(both["light:on"], both["color"], atol=1e-5)
+    with pytest.raises(shadowcache.Error, match="^light_groups dusk: .*desk"):
+        rendered_with(desk, light_groups=["dusk"])
+    with pytest.raises(TypeError):
+        Lamps.points((0, 1, 0), 1, name=1)
+
+
 def test_lamps_are_broadcast(floor):
     lamps = Lamps.points(np.zeros((2, 3, 3)) + (0, 2, 0), 1, radius=[0.1, 0.2, 0.3])
     assert len(lamps) == 6 and repr(lamps) == "<shadowcache.Lamps: 6>"
@@ -236,6 +262,10 @@ def test_pickles(tmp_path):
         assert not np.array_equal(seen(scene.with_lamps(other)), wanted)  # the control
     assert len(pickle.loads(pickle.dumps(sum(kinds[1:], kinds[0])))) == 5
     with pytest.raises(shadowcache.Error, match=r"^Lamps: pickled as an array of shape \(2, 3\), expected \(n, 23\)"):
-        Lamps.__new__(Lamps).__setstate__(np.zeros((2, 3)))
+        Lamps.__new__(Lamps).__setstate__((np.zeros((2, 3)), ["", ""]))
+    with pytest.raises(shadowcache.Error, match="^Lamps: pickled with 1 names, expected 2"):
+        Lamps.__new__(Lamps).__setstate__((np.zeros((2, 23)), ["a"]))
+    named = Lamps.points([(0, 1, 0), (1, 1, 0)], 1, name="désk") + kinds[1]
+    assert pickle.loads(pickle.dumps(named)).names == named.names == ["désk", "désk", "suns"]
     with pytest.raises(shadowcache.Error, match="^Scene: of no file"):
         pickle.dumps(shadowcache.load_set(VERTICES, TRIANGLES).with_lamps(kinds[0]))
