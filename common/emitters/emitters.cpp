@@ -50,6 +50,12 @@ std::ptrdiff_t Emitters::find(std::uint32_t mesh, std::uint32_t placed) const {
     return static_cast<std::ptrdiff_t>(at->second);
 }
 
+const std::string& Emitters::nameOf(const EmitterPart& part) const {
+    const TriangleMesh& mesh = *meshes_[part.mesh];
+    return part.isSurface() ? materialOf(mesh, placedTriangle(mesh, part.placed).triangle)->name
+                            : mesh.lamps[part.lamp].name;
+}
+
 Rgb Emitters::radianceAt(const EmitterPart& t, const EmitterPoint& point) const noexcept {
     if (!t.varies) return t.radiance * point.share;
     const TriangleMesh& mesh = *meshes_[t.mesh];

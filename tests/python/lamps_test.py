@@ -157,9 +157,15 @@ def test_one_cache_for_any_strength(floor):
     assert np.allclose(3 * found, cache.irradiance(PLACES, UP, BLACK, scene=other), rtol=1e-5)
     moved = floor.with_lamps(Lamps.points([(0.6, 3, 2), (-1, 2, 0)], 1))
     unknown = shadowcache.bake(floor, spacing=0.4, level=2, rays=4)
-    for baked, scene in ((cache, moved), (unknown, lit)):
-        with pytest.raises(shadowcache.Error, match="^cache: does not count the scene's lamps .* bake the scene"):
+    without = shadowcache.bake(lit, spacing=0.4, level=2, rays=4, lamps=False)
+    for baked, scene, what in ((cache, moved, "does not count 'points' where it is: it was moved, reshaped or added since"),
+                               (unknown, lit, "counts no emitters: it was baked with lamps=False, before the set had any"),
+                               (without, lit, "counts no emitters: it was baked with lamps=False")):
+        with pytest.raises(shadowcache.Error, match=f"^cache: {what}.*: bake the scene as it is"):
             baked.irradiance(PLACES, UP, BLACK, scene=scene)
+        camera = shadowcache.Camera((0, 2.5, 3), (0, 0, 0))
+        with pytest.warns(UserWarning, match=f"^lamps: the cache {what}"):
+            shadowcache.render(scene, baked, BLACK, camera, size=(4, 4), spp=1)
 
 
 def test_lamps_light_pictures(floor):
