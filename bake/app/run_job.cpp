@@ -10,6 +10,7 @@
 #include "bake/app/job_checkpoint.h"
 #include "bake/app/job_identity.h"
 #include "bake/core/cache_part.h"
+#include "bake/core/emitter_recount.h"
 #include "bake/core/extend.h"
 #include "bake/library/bake_set.h"
 #include "bake/shot/lookup_file.h"
@@ -100,12 +101,30 @@ const char* howChosen(const BakeJob& job) {
                : " (chosen from the set's size)";
 }
 
+/// Counts emitters for the items of the cache that the job extends, if it was baked without.
+///
+/// @return rays traced
+std::uint64_t addEmitters(const BakeJob& job, const Scene& scene, BakeTask& task) {
+    if (!task.old) return 0;
+    const CacheHeader wanted = headerOf(scene.mesh(), task.options);
+    if (!lacksEmitters(*task.old, wanted)) return 0;
+    const std::uint64_t rays =
+        recountEmitters(scene, task.options, task.frame, job.extend, task.old->items);
+    std::printf("%s: emitters (%zu) counted for its %zu items, by %.1f M rays\n",
+                job.extend.c_str(), wanted.emitters.size(), task.old->items.size(),
+                static_cast<double>(rays) * 1e-6);
+    return rays;
+}
+
 /// Bakes what the job asks for and the cache that it extends does not hold.
 BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, const Scene& scene,
                     BakeTask& task, Checkpoint& checkpoint, PartialCache* partial) {
     const PartialCache::Source source(
         partial, partial ? headerOf(scene.mesh(), task.options) : CacheHeader(), checkpoint);
+    const std::uint64_t emitterRays = addEmitters(job, scene, task);
     BakeResult result = bakeOrKeep(scene, task.options, task.selection, checkpoint);
+    result.rays += emitterRays;
+    result.emitterRays += emitterRays;
     recordFiles(job.mesh, result.header);
     const std::size_t baked = result.items.size();
     if (shot) {

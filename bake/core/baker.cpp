@@ -39,12 +39,6 @@ std::size_t chunksOf(std::size_t count) {
 /// Probe rays of what is baked and around it: by voxel, in the order of the voxel's patches.
 using Probes = std::vector<std::vector<Probe>>;
 
-/// What the bake counts the visibility of.
-Emitters emittersOf(const TriangleMesh& mesh, const BakeOptions& options) {
-    const TriangleMesh* const meshes[] = {&mesh};
-    return Emitters(std::span(meshes).first(options.lamps ? 1 : 0), EmitterWeight::shape);
-}
-
 std::uint64_t raysOf(const Probes& probes) {
     std::uint64_t rays = 0;
     for (const auto& voxel : probes)
@@ -65,7 +59,7 @@ public:
           checkpoint_(checkpoint),
           voxels_(scene.mesh(), spacing, options, selection),
           baker_(scene, options),
-          emitters_(emittersOf(scene.mesh(), options)) {}
+          emitters_(bakedEmitters(scene.mesh(), options)) {}
 
     Baked run() {
         chooseWanted();
@@ -343,7 +337,7 @@ CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options) {
                      .held = {{options.shard, options.shard}}}};
     header.version = kVersion;
     header.hits = options.transport ? kHitRays : 0;
-    const Emitters emitters = emittersOf(mesh, options);
+    const Emitters emitters = bakedEmitters(mesh, options);
     for (std::size_t e = 0; e < emitters.size(); ++e)
         header.emitters.push_back(emitters.shapeOf(e));
     header.fingerprint = fingerprint(mesh);

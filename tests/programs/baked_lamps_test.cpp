@@ -1,4 +1,5 @@
-// A set that shines, as typed: what its bake tells of emitters.
+// A set that shines, as typed: what its bake tells of emitters, which caches lack them, and how
+// they are added.
 
 #include <gtest/gtest.h>
 
@@ -68,6 +69,23 @@ TEST_F(BakedLamps, AreTold) {
     EXPECT_EQ(less["rays"], without["rays"]["bake"]);
     EXPECT_NE(runWell("info", "dark.vdb").out.find("emitters       none counted"),
               std::string::npos);
+}
+
+TEST_F(BakedLamps, AreAddedToACacheWithoutThem) {
+    bakeLit("-o lit.vdb");
+    bakeLit("--no-lamps -o dark.vdb");
+    const ProgramRun extended =
+        runWell("bake", "lit.obj --rays 1 --stats s.json --extend dark.vdb -o both.vdb");
+    EXPECT_NE(extended.out.find("dark.vdb: emitters (1) counted for its "), std::string::npos)
+        << extended.out;
+    const Json more = Json::parse(readBytes(path("s.json")));
+    EXPECT_EQ(readBytes(path("both.vdb")), readBytes(path("lit.vdb")));
+    EXPECT_GT(more["rays"]["emitters"], 0);
+    EXPECT_EQ(more["rays"]["emitters"], more["rays"]["bake"]);
+    expectRefusal(run("bake", "lit.obj --level 2 --rays 1 --no-lamps --extend lit.vdb -o a.vdb"),
+                  "bake", "lit.vdb: counts 1 emitter, expected none as in this bake", "--no-lamps");
+    expectRefusal(run("merge", "lit.vdb dark.vdb -o a.vdb"), "merge", "dark.vdb",
+                  "counts no emitters, expected the 1 of lit.vdb");
 }
 
 }  // namespace
