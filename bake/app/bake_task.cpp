@@ -6,6 +6,7 @@
 
 #include "bake/core/baker.h"
 #include "bake/core/default_spacing.h"
+#include "bake/core/emitter_match.h"
 #include "bake/shot/shot_spacing.h"
 #include "common/base/error.h"
 #include "common/base/number_text.h"
@@ -53,7 +54,8 @@ BakeTask::BakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, Sc
                    std::optional<ShotLookups>& found)
     : options(optionsOf(job, scene.mesh(), found, count)), frame(scene.mesh(), options.spacing) {
     if (!job.extend.empty() && !job.lookupsOnly) {
-        old = readCacheToExtend(job.extend, headerOf(scene.mesh(), options));
+        old = readCacheToExtend(job.extend, headerOf(scene.mesh(), options),
+                                emitterLabels(scene.mesh(), options));
         selection.present = VoxelSides(frame, old->items);
     }
     if (shot) {

@@ -55,6 +55,8 @@ BakeEstimate estimateBake(const Scene& scene, const BakeOptions& options,
     estimate.items = rounded(scale * static_cast<double>(sample.items.size()));
     estimate.rays = rounded(probeScale * static_cast<double>(sample.probeRays) +
                             scale * static_cast<double>(sample.itemRays));
+    estimate.emitters = sample.header.emitters.size();
+    estimate.emitterRays = rounded(scale * static_cast<double>(sample.emitterRays));
     estimate.seconds =
         secondsBefore + probeScale * sample.probeSeconds + scale * (sample.itemSeconds + writing);
     estimate.bytes = rounded(scale * static_cast<double>(bytes));
@@ -66,16 +68,20 @@ BakeEstimate estimateBake(const Scene& scene, const BakeOptions& options,
 void report(const BakeEstimate& estimate, const std::filesystem::path& stats) {
     std::printf(
         "estimate from %s of the voxels: spacing %g, level %d: %llu items, %.1f M rays, "
-        "%.0f s, %.1f MB, %.2f GB of memory\n",
+        "%.1f M of them to emitters (%llu), %.0f s, %.1f MB, %.2f GB of memory\n",
         percentText(estimate.sampled, 3).c_str(), estimate.spacing, estimate.level,
         static_cast<unsigned long long>(estimate.items), static_cast<double>(estimate.rays) * 1e-6,
-        estimate.seconds, static_cast<double>(estimate.bytes) * 1e-6,
+        static_cast<double>(estimate.emitterRays) * 1e-6,
+        static_cast<unsigned long long>(estimate.emitters), estimate.seconds,
+        static_cast<double>(estimate.bytes) * 1e-6,
         static_cast<double>(estimate.memoryBytes) * 1e-9);
     if (stats.empty()) return;
     JsonFile out;
     out.set("estimate.sampled", estimate.sampled);
     out.set("estimate.items", estimate.items);
     out.set("estimate.rays", estimate.rays);
+    out.set("estimate.emitters", estimate.emitters);
+    out.set("estimate.emitter_rays", estimate.emitterRays);
     out.set("estimate.seconds", estimate.seconds);
     out.set("estimate.bytes", estimate.bytes);
     out.set("estimate.memory_bytes", estimate.memoryBytes);

@@ -13,8 +13,10 @@ struct BakeEstimate {
     double spacing = 0;
     int level = 0;
     std::uint64_t items = 0;
-    std::uint64_t rays = 0;  ///< what a bake takes is summed in bake/core/baker.cpp
-    double seconds = 0;      ///< of the whole run on this machine
+    std::uint64_t rays = 0;         ///< what a bake takes is summed in bake/core/baker.cpp
+    std::uint64_t emitters = 0;     ///< whose visibility is counted
+    std::uint64_t emitterRays = 0;  ///< of the rays: to emitters
+    double seconds = 0;             ///< of the whole run on this machine
     std::uint64_t bytes = 0;
     std::uint64_t memoryBytes = 0;  ///< most at once
 };

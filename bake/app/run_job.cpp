@@ -10,6 +10,7 @@
 #include "bake/app/job_checkpoint.h"
 #include "bake/app/job_identity.h"
 #include "bake/core/cache_part.h"
+#include "bake/core/emitter_recount.h"
 #include "bake/core/extend.h"
 #include "bake/library/bake_set.h"
 #include "bake/shot/lookup_file.h"
@@ -23,6 +24,7 @@
 #include "common/base/parallel.h"
 #include "common/base/process.h"
 #include "common/base/version.h"
+#include "common/cache/stored_bytes.h"
 #include "common/import/load_mesh.h"
 
 namespace shadowcache {
@@ -53,13 +55,16 @@ void writeStats(const BakeJob& job, const TriangleMesh& mesh, const BakeResult& 
     stats.set("seconds.bake", times.baked - times.selected);
     stats.set("seconds.write", times.written - times.baked);
     stats.set("rays.bake", result.rays);
+    stats.set("rays.emitters", result.emitterRays);
     if (const auto& part = result.header.part) {
         stats.set("cache.sides", part->sides);
         stats.set("cache.sides_of_set", part->sidesOfSet);
     }
     stats.set("cache.items", std::uint64_t{result.items.size()});
     stats.set("cache.blocks", std::uint64_t{result.items.blocks.size()});
+    stats.set("cache.emitters", std::uint64_t{result.header.emitters.size()});
     stats.set("cache.bytes", std::uint64_t{bytes});
+    stats.set("cache.emitter_bytes", storedBytes(job.output).emitters);
     stats.set("cache.spacing", result.header.spacing);
     stats.set("cache.level", static_cast<std::uint64_t>(result.header.level));
     stats.set("peak_rss_bytes", peakMemoryBytes());
@@ -96,12 +101,30 @@ const char* howChosen(const BakeJob& job) {
                : " (chosen from the set's size)";
 }
 
+/// Counts emitters for the items of the cache that the job extends, if it was baked without.
+///
+/// @return rays traced
+std::uint64_t addEmitters(const BakeJob& job, const Scene& scene, BakeTask& task) {
+    if (!task.old) return 0;
+    const CacheHeader wanted = headerOf(scene.mesh(), task.options);
+    if (!lacksEmitters(*task.old, wanted)) return 0;
+    const std::uint64_t rays =
+        recountEmitters(scene, task.options, task.frame, job.extend, task.old->items);
+    std::printf("%s: emitters (%zu) counted for its %zu items, by %.1f M rays\n",
+                job.extend.c_str(), wanted.emitters.size(), task.old->items.size(),
+                static_cast<double>(rays) * 1e-6);
+    return rays;
+}
+
 /// Bakes what the job asks for and the cache that it extends does not hold.
 BakeResult bakeTask(const BakeJob& job, const std::optional<ShotSource>& shot, const Scene& scene,
                     BakeTask& task, Checkpoint& checkpoint, PartialCache* partial) {
     const PartialCache::Source source(
         partial, partial ? headerOf(scene.mesh(), task.options) : CacheHeader(), checkpoint);
+    const std::uint64_t emitterRays = addEmitters(job, scene, task);
     BakeResult result = bakeOrKeep(scene, task.options, task.selection, checkpoint);
+    result.rays += emitterRays;
+    result.emitterRays += emitterRays;
     recordFiles(job.mesh, result.header);
     const std::size_t baked = result.items.size();
     if (shot) {

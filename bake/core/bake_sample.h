@@ -16,6 +16,7 @@ struct BakeSample {
     std::size_t probes = 0;    ///< voxels with probe rays: the sample and the voxels around it
     std::size_t ofProbes = 0;  ///< the same of the whole bake; 0: it needs none
     std::uint64_t probeRays = 0, itemRays = 0;
+    std::uint64_t emitterRays = 0;             ///< of itemRays: to emitters
     double probeSeconds = 0, itemSeconds = 0;  ///< wall-clock time, summed over the threads
 };
 

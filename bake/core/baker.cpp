@@ -39,12 +39,6 @@ std::size_t chunksOf(std::size_t count) {
 /// Probe rays of what is baked and around it: by voxel, in the order of the voxel's patches.
 using Probes = std::vector<std::vector<Probe>>;
 
-/// What the bake counts the visibility of.
-Emitters emittersOf(const TriangleMesh& mesh, const BakeOptions& options) {
-    const TriangleMesh* const meshes[] = {&mesh};
-    return Emitters(std::span(meshes).first(options.lamps ? 1 : 0), EmitterWeight::shape);
-}
-
 std::uint64_t raysOf(const Probes& probes) {
     std::uint64_t rays = 0;
     for (const auto& voxel : probes)
@@ -65,7 +59,7 @@ public:
           checkpoint_(checkpoint),
           voxels_(scene.mesh(), spacing, options, selection),
           baker_(scene, options),
-          emitters_(emittersOf(scene.mesh(), options)) {}
+          emitters_(bakedEmitters(scene.mesh(), options)) {}
 
     Baked run() {
         chooseWanted();
@@ -102,6 +96,7 @@ public:
         out.probeSeconds = traced - start;
         out.itemSeconds = secondsNow() - traced;
         out.itemRays = baked.rays;
+        out.emitterRays = baked.emitterRays;
         out.items = std::move(baked.items);
     }
 
@@ -284,8 +279,10 @@ private:
         out.rays += counts.rays;
         if (options_.transport)
             out.rays += traceHits(scene_, voxels_.frame(), voxel, patch, out.items.hits);
-        if (!emitters_.empty())
-            out.rays += traceEmitters(scene_, emitters_, patch, out.items.emitters);
+        if (emitters_.empty()) return;
+        const std::uint64_t traced = traceEmitters(scene_, emitters_, patch, out.items.emitters);
+        out.rays += traced;
+        out.emitterRays += traced;
     }
 
     /// Whether what one item's probe rays found may show in the other.
@@ -340,7 +337,7 @@ CacheHeader headerOf(const TriangleMesh& mesh, const BakeOptions& options) {
                      .held = {{options.shard, options.shard}}}};
     header.version = kVersion;
     header.hits = options.transport ? kHitRays : 0;
-    const Emitters emitters = emittersOf(mesh, options);
+    const Emitters emitters = bakedEmitters(mesh, options);
     for (std::size_t e = 0; e < emitters.size(); ++e)
         header.emitters.push_back(emitters.shapeOf(e));
     header.fingerprint = fingerprint(mesh);
@@ -355,6 +352,7 @@ BakeResult bake(const Scene& scene, const BakeOptions& options, const VoxelSelec
     Baked baked = Bake(scene, options, result.header.spacing, selection, checkpoint).run();
     result.items = std::move(baked.items);
     result.rays = baked.rays;
+    result.emitterRays = baked.emitterRays;
     return result;
 }
 

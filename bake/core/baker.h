@@ -13,6 +13,7 @@ struct BakeResult {
     CacheHeader header;
     CacheItems items;
     std::uint64_t rays = 0;
+    std::uint64_t emitterRays = 0;  ///< of these: to emitters
 };
 
 /// What the cache of a bake records of it.

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A file is this, the identity, records (pass, region, bytes), and a checksum of all before it.
-constexpr std::string_view kMagic = "Shadowcache checkpoint 1\n";
+constexpr std::string_view kMagic = "Shadowcache checkpoint 2\n";
 constexpr const char* kExtension = ".regions";
 
 /// "RUN.NUMBER.regions" -> RUN.

@@ -1,6 +1,7 @@
 #include "bake/core/emitter_tracer.h"
 
 #include <array>
+#include <span>
 
 #include "common/base/tuned.h"
 #include "common/cache/emitter_code.h"
@@ -94,6 +95,11 @@ private:
 };
 
 }  // namespace
+
+Emitters bakedEmitters(const TriangleMesh& mesh, const BakeOptions& options) {
+    const TriangleMesh* const meshes[] = {&mesh};
+    return Emitters(std::span(meshes).first(options.lamps ? 1 : 0), EmitterWeight::shape);
+}
 
 std::uint64_t traceEmitters(const Scene& scene, const Emitters& emitters, const Patch& patch,
                             std::vector<std::uint16_t>& out) {

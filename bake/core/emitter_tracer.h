@@ -3,11 +3,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "bake/core/options.h"
 #include "bake/core/patch.h"
 #include "common/emitters/emitters.h"
 #include "common/trace/scene.h"
 
 namespace shadowcache {
+
+/// What a bake counts the visibility of: none without BakeOptions::lamps.
+///
+/// @param mesh  outlives them
+Emitters bakedEmitters(const TriangleMesh& mesh, const BakeOptions& options);
 
 /// Counts the rays of a patch that reach the emitters it faces, whatever these emit: to points that
 /// light it alike. More rays go to those that some of the first ones reach.

@@ -2,11 +2,13 @@
 
 #include "bake/core/cache_match.h"
 #include "bake/core/cache_part.h"
+#include "bake/core/emitter_match.h"
 #include "bake/core/merge_order.h"
 
 namespace shadowcache {
 
-CacheToExtend readCacheToExtend(const std::filesystem::path& path, const CacheHeader& wanted) {
+CacheToExtend readCacheToExtend(const std::filesystem::path& path, const CacheHeader& wanted,
+                                std::span<const std::string> labels) {
     CacheToExtend cache;
     cache.items = readCache(path, cache.header);
     const auto require = [&](const char* what, const auto& found, const auto& expected) {
@@ -19,7 +21,8 @@ CacheToExtend readCacheToExtend(const std::filesystem::path& path, const CacheHe
     require("direction level", found.level, wanted.level);
     require("adaptive refinement", found.adaptive, wanted.adaptive);
     require("hits of an item", found.hits, wanted.hits);
-    require("shapes of emitters", shapesText(found.emitters), shapesText(wanted.emitters));
+    if (!lacksEmitters(cache, wanted))
+        requireSameEmitters(path, found.emitters, {wanted.emitters, "this bake", labels});
     require("rays", found.rays(), wanted.rays());
     require("seed", found.seeds(), wanted.seeds());
     require("program version", found.version, wanted.version);

@@ -20,6 +20,7 @@ Baked FinishedItems::joined() {
         const Baked baked = take(i);
         append(all.items, baked.items);
         all.rays += baked.rays;
+        all.emitterRays += baked.emitterRays;
     }
     return all;
 }

@@ -6,6 +6,7 @@
 
 #include "bake/core/cache_match.h"
 #include "bake/core/cache_part.h"
+#include "bake/core/emitter_match.h"
 
 namespace shadowcache {
 
@@ -117,7 +118,7 @@ JoinedHeader joinHeaders(const CacheHeader& header, const std::string& owner,
     require("direction level", more.level, header.level);
     require("adaptive refinement", more.adaptive, header.adaptive);
     require("hits of an item", more.hits, header.hits);
-    require("shapes of emitters", shapesText(more.emitters), shapesText(header.emitters));
+    requireSameEmitters(path, more.emitters, {header.emitters, owner});
     // Two shots of the same bakes meet in the same items.
     JoinedHeader joined{header, sameBakes(header, more) ? Overlap::keep : Overlap::add};
     for (const BakeRecord& other : more.bakes) {

@@ -15,6 +15,7 @@ std::string toBytes(const Baked& baked) {
     ByteWriter out;
     const CacheItems& items = baked.items;
     out.put(baked.rays);
+    out.put(baked.emitterRays);
     out.put(items.voxel);
     out.put(items.patch);
     out.put(items.normal);
@@ -33,6 +34,7 @@ Baked bakedFromBytes(std::string_view bytes) {
     Baked baked;
     CacheItems& items = baked.items;
     baked.rays = in.get<std::uint64_t>();
+    baked.emitterRays = in.get<std::uint64_t>();
     items.voxel = in.getVector<Vec3i>();
     items.patch = in.getVector<std::int16_t>();
     items.normal = in.getVector<Vec3f>();

@@ -12,6 +12,7 @@ namespace shadowcache {
 struct Baked {
     CacheItems items;
     std::uint64_t rays = 0;
+    std::uint64_t emitterRays = 0;  ///< of these: to emitters
 };
 
 /// Memory that items take.

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/base/json_file.h"
-#include "common/cache/hit_bytes.h"
+#include "common/cache/stored_bytes.h"
 
 namespace shadowcache {
 
@@ -63,12 +63,25 @@ std::string partText(const CacheHeader& header) {
     return text;
 }
 
+/// "1234 bytes of the file (5.6 %)"
+std::string partOfFile(std::uint64_t bytes, const CacheFacts& facts) {
+    const double share = static_cast<double>(bytes) / static_cast<double>(facts.fileBytes);
+    return fmt::format("{} bytes of the file ({:.1f} %)", bytes, 100 * share);
+}
+
 /// What the cache keeps of what its rays met.
 std::string hitsText(const CacheFacts& facts) {
     if (facts.header.hits == 0) return "hits           none: baked with --no-transport or before\n";
-    const double share = static_cast<double>(facts.hitBytes) / static_cast<double>(facts.fileBytes);
-    return fmt::format("hits           {} an item, {} bytes of the file ({:.1f} %)\n",
-                       facts.header.hits, facts.hitBytes, 100 * share);
+    return fmt::format("hits           {} an item, {}\n", facts.header.hits,
+                       partOfFile(facts.stored.hits, facts));
+}
+
+/// How much the cache knows of what shines.
+std::string emittersText(const CacheFacts& facts) {
+    if (facts.header.emitters.empty())
+        return "emitters       none counted: the set had none, or was baked with --no-lamps\n";
+    return fmt::format("emitters       {} counted by {} rays, {}\n", facts.header.emitters.size(),
+                       facts.summary.emitterRays, partOfFile(facts.stored.emitters, facts));
 }
 
 }  // namespace
@@ -78,7 +91,7 @@ CacheFacts readFacts(const std::filesystem::path& path) {
     facts.items = readCache(path, facts.header);
     facts.summary = summarize(facts.header, facts.items);
     facts.fileBytes = std::filesystem::file_size(path);
-    facts.hitBytes = hitBytes(path);
+    facts.stored = storedBytes(path);
     return facts;
 }
 
@@ -97,7 +110,7 @@ std::vector<std::string> shareLabels() {
 }
 
 std::string factsAsJson(const CacheFacts& facts) {
-    const auto& [header, items, summary, fileBytes, hitBytes] = facts;
+    const auto& [header, items, summary, fileBytes, stored] = facts;
     JsonFile out;
     out.set("format", static_cast<std::uint64_t>(header.format));
     out.set("version", header.version);
@@ -129,14 +142,17 @@ std::string factsAsJson(const CacheFacts& facts) {
     out.set("regions.by_visible_share", asVector(summary.shares));
     out.set("openness", asVector(summary.skyVisibility));
     out.set("hits", static_cast<std::uint64_t>(header.hits));
+    out.set("emitters", std::uint64_t{header.emitters.size()});
+    out.set("emitter_rays", summary.emitterRays);
     out.set("bytes.file", fileBytes);
-    out.set("bytes.hits", hitBytes);
+    out.set("bytes.hits", stored.hits);
+    out.set("bytes.emitters", stored.emitters);
     for (const auto& [name, bytes] : summary.bytes) out.set("bytes." + name, bytes);
     return out.text();
 }
 
 std::string factsAsText(const CacheFacts& facts) {
-    const auto& [header, items, summary, fileBytes, hitBytes] = facts;
+    const auto& [header, items, summary, fileBytes, stored] = facts;
     std::string text =
         fmt::format("baked by       shadowcache-bake {}, format {}\n", header.version,
                     header.format) +
@@ -150,7 +166,7 @@ std::string factsAsText(const CacheFacts& facts) {
         fmt::format("items          {} ({} of them subpatches) in {} voxels of {:g}, {} blocks\n",
                     items.size(), summary.subpatches, summary.voxels, header.spacing,
                     items.blocks.size()) +
-        hitsText(facts) + tallyLine("base regions", summary.base) +
+        hitsText(facts) + emittersText(facts) + tallyLine("base regions", summary.base) +
         tallyLine("finer regions", summary.finer);
     text +=
         "items by visible share of their directions\n" + histogram(summary.skyVisibility, tenths());

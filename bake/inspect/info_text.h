@@ -4,6 +4,7 @@
 
 #include "bake/inspect/sky_view.h"
 #include "bake/inspect/summary.h"
+#include "common/cache/stored_bytes.h"
 
 namespace shadowcache {
 
@@ -13,7 +14,7 @@ struct CacheFacts {
     CacheItems items;             ///< all of them
     CacheSummary summary;         ///< of the items
     std::uint64_t fileBytes = 0;  ///< size of the file
-    std::uint64_t hitBytes = 0;   ///< of that: hits
+    StoredBytes stored;           ///< parts of that
 };
 
 /// Reads a cache and sums it up.

@@ -29,7 +29,7 @@ std::string megabytes(std::uint64_t bytes) {
 }
 
 void addSettings(HtmlPage& page, const CacheFacts& facts) {
-    const auto& [header, items, summary, fileBytes, hitBytes] = facts;
+    const auto& [header, items, summary, fileBytes, stored] = facts;
     page.heading("Settings");
     page.table({{"baked by",
                  fmt::format("shadowcache-bake {}, file format {}", header.version, header.format)},
@@ -47,6 +47,8 @@ void addSettings(HtmlPage& page, const CacheFacts& facts) {
                 {"finer blocks", std::to_string(items.blocks.size())},
                 {"pure regions", percent(summary.base.pureShare()) + " of the coarse, " +
                                      percent(summary.finer.pureShare()) + " of the finer"},
+                {"emitters", fmt::format("{} counted, {} of the file", header.emitters.size(),
+                                         megabytes(stored.emitters))},
                 {"file", megabytes(fileBytes)}});
 }
 

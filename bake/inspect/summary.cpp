@@ -4,6 +4,8 @@
 #include <bit>
 #include <limits>
 
+#include "common/cache/emitter_code.h"
+
 namespace shadowcache {
 
 namespace {
@@ -63,6 +65,8 @@ CacheSummary summarize(const CacheHeader& header, const CacheItems& items) {
     for (std::size_t c = 0; c < items.d.size(); ++c) add(summary.base, items.n[c], items.d[c]);
     for (const CountBlock& block : items.blocks)
         for (std::size_t c = 0; c < block.d.size(); ++c) add(summary.finer, block.n[c], block.d[c]);
+    for (const std::uint16_t code : items.emitters)
+        summary.emitterRays += static_cast<std::uint64_t>(EmitterCode::rays(code));
 
     const std::uint64_t blockBytes = items.blocks.size() * std::uint64_t{kBlockCells};
     summary.bytes = {{"items.position", bytesOf(items.position)},
@@ -73,6 +77,7 @@ CacheSummary summarize(const CacheHeader& header, const CacheItems& items) {
                      {"items.first_block", items.size() * sizeof(std::int32_t)},
                      {"items.block_count", items.size() * sizeof(std::int16_t)},
                      {"items.hits", bytesOf(items.hits)},
+                     {"items.emitters", bytesOf(items.emitters)},
                      {"blocks.key", items.blocks.size() * sizeof(std::int16_t)},
                      {"blocks.n", blockBytes},
                      {"blocks.d", blockBytes}};

@@ -39,6 +39,7 @@ struct CacheSummary {
     std::array<std::uint64_t, 9> rays{};
     /// Regions with rays by the visible share: none, tenths between, all.
     std::array<std::uint64_t, kBins + 2> shares{};
+    std::uint64_t emitterRays = 0;                             ///< to emitters, as items keep them
     std::vector<std::pair<std::string, std::uint64_t>> bytes;  ///< by attribute, uncompressed
 };
 

@@ -70,6 +70,10 @@ std::vector<OptionRow> bakeRows(BakeOptions& bake, std::optional<double>& chosen
         withoutRow("no-transport", bake.transport,
                    "Leave out which items the rays of each item met, which bounced light uses");
     transport.isNegatedInPython = true;
+    OptionRow lamps =
+        withoutRow("no-lamps", bake.lamps,
+                   "Leave out what the items see of the set's own lamps, whatever these emit");
+    lamps.isNegatedInPython = true;
     return {
         spacingRow(bake.spacing, chosenSpacings),
         wordRow("quality", bake.quality, kQualities,
@@ -85,9 +89,7 @@ std::vector<OptionRow> bakeRows(BakeOptions& bake, std::optional<double>& chosen
                    "Refine every region to the finest level, not only where visibility is "
                    "mixed"),
         transport.named("", "transport"),
-        withoutRow("no-lamps", bake.lamps,
-                   "Leave out what the items see of the set's own lamps, whatever these emit")
-            .onlyAt({Door::commandLine}),
+        lamps.named("", "lamps"),
         seedRow("seed", bake.seed,
                 "Random seed; caches of different seeds merge into a better one"),
         shardRow(bake)};

@@ -63,6 +63,12 @@ float Emitters::densityAt(const EmitterPart& triangle, const Receiver& at,
                : tables_[triangle.table].densityAt(triangle, at, position);
 }
 
+const std::string& Emitters::nameOf(const EmitterPart& part) const {
+    const TriangleMesh& mesh = *meshes_[part.mesh];
+    return part.isSurface() ? materialOf(mesh, placedTriangle(mesh, part.placed).triangle)->name
+                            : mesh.lamps[part.lamp].name;
+}
+
 Rgb Emitters::radianceAt(const EmitterPart& t, const EmitterPoint& point) const noexcept {
     if (!t.varies) return t.radiance * point.share;
     const TriangleMesh& mesh = *meshes_[t.mesh];

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/emitters/emitter_part.h"
@@ -37,6 +38,9 @@ public:
 
     /// Whether an emitter is of lamps that move.
     bool moves(std::size_t emitter) const { return partsOf(emitter).front().moves; }
+
+    /// Name of a part's lamp, or of the material of a surface; may be empty.
+    const std::string& nameOf(const EmitterPart& part) const;
 
     /// Hash of an emitter's place and shape: the same whatever it emits.
     std::uint64_t shapeOf(std::size_t emitter) const { return shapes_[emitter]; }

@@ -93,7 +93,7 @@ std::string LitStage::note() const {
     if (missesTransport())
         return "bounces: not predicted, the cache holds no transport; unbiased, but noisier";
     if (missesLamps())
-        return "lamps: the cache counts none, or some were moved since; unbiased, but noisier";
+        return "lamps: the cache " + light_->unknownText() + "; unbiased, but noisier";
     return "";
 }
 
@@ -104,9 +104,10 @@ void LitStage::requirePrediction(const RenderOptions& options) const {
                        "holds no transport, of which a preview of bounces is made: bake "
                        "without --no-transport, or render with --bounces 0");
     if (missesLamps())
-        throwFileError(cacheName_,
-                       "does not count the lamps as they stand in the set, of which a preview is "
-                       "made: bake without --no-lamps");
+        throwFileError(
+            cacheName_,
+            light_->unknownText() + "; a preview is made of these counts: bake " +
+                (light_->countsNone() ? "without --no-lamps" : "the set as it stands now"));
     if (light_ && light_->moves())
         throwFileError(cacheName_,
                        "does not count lamps that move, of which a preview is made: render with "

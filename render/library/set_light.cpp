@@ -9,6 +9,7 @@
 #include "common/base/tuned.h"
 #include "common/cache/emitter_code.h"
 #include "common/cache/transport.h"
+#include "common/emitters/emitter_label.h"
 #include "common/math/vec.h"
 
 namespace shadowcache {
@@ -70,15 +71,14 @@ void SetLight::moveLamps() {
 void SetLight::readCounts(const ShadowCache& cache) {
     const std::vector<std::uint64_t>& counted = cache.header().emitters;
     std::vector<std::size_t> columns;
-    std::size_t known = 0;
     for (std::size_t e = 0; e < emitters_.size() && !emitters_.moves(e); ++e) {
         const auto found = std::ranges::find(counted, emitters_.shapeOf(e));
-        known += found != counted.end() ? 1 : 0;
+        if (found == counted.end()) unknown_.push_back(e);
         columns.push_back(static_cast<std::size_t>(found - counted.begin()));
     }
     const std::size_t still = columns.size();
-    knowsAll_ = known == still;
-    if (known == 0) return;
+    knowsAll_ = unknown_.empty();
+    if (unknown_.size() == still) return;
     const std::vector<std::uint16_t> codes = readEmitterCodes(cache);
     const std::size_t items = codes.size() / counted.size();
     std::vector<EmitterVisibility::Count> counts(items * still);
@@ -90,6 +90,23 @@ void SetLight::readCounts(const ShadowCache& cache) {
                                      static_cast<std::uint8_t>(EmitterCode::rays(code))};
         }
     visibility_.emplace(still, std::move(counts));
+}
+
+bool SetLight::countsNone() const {
+    return cache_ && cache_->header().emitters.empty();
+}
+
+std::string SetLight::unknownText() const {
+    if (unknown_.empty()) return "";
+    if (countsNone())
+        return "counts no emitters: it was baked with --no-lamps, before the set had any, or by a "
+               "program that counted none";
+    constexpr const char* kWhy = "moved, reshaped or added since the bake";
+    const std::string first = emitterLabel(emitters_, unknown_.front());
+    if (unknown_.size() == 1)
+        return fmt::format("does not count {} where it is: it was {}", first, kWhy);
+    return fmt::format("does not count {} of {} emitters where they are, first {}: they were {}",
+                       unknown_.size(), emitters_.size(), first, kWhy);
 }
 
 std::vector<bool> SetLight::brightItems(const ItemTable& items) const {

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/cache/item_table.h"
@@ -21,6 +22,11 @@ public:
     const Emitters& emitters() const { return emitters_; }
     /// Whether the cache counts each emitter as it stands in the set, but for lamps that move.
     bool knowsAll() const { return knowsAll_; }
+    /// What the cache does not count, as the end of a sentence about it: names the first emitter
+    /// that was moved or added. Empty: knowsAll(), or there is no cache.
+    std::string unknownText() const;
+    /// Whether the cache counts none at all, not even some that stand elsewhere now.
+    bool countsNone() const;
     /// Whether lamps move, which no cache counts.
     bool moves() const { return !emitters_.empty() && emitters_.moves(emitters_.size() - 1); }
 
@@ -49,6 +55,7 @@ private:
     const ShadowCache* cache_;
     Emitters emitters_;
     bool knowsAll_ = false;
+    std::vector<std::size_t> unknown_;             ///< emitters that the cache does not count
     std::optional<EmitterVisibility> visibility_;  ///< of the emitters that do not move
     std::optional<EmitterLight> light_;
 };

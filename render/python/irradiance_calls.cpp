@@ -75,9 +75,8 @@ void findOwnLight(const ShadowCache& cache, const std::shared_ptr<const LoadedSe
     if (!set || own.set == set) return;
     own = {set, SetLight::of(set->scene, &cache)};
     if (own.light && !own.light->knowsAll())
-        throw Error(
-            "cache: does not count the scene's lamps and emissive surfaces as they stand: bake the "
-            "scene as it is, or load it with lamps='off'");
+        throw Error("cache: " + own.light->unknownText() +
+                    ": bake the scene as it is, or load it with lamps='off'");
 }
 
 /// Solves the light that bounces, unless that is `wanted` already. Needs no lock.

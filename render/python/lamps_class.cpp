@@ -35,11 +35,15 @@ py::object colors(const py::object& value, const char* name) {
     return numbers.ndim() == 0 ? tripled(numbers, name) : py::object(numbers);
 }
 
+/// What the lamps of a call have in common.
+struct AllOfThem {
+    bool camera;  ///< sees them
+    const std::string& name;
+};
+
 /// One lamp for each vector of the arguments: `make(i, vectors)`.
-///
-/// @param camera  sees them
 template <class Make>
-LampsObject lampsOf(const Broadcast& all, bool camera, const Make& make) {
+LampsObject lampsOf(const Broadcast& all, const AllOfThem& common, const Make& make) {
     LampsObject made;
     std::vector<std::vector<Vec3d>> vectors(all.arguments());
     for (std::size_t k = 0; k < vectors.size(); ++k) {
@@ -48,7 +52,8 @@ LampsObject lampsOf(const Broadcast& all, bool camera, const Make& make) {
     }
     for (std::size_t i = 0; i < all.size(); ++i) {
         made.lamps.push_back(make(i, vectors));
-        made.lamps.back().seenByCamera = camera;
+        made.lamps.back().seenByCamera = common.camera;
+        made.lamps.back().name = common.name;
     }
     return made;
 }
@@ -82,10 +87,10 @@ double within(double value, double most, const char* name, std::size_t i, const 
 constexpr const char* kRadii = "metres, 0 to 1e9";
 
 LampsObject points(const py::object& positions, const py::object& intensity,
-                   const py::object& radius, bool camera) {
+                   const py::object& radius, bool camera, const std::string& name) {
     const py::object strengths = colors(intensity, "intensity"), radii = tripled(radius, "radius");
     const Broadcast all({{"positions", positions}, {"intensity", strengths}, {"radius", radii}});
-    return lampsOf(all, camera, [](std::size_t i, const auto& v) {
+    return lampsOf(all, {camera, name}, [](std::size_t i, const auto& v) {
         Lamp lamp;
         lamp.position = placeOf(v[0][i], "positions", i);
         lamp.strength = strengthOf(v[1][i], "intensity", i);
@@ -96,7 +101,7 @@ LampsObject points(const py::object& positions, const py::object& intensity,
 
 LampsObject spots(const py::object& positions, const py::object& directions,
                   const py::object& intensity, const py::object& inner, const py::object& outer,
-                  const py::object& radius, bool camera) {
+                  const py::object& radius, bool camera, const std::string& name) {
     const py::object strengths = colors(intensity, "intensity"), radii = tripled(radius, "radius"),
                      from = tripled(inner, "inner"), to = tripled(outer, "outer");
     const Broadcast all({{"positions", positions},
@@ -105,7 +110,7 @@ LampsObject spots(const py::object& positions, const py::object& directions,
                          {"inner", from},
                          {"outer", to},
                          {"radius", radii}});
-    return lampsOf(all, camera, [](std::size_t i, const auto& v) {
+    return lampsOf(all, {camera, name}, [](std::size_t i, const auto& v) {
         Lamp lamp;
         lamp.position = placeOf(v[0][i], "positions", i);
         lamp.direction = directionOf(v[1][i], "directions", i);
@@ -120,10 +125,10 @@ LampsObject spots(const py::object& positions, const py::object& directions,
 }
 
 LampsObject suns(const py::object& directions, const py::object& irradiance,
-                 const py::object& angle, bool camera) {
+                 const py::object& angle, bool camera, const std::string& name) {
     const py::object strengths = colors(irradiance, "irradiance"), angles = tripled(angle, "angle");
     const Broadcast all({{"directions", directions}, {"irradiance", strengths}, {"angle", angles}});
-    return lampsOf(all, camera, [](std::size_t i, const auto& v) {
+    return lampsOf(all, {camera, name}, [](std::size_t i, const auto& v) {
         Lamp lamp;
         lamp.form = Lamp::Form::sun;
         lamp.direction = directionOf(v[0][i], "directions", i);
@@ -135,7 +140,7 @@ LampsObject suns(const py::object& directions, const py::object& irradiance,
 
 LampsObject areas(const py::object& positions, const py::object& widths, const py::object& heights,
                   const py::object& radiance, const std::string& shape, const py::object& spread,
-                  bool camera) {
+                  bool camera, const std::string& name) {
     if (shape != "rectangle" && shape != "ellipse")
         throw py::value_error("shape: '" + shape + "', expected 'rectangle' or 'ellipse'");
     const bool isRound = shape == "ellipse";
@@ -145,7 +150,7 @@ LampsObject areas(const py::object& positions, const py::object& widths, const p
                          {"heights", heights},
                          {"radiance", strengths},
                          {"spread", spreads}});
-    return lampsOf(all, camera, [isRound](std::size_t i, const auto& v) {
+    return lampsOf(all, {camera, name}, [isRound](std::size_t i, const auto& v) {
         Lamp lamp;
         lamp.form = isRound ? Lamp::Form::ellipse : Lamp::Form::rectangle;
         lamp.position = placeOf(v[0][i], "positions", i);
@@ -167,6 +172,12 @@ LampsObject together(const LampsObject& a, const LampsObject& b) {
     LampsObject all = a;
     all.lamps.insert(all.lamps.end(), b.lamps.begin(), b.lamps.end());
     return all;
+}
+
+std::vector<std::string> namesOf(const LampsObject& lamps) {
+    std::vector<std::string> names;
+    for (const Lamp& lamp : lamps.lamps) names.push_back(lamp.name);
+    return names;
 }
 
 /// Calls `visit` for each number that makes a lamp of arrays, which it may change.
@@ -191,28 +202,40 @@ void forEachNumber(Lamp& lamp, const Visit& visit) {
 
 constexpr py::ssize_t kNumbersOfLamp = 23;
 
-/// A row for each lamp.
-py::array stateOfLamps(const LampsObject& lamps) {
+/// A row of numbers for each lamp, and their names.
+py::tuple stateOfLamps(const LampsObject& lamps) {
     std::vector<double> numbers;
     for (Lamp lamp : lamps.lamps)
         forEachNumber(lamp,
                       [&](const auto& number) { numbers.push_back(static_cast<double>(number)); });
-    return arrayOf<double>({static_cast<py::ssize_t>(lamps.lamps.size()), kNumbersOfLamp},
-                           std::move(numbers));
+    return py::make_tuple(
+        arrayOf<double>({static_cast<py::ssize_t>(lamps.lamps.size()), kNumbersOfLamp},
+                        std::move(numbers)),
+        namesOf(lamps));
 }
 
-LampsObject lampsOfState(const py::array& state) {
-    const Doubles numbers = doublesOf(state, "Lamps");
+LampsObject lampsOfState(const py::tuple& state) {
+    if (py::len(state) != 2)
+        throw Error("Lamps: pickled as " + std::to_string(py::len(state)) +
+                    " objects, expected an array and names");
+    const Doubles numbers = doublesOf(state[0], "Lamps");
+    const auto names = state[1].cast<std::vector<std::string>>();
     if (numbers.ndim() != 2 || numbers.shape(1) != kNumbersOfLamp)
         throw Error("Lamps: pickled as an array of shape " + shapeText(numbers) +
                     ", expected (n, " + std::to_string(kNumbersOfLamp) + ")");
     LampsObject lamps;
     lamps.lamps.resize(static_cast<std::size_t>(numbers.shape(0)));
+    if (names.size() != lamps.lamps.size())
+        throw Error("Lamps: pickled with " + std::to_string(names.size()) + " names, expected " +
+                    std::to_string(lamps.lamps.size()));
     const double* next = numbers.data();
-    for (Lamp& lamp : lamps.lamps)
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        Lamp& lamp = lamps.lamps[i];
+        lamp.name = names[i];
         forEachNumber(lamp, [&next](auto& number) {
             number = static_cast<std::remove_reference_t<decltype(number)>>(*next++);
         });
+    }
     return lamps;
 }
 
@@ -243,40 +266,48 @@ void defineLamps(py::module_& module) {
         "Lamps of arrays, for Scene.with_lamps(). They have no surface: they stop no ray. One\n"
         "lamp for each row of the arguments, which are broadcast: places and vectors are (..., 3)\n"
         "in world space, light is linear RGB (..., 3) or one number, other numbers are (...).\n"
-        "`a + b` has the lamps of both. Pickled as arrays.\n\n"
+        "`a + b` has the lamps of both. Pickled as arrays and names.\n\n"
         "camera: whether cameras see them, where they have a radius, an angle or an area: they\n"
-        "    add their radiance to what is behind them. All do not, unless it is True.")
+        "    add their radiance to what is behind them. All do not, unless it is True.\n"
+        "name: of all lamps that the call makes, by which light_groups= of render() has them and\n"
+        "    messages call them: 'points', 'spots', 'suns' or 'areas' unless it is given. Those "
+        "of\n"
+        "    one name are one group; '': none, so that their light is that of the rest.")
         .def_static("points", points, py::arg("positions"), py::arg("intensity"), py::kw_only(),
-                    py::arg("radius") = 0.0, py::arg("camera") = false,
+                    py::arg("radius") = 0.0, py::arg("camera") = false, py::arg("name") = "points",
                     "Lamps that shine to all sides.\n\n"
                     "intensity: [radiance m^2]; 1 makes an irradiance of 1 at a distance of 1 m.\n"
                     "radius: of a disc that faces what it lights [m]; 0: a point.\n"
-                    "camera: as of Lamps.")
+                    "camera, name: as of Lamps.")
         .def_static("spots", spots, py::arg("positions"), py::arg("directions"),
                     py::arg("intensity"), py::kw_only(), py::arg("inner") = 0.0,
                     py::arg("outer") = 45.0, py::arg("radius") = 0.0, py::arg("camera") = false,
+                    py::arg("name") = "spots",
                     "Points that shine into a cone about a direction, of any length.\n\n"
                     "inner, outer: angles to the direction up to which nothing is lost, and from\n"
                     "    which on there is no light [degrees], as KHR_lights_punctual has them.\n"
-                    "intensity, radius: as of points(). camera: as of Lamps.")
+                    "intensity, radius: as of points(). camera, name: as of Lamps.")
         .def_static("suns", suns, py::arg("directions"), py::arg("irradiance"), py::kw_only(),
-                    py::arg("angle") = 0.0, py::arg("camera") = false,
+                    py::arg("angle") = 0.0, py::arg("camera") = false, py::arg("name") = "suns",
                     "Lamps infinitely far away.\n\n"
                     "directions: to which they shine, of any length.\n"
                     "irradiance: of what they shine on at right angles [radiance sr].\n"
-                    "angle: diameter of the disc [degrees]; 0: one direction. camera: as of Lamps.")
+                    "angle: diameter of the disc [degrees]; 0: one direction.\n"
+                    "camera, name: as of Lamps.")
         .def_static(
             "areas", areas, py::arg("positions"), py::arg("widths"), py::arg("heights"),
             py::arg("radiance"), py::kw_only(), py::arg("shape") = "rectangle",
-            py::arg("spread") = 180.0, py::arg("camera") = false,
+            py::arg("spread") = 180.0, py::arg("camera") = false, py::arg("name") = "areas",
             "Areas that shine on one side, that of the cross product of width and height.\n\n"
             "positions: of their middles. widths, heights: vectors along two sides, as long\n"
             "    as these [m]; of an ellipse its diameters.\n"
             "radiance: of the area, along its axis. shape: 'rectangle' or 'ellipse'.\n"
             "spread: slats before it leave the share max(0, 1 - tan(t) / tan(spread / 2)) at an\n"
-            "    angle t to its axis [degrees, 0.573 to 180]; 180: none. camera: as of Lamps.")
+            "    angle t to its axis [degrees, 0.573 to 180]; 180: none.\n"
+            "camera, name: as of Lamps.")
         .def(py::pickle(&stateOfLamps, &lampsOfState))
         .def("__add__", together, py::arg("other"))
+        .def_property_readonly("names", namesOf, "The name of each lamp.")
         .def("__len__", [](const LampsObject& l) { return l.lamps.size(); })
         .def("__repr__", [](const LampsObject& l) {
             return "<shadowcache.Lamps: " + std::to_string(l.lamps.size()) + ">";

@@ -118,7 +118,7 @@ Rendered renderChannels(LitShot& shot, const CameraMove& camera, int frame,
                         const PictureOptions& asked, std::vector<std::string>& notes) {
     const PictureSettings settings = resolve(asked, shot.cache != nullptr, shot.set->options.gloss);
     light(shot, asked, settings);
-    if (!shot.stage->note().empty()) notes.push_back(shot.stage->note());
+    if (!shot.stage->note().empty()) notes.push_back(inPythonsWords(shot.stage->note()));
     const std::string aspect =
         aspectNote(camera.middle(), settings.options.width, settings.options.height);
     if (!aspect.empty()) notes.push_back("camera: " + aspect);

@@ -37,7 +37,7 @@ class Scene:
 class Lamps:
     @staticmethod
     def points(
-        positions: ArrayLike, intensity: ArrayLike, *, radius: ArrayLike = ..., camera: bool = ...
+        positions: ArrayLike, intensity: ArrayLike, *, radius: ArrayLike = ..., camera: bool = ..., name: str = ...
     ) -> Lamps: ...
     @staticmethod
     def spots(
@@ -49,10 +49,11 @@ class Lamps:
         outer: ArrayLike = ...,
         radius: ArrayLike = ...,
         camera: bool = ...,
+        name: str = ...,
     ) -> Lamps: ...
     @staticmethod
     def suns(
-        directions: ArrayLike, irradiance: ArrayLike, *, angle: ArrayLike = ..., camera: bool = ...
+        directions: ArrayLike, irradiance: ArrayLike, *, angle: ArrayLike = ..., camera: bool = ..., name: str = ...
     ) -> Lamps: ...
     @staticmethod
     def areas(
@@ -64,7 +65,10 @@ class Lamps:
         shape: str = ...,
         spread: ArrayLike = ...,
         camera: bool = ...,
+        name: str = ...,
     ) -> Lamps: ...
+    @property
+    def names(self) -> list[str]: ...
     def __add__(self, other: Lamps) -> Lamps: ...
     def __len__(self) -> int: ...
 
@@ -227,6 +231,7 @@ def bake(
     rays: int | None = ...,
     uniform: bool | None = ...,
     transport: bool | None = ...,
+    lamps: bool | None = ...,
     seed: int | None = ...,
     progress: _Progress = ...,
     threads: int = ...,

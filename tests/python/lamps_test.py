@@ -157,9 +157,15 @@ def test_one_cache_for_any_strength(floor):
     assert np.allclose(3 * found, cache.irradiance(PLACES, UP, BLACK, scene=other), rtol=1e-5)
     moved = floor.with_lamps(Lamps.points([(0.6, 3, 2), (-1, 2, 0)], 1))
     unknown = shadowcache.bake(floor, spacing=0.4, level=2, rays=4)
-    for baked, scene in ((cache, moved), (unknown, lit)):
-        with pytest.raises(shadowcache.Error, match="^cache: does not count the scene's lamps .* bake the scene"):
+    without = shadowcache.bake(lit, spacing=0.4, level=2, rays=4, lamps=False)
+    for baked, scene, what in ((cache, moved, "does not count 'points' where it is: it was moved, reshaped or added since"),
+                               (unknown, lit, "counts no emitters: it was baked with lamps=False, before the set had any"),
+                               (without, lit, "counts no emitters: it was baked with lamps=False")):
+        with pytest.raises(shadowcache.Error, match=f"^cache: {what}.*: bake the scene as it is"):
             baked.irradiance(PLACES, UP, BLACK, scene=scene)
+        camera = shadowcache.Camera((0, 2.5, 3), (0, 0, 0))
+        with pytest.warns(UserWarning, match=f"^lamps: the cache {what}"):
+            shadowcache.render(scene, baked, BLACK, camera, size=(4, 4), spp=1)
 
 
 def test_lamps_light_pictures(floor):
@@ -184,6 +190,32 @@ def test_cameras_see_lamps_that_say_so(floor):
                 (Lamps.spots((0.3, 3, 2), (0, -1, 0), COLOR, inner=20, radius=0.5, camera=camera), COLOR / (np.pi * 0.25)),
                 (Lamps.suns((0, -1, 0), COLOR, angle=20, camera=camera), COLOR / (np.pi * np.sin(np.radians(10)) ** 2))):
             assert np.allclose(seen(lamps), radiance if camera else 0, rtol=1e-4), (camera, radiance)
+
+
+def test_light_groups_by_name(floor):
+    """Each name is a group: its light is the picture of its lamps alone, and gains go by name."""
+    camera = shadowcache.Camera((0, 2.5, 3), (0, 0, 0))
+    desk = Lamps.points([(0.5, 3, 2), (-1, 2, 0)], 2, name="desk")
+    panel = Lamps.areas((0, 2.5, 0), (1, 0, 0), (0, 0, 0.5), COLOR)
+    nameless = Lamps.spots((1, 3, 0), (0, -1, 0), 3, name="")
+
+    def rendered_with(lamps, **options):
+        return shadowcache.render(floor.with_lamps(lamps), None, BLACK, camera, size=(16, 9), spp=16, bounces=0, **options)
+
+    pictures = rendered_with(desk + panel + nameless, light_groups=["*"])
+    groups = {name[6:]: light for name, light in pictures.items() if name.startswith("light:")}
+    assert list(groups) == ["sky", "desk", "areas", "rest"]
+    assert np.allclose(sum(groups.values()), pictures["color"], atol=1e-5)
+    for name, lamps in (("desk", desk), ("areas", panel), ("rest", nameless)):
+        alone = rendered_with(lamps)["color"].mean(axis=(0, 1))
+        assert np.allclose(groups[name].mean(axis=(0, 1)), alone, rtol=0.1), (name, alone)
+        assert not np.allclose(1.5 * groups[name].mean(axis=(0, 1)), alone, rtol=0.1)  # the control
+    both = rendered_with(desk + panel, light_groups=["on=desk", "on=are*"])
+    assert not both["light:rest"].any() and np.allclose(both["light:on"], both["color"], atol=1e-5)
+    with pytest.raises(shadowcache.Error, match="^light_groups dusk: .*desk"):
+        rendered_with(desk, light_groups=["dusk"])
+    with pytest.raises(TypeError):
+        Lamps.points((0, 1, 0), 1, name=1)
 
 
 def test_lamps_are_broadcast(floor):
@@ -236,6 +268,10 @@ def test_pickles(tmp_path):
         assert not np.array_equal(seen(scene.with_lamps(other)), wanted)  # the control
     assert len(pickle.loads(pickle.dumps(sum(kinds[1:], kinds[0])))) == 5
     with pytest.raises(shadowcache.Error, match=r"^Lamps: pickled as an array of shape \(2, 3\), expected \(n, 23\)"):
-        Lamps.__new__(Lamps).__setstate__(np.zeros((2, 3)))
+        Lamps.__new__(Lamps).__setstate__((np.zeros((2, 3)), ["", ""]))
+    with pytest.raises(shadowcache.Error, match="^Lamps: pickled with 1 names, expected 2"):
+        Lamps.__new__(Lamps).__setstate__((np.zeros((2, 23)), ["a"]))
+    named = Lamps.points([(0, 1, 0), (1, 1, 0)], 1, name="désk") + kinds[1]
+    assert pickle.loads(pickle.dumps(named)).names == named.names == ["désk", "désk", "suns"]
     with pytest.raises(shadowcache.Error, match="^Scene: of no file"):
         pickle.dumps(shadowcache.load_set(VERTICES, TRIANGLES).with_lamps(kinds[0]))

@@ -119,6 +119,81 @@ TEST_F(UnderLamps, KnowsThoseThatStandWhereTheyStood) {
     EXPECT_FALSE(SetLight::of(moved, &world_.cache.cache())->knowsAll());
 }
 
+/// Expects what a stage says of lamps that a cache does not count, and why it refuses a preview.
+void expectUncounted(const TriangleMesh& mesh, const test::TestCache& cache,
+                     const std::string& what, const std::string& wanted) {
+    const Scene scene(mesh);
+    const LitStage lit(scene, &cache.cache(), findEstimator("cache"), {}, "a.vdb");
+    EXPECT_EQ(lit.note(), "lamps: the cache " + what + "; unbiased, but noisier");
+    RenderOptions preview;
+    preview.samples = 0;
+    test::expectError([&] { lit.requirePrediction(preview); },
+                      "a.vdb: " + what + "; a preview is made of these counts: ", wanted);
+}
+
+TEST_F(UnderLamps, AreNamedWhereTheyWereMoved) {
+    TriangleMesh other = underLamps();
+    other.lamps[1].name = "desk";
+    other.lamps[1].position.x += 0.01;
+    expectUncounted(other, world_.cache,
+                    "does not count 'desk' where it is: it was moved, reshaped or added since the "
+                    "bake",
+                    "bake the set as it stands now");
+    other.lamps.push_back(bulb({1, 1, 1}, 0, 1));
+    expectUncounted(other, world_.cache,
+                    "does not count 2 of 7 emitters where they are, first 'desk': they were moved, "
+                    "reshaped or added since the bake",
+                    "bake the set as it stands now");
+    other = underLamps();
+    other.lamps[0].radius = 0.2;
+    expectUncounted(other, world_.cache,
+                    "does not count an emitter without a name where it is: it was moved, reshaped "
+                    "or added since the bake",
+                    "bake the set as it stands now");
+}
+
+TEST_F(UnderLamps, AreToldFromLampsThatWereNotBaked) {
+    expectUncounted(underLamps(),
+                    test::World(underLamps(), darkSky(), {.spacing = 0.25, .lamps = false}).cache,
+                    "counts no emitters: it was baked with --no-lamps, before the set had any, or "
+                    "by a program that counted none",
+                    "bake without --no-lamps");
+}
+
+TEST(ManyLamps, ShareANameWhereTheyShareACount) {
+    TriangleMesh mesh;
+    test::addFloor(mesh, 0, -2, 2, -2, 2);
+    for (int k = 0; k < 64; ++k) {
+        mesh.lamps.push_back(bulb({0.05 * k, 1, 0}, 0, 1));
+        mesh.lamps.back().name = "bulb " + std::to_string(k);
+    }
+    const test::World world(mesh, darkSky(), {.spacing = 1});
+    mesh.lamps.back().position.y = 1.001;
+    const Scene scene(mesh);
+    const LitStage lit(scene, &world.cache.cache(), findEstimator("cache"), {});
+    EXPECT_NE(lit.note().find("' or a neighbour that shares its count where it is"),
+              std::string::npos)
+        << lit.note();
+}
+
+TEST(EmissiveMaterial, IsNamedWhereItsSurfaceWasMoved) {
+    const auto glowing = [](float height) {
+        TriangleMesh mesh;
+        test::addFloor(mesh, height, -1, 1, -1, 1);
+        Material material;
+        material.name = "screen";
+        material.finish.emission = Rgb(1.0f);
+        mesh.materials = {material};
+        mesh.parts = {{0, static_cast<std::uint32_t>(mesh.triangles.size()), 0}};
+        return mesh;
+    };
+    const test::World world(glowing(0), darkSky(), {.spacing = 1});
+    expectUncounted(glowing(0.01f), world.cache,
+                    "does not count 'screen' where it is: it was moved, reshaped or added since "
+                    "the bake",
+                    "bake the set as it stands now");
+}
+
 /// What a lobe reflects of a disc overhead that fills a cone, by a grid of directions.
 double reflected(const GlossyLobe& lobe, const Vec3d& way, double radius, double intensity) {
     const double squared = way.length2(),

@@ -5,10 +5,14 @@
 
 namespace shadowcache {
 
-/// Bytes that a cache's hits take in its file; 0 if it keeps none.
-///
+/// Bytes that parts of a cache take in its file; 0 of what it does not have.
+struct StoredBytes {
+    std::uint64_t hits = 0;
+    std::uint64_t emitters = 0;  ///< counts of the rays to emitters
+};
+
 /// @throws Error naming the file and the cause: missing, truncated, foreign, of another format
 /// version, or not laid out as shadowcache-bake does it
-std::uint64_t hitBytes(const std::filesystem::path& path);
+StoredBytes storedBytes(const std::filesystem::path& path);
 
 }  // namespace shadowcache
