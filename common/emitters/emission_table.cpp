@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/emitters/found_parts.h"
+#include "common/emitters/emitted.h"
 #include "common/mesh/looks.h"
 #include "common/mesh/placed_mesh.h"
 
@@ -17,7 +17,7 @@ constexpr double kLeastSide = 6;
 
 /// By how much the second moment of even points has to be above that of points by cells: half of
 /// the points are even ones in any case.
-constexpr double kLeastGain = 2;
+constexpr double kLeastTableGain = 2;
 
 /// What points beside a cell emit counts as much for it as this share of its own: a bright spot may
 /// reach into it between those that were looked at.
@@ -122,7 +122,7 @@ std::optional<EmissionTable> EmissionTable::of(const TriangleMesh& mesh, std::ui
 
 bool EmissionTable::pays() const {
     const double mean = lightOf(mean_);
-    return square_ > kLeastGain * mean * mean;
+    return square_ > kLeastTableGain * mean * mean;
 }
 
 EmissionTable::Cell EmissionTable::cellAt(double u, double v) const noexcept {

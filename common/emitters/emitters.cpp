@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/emitters/emitted.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/base/hash.h"
-#include "common/mesh/looks.h"
+#include "common/emitters/emitted.h"
 #include "common/mesh/placed_mesh.h"
 
 namespace shadowcache {
@@ -191,12 +191,6 @@ std::vector<EmitterPart> partsOf(const Lamp& lamp) {
 }
 
 }  // namespace
-
-Rgb emittedAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v) noexcept {
-    const Rgb emission = surfaceAt(mesh, triangle, u, v, {}).emission;
-    const Material& material = *materialOf(mesh, triangle);
-    return emission * opacityAt(mesh, material, triangle, u, v);
-}
 
 FoundParts findParts(std::span<const TriangleMesh* const> meshes, EmitterWeight weight) {
     FoundParts all;

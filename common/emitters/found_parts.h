@@ -28,9 +28,4 @@ struct FoundParts {
 };
 FoundParts findParts(std::span<const TriangleMesh* const> meshes, EmitterWeight weight);
 
-/// Radiance of a triangle of a mesh at barycentric coordinates.
-///
-/// @param triangle  of TriangleMesh::triangles, with a material
-Rgb emittedAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v) noexcept;
-
 }  // namespace shadowcache
