@@ -65,7 +65,8 @@ TEST(Calibration, FindsCountsThatAreWrongAndLeavesRightOnesAlone) {
     EXPECT_EQ(corrected(correct, 0.999f, 0.999f), 0.999f);
 }
 
-// In proportion to what the counts have, so that no place of a bin gains or loses more than there is.
+// In proportion to what the counts have, so that no place of a bin gains or loses more than there
+// is.
 TEST(Calibration, CorrectsWithinTheRangeOfVisibility) {
     Calibration tooBright, tooDark;
     for (int i = 0; i < 4000; ++i) {
