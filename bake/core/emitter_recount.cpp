@@ -80,7 +80,9 @@ public:
 
 private:
     std::span<const Fragment> fragmentsOf(std::uint64_t key) const {
-        return std::ranges::equal_range(fragments_, key, {}, &Fragment::voxelKey);
+        const auto first = std::ranges::lower_bound(fragments_, key, {}, &Fragment::voxelKey);
+        const auto last = std::ranges::upper_bound(fragments_, key, {}, &Fragment::voxelKey);
+        return {first, last};
     }
 
     /// A patch is an item, or its subpatches are.

@@ -48,10 +48,10 @@ TriangleMesh underScreen(double height, bool smooth) {
 /// Irradiance by the lit texels, of a radiance of 1.
 double irradianceOf(const ShadingPoint& point, double height) {
     double sum = 0;
-    for (const auto& [column, row] : kLit) {
+    for (const std::array<int, 2>& texel : kLit) {
         const auto at = [&](int i, int j) {
-            return Vec3d(static_cast<double>(column + i) / kTexels, height,
-                         static_cast<double>(row + j) / kTexels);
+            return Vec3d(static_cast<double>(texel[0] + i) / kTexels, height,
+                         static_cast<double>(texel[1] + j) / kTexels);
         };
         const std::vector<Vec3d> corners{at(0, 0), at(1, 0), at(1, 1), at(0, 1)};
         sum += test::polygonIrradiance(Vec3d(point.place.rayOrigin), Vec3d(point.place.normal),

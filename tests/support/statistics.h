@@ -6,7 +6,7 @@
 namespace shadowcache::test {
 
 /// Statistical tests in the suite, at most; `statistical_tests` counts them.
-inline constexpr int kStatisticalTests = 180;
+inline constexpr int kStatisticalTests = 200;
 
 /// Level of each of `comparisons` (> 0) in one test, from the suite's budget of 1e-4 false alarms:
 /// a test passes while its p-values are above it, and those of its control must come out below. One
