@@ -43,7 +43,8 @@ TEST(Calibration, StaysBetweenZeroAndOne) {
             for (int i = 0; i < 30; ++i) tested.add(std::min(1.47f * uncertainty, 1.0f), visible);
         }
         tested.update();
-        for (float a = 0; a <= 1; a += 1.0f / 4096) {
+        for (int k = 0; k <= 4096; ++k) {
+            const float a = static_cast<float>(k) / 4096;
             const Calibration::Calibrated calibrated = tested.apply(a);
             EXPECT_GT(calibrated.posterior, 0.0f) << a;
             EXPECT_LT(calibrated.posterior, 1.0f) << a;
@@ -80,7 +81,8 @@ TEST(Calibration, CorrectsWithinTheRangeOfVisibility) {
     EXPECT_NEAR(corrected(tooBright, 0.9f, 0.9f), 0.2f, 0.01f);
     EXPECT_NEAR(corrected(tooDark, 0.3f, 0.3f), 0.98f, 0.01f);
     for (const float a : {0.3f, 0.9f})
-        for (float v = 0; v <= 1; v += 0.125f) {
+        for (int k = 0; k <= 8; ++k) {
+            const float v = static_cast<float>(k) / 8;
             EXPECT_LE(corrected(tooBright, a, v), v);
             EXPECT_GE(corrected(tooBright, a, v), 0.0f);
             EXPECT_GE(corrected(tooDark, a, v), v);
@@ -132,6 +134,7 @@ TEST(HorizonFit, IsTheProjectionOfTheClampedCosine) {
 
 TEST(SampleBudget, KeepsTheMeanAndFollowsTheNoise) {
     std::vector<PredictedNoise> places;
+    places.reserve(400);
     for (int i = 0; i < 400; ++i) places.push_back({0.001 * i, 1});
     const SampleBudget budget(places, 64);
     double sum = 0;
@@ -145,6 +148,7 @@ TEST(SampleBudget, KeepsTheMeanAndFollowsTheNoise) {
 // One sample each, and still some places get more than others.
 TEST(SampleBudget, SharesOutFractionsOfASample) {
     std::vector<PredictedNoise> places;
+    places.reserve(400);
     for (int i = 0; i < 400; ++i) places.push_back({0.001 * i, 1});
     const SampleBudget budget(places, 1);
     EXPECT_NEAR(budget.samplesOf(places[0]), 0.25, 1e-9);
