@@ -127,8 +127,9 @@ bool EmissionTable::pays() const {
 
 EmissionTable::Cell EmissionTable::cellAt(double u, double v) const noexcept {
     const auto side = static_cast<double>(side_);
+    // Of a triangle without area no number is to be had.
     const auto place = [&](double x) {
-        return static_cast<std::size_t>(std::clamp(x * side, 0.0, side - 1));
+        return x > 0 ? static_cast<std::size_t>(std::min(x * side, side - 1)) : std::size_t{0};
     };
     Cell cell{place(u), place(v), false};
     // Rounding may put a place on the third side beyond it.
