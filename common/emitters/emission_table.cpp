@@ -44,7 +44,7 @@ double texelsAlong(const TriangleMesh& mesh, std::uint32_t triangle) {
 }
 
 double lightOf(const Rgb& c) {
-    return std::max(0.0, static_cast<double>(luminance(c)));
+    return static_cast<double>(brightness(c));
 }
 
 /// A corner of cells: what it emits, and the most of it and the corners beside it.
@@ -108,7 +108,7 @@ std::optional<EmissionTable> EmissionTable::of(const TriangleMesh& mesh, std::ui
         emitted[n] += kOfNeighbors * near;
     }
     table.mean_ = Rgb(sum / count);
-    // A thousand points miss hardly more than a thousandth of the triangle.
+    // What n points miss is about an n-th of the triangle at most, and mostly nothing.
     table.floor_ = 0.25f * most / static_cast<float>(count);
     double before = 0;
     for (std::size_t n = 0; n < emitted.size(); ++n) {

@@ -17,7 +17,7 @@ public:
     /// Looks at a triangle.
     ///
     /// @param most   that any point may emit [luminance of radiance]
-    /// @param cells  at most so many; each takes 16 bytes and half a microsecond
+    /// @param cells  at most so many; each takes 16 bytes and a quarter of a microsecond
     /// @return none where the picture has next to no texels on the triangle
     static std::optional<EmissionTable> of(const TriangleMesh& mesh, std::uint32_t triangle,
                                            float most, std::size_t cells);
@@ -61,7 +61,7 @@ private:
                     const Vec3f& position) const noexcept;
 
     std::size_t side_;          ///< cells along each side
-    std::vector<double> sums_;  ///< of what cells emit at most, up to each; of none equal
+    std::vector<double> sums_;  ///< of what cells emit, up to each; beyond the third side it stays
     Rgb mean_{0, 0, 0};
     double square_ = 0;  ///< mean over the cells of what they emit, squared
     float floor_ = 0;

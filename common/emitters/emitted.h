@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "common/mesh/mesh.h"
@@ -10,5 +11,10 @@ namespace shadowcache {
 ///
 /// @param triangle  of TriangleMesh::triangles, with a material
 Rgb emittedAt(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v) noexcept;
+
+/// Luminance of what is emitted; what is less than none counts as none.
+inline float brightness(const Rgb& emitted) noexcept {
+    return std::max(0.0f, luminance(emitted));
+}
 
 }  // namespace shadowcache

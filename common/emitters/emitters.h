@@ -77,7 +77,7 @@ public:
     /// Whether cameras see some lamp.
     bool hasSeenLamps() const { return hasSeenLamps_; }
 
-    /// Draws a point of a part, as samplePoint() does, of triangles with a table by that.
+    /// Draws a point of a part as samplePoint() does, or by the table of a triangle that has one.
     EmitterPoint sample(const EmitterPart& t, const Receiver& at, double u,
                         double v) const noexcept;
     /// Density with which sample() draws a point of a triangle [1/sr].

@@ -16,7 +16,7 @@ namespace {
 /// Points of a triangle whose mean radiance is that of the triangle, where it has no table.
 constexpr int kMeanPoints = 32;
 
-/// Cells of all tables of a set, at most: half a second, and 16 megabytes.
+/// Cells of all tables of a set, at most: a quarter of a second, and 16 megabytes.
 constexpr std::size_t kMostCellsOfSet = std::size_t{1} << 20;
 
 /// Of a triangle that varies, weight of what its brightest point may emit: no point is missed.
@@ -24,10 +24,6 @@ constexpr float kLeastBrightness = 0.05f;
 
 /// Sides of the polygon that stands for an ellipse, of the same area.
 constexpr int kEllipseSides = 32;
-
-float brightness(const Rgb& c) {
-    return std::max(0.0f, luminance(c));
-}
 
 /// The most that a point of a material may emit, whatever its gain.
 Rgb mostEmitted(const Material& material) {

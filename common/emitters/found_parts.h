@@ -21,11 +21,14 @@ struct FoundPart {
     std::uint64_t owner = 0;
 };
 
-/// All that emits of meshes of one origin: triangles of surfaces, then the lamps.
+/// Parts, and the tables of those triangles whose pictures emit unevenly.
 struct FoundParts {
     std::vector<FoundPart> parts;
     std::vector<EmissionTable> tables;  ///< EmitterPart::table
 };
+
+/// All that emits of meshes of one origin: triangles of surfaces, then the lamps. Tables are made
+/// by what they emit alone, for EmitterWeight::radiance.
 FoundParts findParts(std::span<const TriangleMesh* const> meshes, EmitterWeight weight);
 
 }  // namespace shadowcache

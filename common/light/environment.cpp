@@ -16,7 +16,7 @@ namespace {
 
 using Integrals = EnvironmentMap::Integrals;
 
-constexpr std::size_t kSortedPerChunk = 8192;
+constexpr std::size_t kSortChunk = 8192;
 /// Grains between the one that is summed and the one whose integrals are fetched.
 constexpr std::uint32_t kPrefetch = 16;
 /// The cells below one of this level are summed together.
@@ -121,7 +121,7 @@ void Environment::sortGrains() {
     const std::size_t count = grains.size();
     placeOf_.resize(count);
     const CellFinder& finder = cellFinder();
-    parallelFor(count, kSortedPerChunk, [&](const Chunk& chunk) {
+    parallelFor(count, kSortChunk, [&](const Chunk& chunk) {
         std::uint32_t cell = 0;
         for (std::size_t g = chunk.begin; g < chunk.end; ++g) {
             cell = finder.find(toWorld(grains[g].center), cell);

@@ -27,7 +27,7 @@ constexpr int kGrainLevel = 7;
 constexpr double kTwoPi = 2 * kPi;
 constexpr std::size_t kPasses = 4;
 constexpr std::size_t kRowsPerChunk = 8;
-constexpr std::size_t kSummedPerChunk = 1024;
+constexpr std::size_t kSumChunk = 1024;
 
 double share(std::size_t part, std::size_t count) {
     return static_cast<double>(part) / static_cast<double>(count);
@@ -253,7 +253,7 @@ void EnvironmentMap::integrate(Progress& progress) {
     grains_.resize(count);
     integrals_.resize(count);
     texelBegin_.resize(texels_.size());
-    parallelFor(count, kSummedPerChunk, [&](const Chunk& chunk) {
+    parallelFor(count, kSumChunk, [&](const Chunk& chunk) {
         throwIfInterrupted();
         GrainSum sum(*this, factors);
         for (std::size_t g = chunk.begin; g < chunk.end; ++g) sum.integrate(g);

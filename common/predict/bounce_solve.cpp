@@ -14,7 +14,7 @@ namespace shadowcache {
 namespace {
 
 /// Items that a thread takes at a time.
-constexpr std::size_t kItemsOfChunk = 1024;
+constexpr std::size_t kSolveChunk = 1024;
 
 /// Bounces that are solved for, at most: what later ones add is left to the residual.
 constexpr int kMostSolved = 64;
@@ -33,7 +33,7 @@ std::vector<Rgb> directOf(const ShadowCache& cache, const ItemTable& items,
     const CachePreview preview(environment, cache.header().tiers());
     std::vector<Rgb> direct(items.size(), Rgb(0, 0, 0));
     Progress progress("predict light", std::max<std::size_t>(1, items.size()));
-    parallelFor(items.size(), kItemsOfChunk, [&](const Chunk& chunk) {
+    parallelFor(items.size(), kSolveChunk, [&](const Chunk& chunk) {
         throwIfInterrupted();
         ShadowCache::Reader reader(cache);
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
@@ -116,7 +116,7 @@ double BounceSolve::addBounce(const Transport& transport, std::span<const ItemLo
     const auto rays = static_cast<std::size_t>(transport.raysPerItem);
     const std::vector<Rgb>&before = irradiance_.back(), &direct = irradiance_.front();
     std::vector<Rgb> next(items_.size());
-    const double added = parallelSum(items_.size(), kItemsOfChunk, [&](const Chunk& chunk) {
+    const double added = parallelSum(items_.size(), kSolveChunk, [&](const Chunk& chunk) {
         double change = 0;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             Rgb sum(0, 0, 0);
@@ -141,7 +141,7 @@ double BounceSolve::addBounce(const Transport& transport, std::span<const ItemLo
 }
 
 double BounceSolve::sumOfLast() const {
-    return parallelSum(items_.size(), kItemsOfChunk, [&](const Chunk& chunk) {
+    return parallelSum(items_.size(), kSolveChunk, [&](const Chunk& chunk) {
         double sum = 0;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i)
             for (int c = 0; c < 3; ++c) sum += static_cast<double>(irradiance_.back()[i][c]);

@@ -17,7 +17,7 @@ namespace shadowcache {
 namespace {
 
 /// Places of a thread at a time: enough for what it keeps to pay.
-constexpr std::size_t kPlacesOfChunk = 8192;
+constexpr std::size_t kPlaceChunk = 8192;
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
@@ -92,7 +92,7 @@ void irradianceOfAll(const ShadowCache& cache, const CachePreview& preview, cons
                      std::span<Rgb> out, const Adjust& adjust) {
     std::ranges::fill(out, Rgb(kNothing));
     const std::vector<std::uint64_t> order = orderOf(places, cache.header().spacing);
-    parallelFor(order.size(), kPlacesOfChunk, [&](const Chunk& chunk) {
+    parallelFor(order.size(), kPlaceChunk, [&](const Chunk& chunk) {
         ItemsAround around(cache, places);
         ItemIrradiance irradiance(preview);
         for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
@@ -128,7 +128,7 @@ void visibilityAt(const ShadowCache& cache, const Places& places, std::span<cons
                   std::span<float> out) {
     std::ranges::fill(out, kNothing);
     const std::vector<std::uint64_t> order = orderOf(places, cache.header().spacing);
-    parallelFor(order.size(), kPlacesOfChunk, [&](const Chunk& chunk) {
+    parallelFor(order.size(), kPlaceChunk, [&](const Chunk& chunk) {
         ItemsAround around(cache, places);
         PooledVisibility pooled(cache.header().tiers());
         for (std::size_t k = chunk.begin; k < chunk.end; ++k) {

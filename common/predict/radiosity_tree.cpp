@@ -11,7 +11,7 @@ namespace shadowcache {
 namespace {
 
 /// Items that a thread takes at a time.
-constexpr std::size_t kBallsOfChunk = 4096;
+constexpr std::size_t kTreeChunk = 4096;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ RadiosityTree::RadiosityTree(const BounceSolve& solve, std::span<const ItemLook>
       itemArea_(static_cast<float>(solve.items().spacing() * solve.items().spacing())),
       radiance_(solve.items().size()) {
     const ItemTable& items = solve.items();
-    parallelFor(items.size(), kBallsOfChunk, [&](const Chunk& chunk) {
+    parallelFor(items.size(), kTreeChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const auto item = static_cast<std::uint32_t>(i);
             const Rgb sent = looks[i].albedo * solve.irradiance(item, bounces);

@@ -35,11 +35,11 @@ SHADOWCACHE_TUNED(std::size_t, kGroupsOfCluster, 4);
 SHADOWCACHE_TUNED(std::size_t, kClustersOfGuide, 64);
 
 /// Vertices that a thread takes at a time.
-constexpr std::size_t kReceiversOfChunk = 4096;
+constexpr std::size_t kReceiverChunk = 4096;
 
 template <class Body>
 void forEachIndex(std::size_t count, const Body& body) {
-    parallelFor(count, kReceiversOfChunk, [&](const Chunk& chunk) {
+    parallelFor(count, kReceiverChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) body(i);
     });
 }
@@ -216,7 +216,7 @@ GroupedBounce BounceLight::predict(std::span<const BounceReceiver> receivers,
     GroupedBounce grouped;
     if (context.groups) grouped.irradiance.assign(receivers.size(), context.groups->size());
     if (!context.solve) return grouped;
-    parallelFor(receivers.size(), kReceiversOfChunk, [&](const Chunk& chunk) {
+    parallelFor(receivers.size(), kReceiverChunk, [&](const Chunk& chunk) {
         ShadowCache::Reader reader(*context.cache);
         std::array<ItemView, ShadowCache::kMaxItems> items;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {

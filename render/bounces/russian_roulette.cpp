@@ -20,7 +20,7 @@ SHADOWCACHE_TUNED(float, kBounceChance, 0.85f);
 constexpr float kLeastChance = 0.05f, kMostChance = 0.99f;
 
 /// Vertices that a thread takes at a time.
-constexpr std::size_t kChancesOfChunk = 4096;
+constexpr std::size_t kRouletteChunk = 4096;
 
 float highest(const Rgb& color) {
     return std::max({color.x, color.y, color.z});
@@ -61,7 +61,7 @@ LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe) {
 
 std::vector<VertexChoice> chooseFirst(std::span<const BounceReceiver> receivers) {
     std::vector<VertexChoice> choices(receivers.size());
-    parallelFor(receivers.size(), kChancesOfChunk, [&](const Chunk& chunk) {
+    parallelFor(receivers.size(), kRouletteChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const BatchSlot& slot = receivers[i].point->slot;
             VertexChoice& choice = choices[i];
@@ -82,7 +82,7 @@ std::vector<VertexChoice> chooseFirst(std::span<const BounceReceiver> receivers)
 std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft, float trust) {
     const bool unlimited = bouncesLeft == kUnlimitedBounces;
     std::vector<VertexChoice> choices(level.vertices.size());
-    parallelFor(choices.size(), kChancesOfChunk, [&](const Chunk& chunk) {
+    parallelFor(choices.size(), kRouletteChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const PathVertex& v = level.vertices[i];
             VertexChoice& choice = choices[i];

@@ -10,7 +10,7 @@ namespace shadowcache {
 namespace {
 
 /// Vertices that a thread takes at a time.
-constexpr std::size_t kLookupsOfChunk = 1024;
+constexpr std::size_t kLookupChunk = 1024;
 
 /// The voxels that are looked up together have this many bits of their coordinates in common.
 constexpr int kVoxelBits = 3;
@@ -28,7 +28,7 @@ void findItems(const ItemTable& items, const Vec3d& origin, std::span<const std:
     };
     std::vector<Lookup> lookups(numbers.size());
     const auto positionOf = [&](const PathVertex& v) { return origin + Vec3d(v.target); };
-    parallelFor(numbers.size(), kLookupsOfChunk, [&](const Chunk& chunk) {
+    parallelFor(numbers.size(), kLookupChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             const Vec3d at = positionOf(vertices[numbers[i]]) / items.spacing();
             std::uint64_t place = 0;
@@ -41,7 +41,7 @@ void findItems(const ItemTable& items, const Vec3d& origin, std::span<const std:
         }
     });
     std::ranges::sort(lookups);
-    parallelFor(lookups.size(), kLookupsOfChunk, [&](const Chunk& chunk) {
+    parallelFor(lookups.size(), kLookupChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             PathVertex& v = vertices[lookups[i].vertex];
             v.item = items.itemAt(positionOf(v), v.geometricNormal);

@@ -14,7 +14,7 @@ namespace shadowcache {
 namespace {
 
 /// Pixels that one thread takes at a time.
-constexpr std::size_t kPredictedOfChunk = 4096;
+constexpr std::size_t kPreviewChunk = 4096;
 
 /// What rays add to the predicted irradiance.
 Rgb addedIrradiance(const Pixel& pixel) {
@@ -81,7 +81,7 @@ Film finishFilm(const FrameRequest& frame, Film film, RenderStats& stats) {
     ResidualImage residuals{film.width, film.height, {}};
     residuals.pixels.resize(film.pixels.size());
     const auto forEachPixel = [&](const auto& visit) {
-        parallelFor(film.pixels.size(), kPredictedOfChunk, [&](const Chunk& chunk) {
+        parallelFor(film.pixels.size(), kPreviewChunk, [&](const Chunk& chunk) {
             for (std::size_t i = chunk.begin; i < chunk.end; ++i)
                 visit(film.pixels[i], residuals.pixels[i]);
         });

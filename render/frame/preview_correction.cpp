@@ -26,7 +26,7 @@ SHADOWCACHE_TUNED(int, kCorrectionSamples, 8);
 SHADOWCACHE_TUNED(float, kCorrectionCell, 4);
 
 /// Pixels that one thread takes at a time.
-constexpr std::size_t kCorrectedOfChunk = 1024;
+constexpr std::size_t kCorrectionChunk = 1024;
 
 /// The whole of a frame in few pixels. All frames of a shot have the same random numbers, so that
 /// what is left of the noise does not flicker.
@@ -149,7 +149,7 @@ PreviewCorrection::Learnt PreviewCorrection::learn(const FrameRequest& frame, Re
 }
 
 void PreviewCorrection::correct(Film& film) const {
-    parallelFor(film.pixels.size(), kCorrectedOfChunk, [&](const Chunk& chunk) {
+    parallelFor(film.pixels.size(), kCorrectionChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
             Pixel& pixel = film.pixels[i];
             const float length = pixel.normal.length();
