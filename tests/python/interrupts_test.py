@@ -1,5 +1,4 @@
-"""Ctrl-C ends each call of the module within a second, of which each thread may have one of the processor: other programs
-on the machine take none of it."""
+"""Ctrl-C ends each call of the module within a second, or, where other programs slow the machine down, within a second of the processor."""
 import os
 import signal
 import threading
@@ -46,15 +45,15 @@ CALLS = {
 
 
 def spent():
-    """Seconds until now: of the clock, and of the processor for each of its threads."""
-    return time.monotonic(), time.process_time() / os.cpu_count()
+    """Seconds until now: of the clock, and of the processor by all threads."""
+    return time.monotonic(), time.process_time()
 
 
 def assert_soon(sent):
-    """A second of the processor at most since `sent`, and no long wait."""
+    """A second at most since `sent`, by one of the two, and no long wait."""
     wall, busy = np.subtract(spent(), sent)
-    print(f"ended {wall:.2f} s after the signal, {busy:.2f} s of each processor")
-    assert busy < 1
+    print(f"ended {wall:.2f} s after the signal, {busy:.2f} s of the processor")
+    assert min(wall, busy) < 1
     assert wall < 20
 
 
