@@ -57,6 +57,7 @@ double Calibration::lightFound() const {
 void Calibration::update() {
     const double all = lightFound();
     for (std::size_t i = 0; i < kBins; ++i) {
+        if (all < kLeastFound) slope_[i] = static_cast<float>(all);
         if (rays_[i] == 0) continue;
         const auto rays = static_cast<double>(rays_[i]);
         const auto visible = static_cast<double>(visible_[i]);
@@ -67,14 +68,14 @@ void Calibration::update() {
         const double predictedUncertainty = i < kBinsPerSide ? predicted : 1 - predicted;
         factor_[i] =
             static_cast<float>(std::clamp(uncertainty, least, 1 - least) / predictedUncertainty);
-        slope_[i] = 1;
-        offset_[i] = 0;
-        // In proportion: where no ray is visible the counts of the whole bin are worth nothing.
+        // In proportion: where no ray is visible the counts of the whole bin are worth nothing. The
+        // prior is one visible ray: in a bin of three, one that hits by chance proves nothing.
         if (all < kLeastFound) {
-            slope_[i] = static_cast<float>((visible + kCalibrationPrior * all) /
-                                           (rays * predicted + kCalibrationPrior));
+            slope_[i] = static_cast<float>((visible + 1) / (rays * predicted + 1 / all));
             continue;
         }
+        slope_[i] = 1;
+        offset_[i] = 0;
         const double measured = visible / rays;
         const double share = std::clamp(measured, 1 / (rays + 2), 1 - 1 / (rays + 2));
         const double error = std::sqrt(share * (1 - share) / rays);

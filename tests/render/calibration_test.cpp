@@ -102,9 +102,25 @@ TEST(Calibration, BinsOfFewRaysAreWorthWhatAllAre) {
         for (Calibration* room : {&dark, &lit}) room->add(0.06f, false);
     dark.update();
     lit.update();
-    EXPECT_LT(corrected(dark, 0.3f, 1.0f), 1e-4f);
+    EXPECT_LT(corrected(dark, 0.3f, 1.0f), 1e-3f);
     EXPECT_LT(corrected(dark, 0.06f, 1.0f), 0.01f);
+    EXPECT_LT(corrected(dark, 0.9f, 1.0f), 0.01f) << "no ray at all";
     EXPECT_EQ(corrected(lit, 0.06f, 1.0f), 1.0f);
+}
+
+// One of three rays that finds light by chance does not make counts credible that thousands of
+// others refute; hundreds that find it do.
+TEST(Calibration, OneVisibleRayProvesNothingInADarkRoom) {
+    Calibration dark;
+    for (int i = 0; i < 20000; ++i) dark.add(0.3f, false);
+    Calibration darkWithAWindow = dark;
+    for (int i = 0; i < 3; ++i) dark.add(0.06f, i == 0);
+    for (int i = 0; i < 300; ++i) darkWithAWindow.add(0.9f, i % 10 != 0);
+    dark.update();
+    darkWithAWindow.update();
+    EXPECT_LT(corrected(dark, 0.06f, 1.0f), 0.01f);
+    EXPECT_GT(corrected(darkWithAWindow, 0.9f, 1.0f), 0.85f);
+    EXPECT_LT(corrected(darkWithAWindow, 0.3f, 1.0f), 0.01f);
 }
 
 // The quadratic is a projection: its error has no part of degree 0, 1 or 2, and the moments hold.
