@@ -308,6 +308,7 @@ INPUTS = {
     "ShaderNodeVertexColor": {},
     "ShaderNodeRGB": {},
     "ShaderNodeValue": {},
+    "ShaderNodeBlackbody": inputs(READ, "Temperature"),
     "ShaderNodeMath": inputs(READ, "Value|Value_001|Value_002"),
     "ShaderNodeMix": inputs(READ, "Factor_Float|Factor_Vector|A_Float|B_Float|A_Vector|B_Vector|A_Color|B_Color"),
     "ShaderNodeMixRGB": inputs(READ, "Fac|Color1|Color2"),

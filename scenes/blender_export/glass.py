@@ -36,12 +36,6 @@ class Layers:
     remarks: list = field(default_factory=list)  # for *Not Rendered*: texts above
 
 
-def number(socket, reader):
-    """A constant that feeds a socket, or None."""
-    value = reader.value(socket)
-    return None if value.image or value.colours is not None or value.unknown else value.factor[0]
-
-
 def is_clear(node):
     """Whether a node is a Transparent BSDF of white, without links."""
     return node.type == "BSDF_TRANSPARENT" and not feed_of(node.inputs[0]) and \
@@ -50,7 +44,7 @@ def is_clear(node):
 
 def index_of(node, reader):
     """The constant index of refraction of a node, or None."""
-    return number(node.inputs["IOR"], reader)
+    return reader.number(node.inputs["IOR"])
 
 
 def is_shadow_ray(output):
@@ -75,7 +69,7 @@ def layers_of(node, reader):
         first, second = (side.node for side in sides)
         layers.nodes.append(node)
         feeding = source(node.inputs[0])
-        share = number(node.inputs[0], reader)
+        share = reader.number(node.inputs[0])
         if share is not None:
             share = min(max(share, 0), 1)
             node = mixed_by_number(share, first, second, layers, reader)

@@ -22,6 +22,7 @@ from blender_kit import (checks, cube, diffuse, image, link, names, placed, plan
 from blender_scene import WORK, install  # noqa: E402
 
 MOST = 0.015  # share of the mean by which a part may be off
+MOST_BLACK = 0.005  # share of the greatest number by which a colour of a black body may be off
 
 
 # Nodes that are muted, links that do not count.
@@ -304,6 +305,37 @@ def colour_to_world_strength():
     node.outputs[0].default_value = (0.2, 0.5, 0.9, 1)
     tree.links.new(node.outputs[0], background.inputs["Strength"])
     plane(diffuse()[0])
+
+
+def black_body(tree, socket, kelvins):
+    node = tree.nodes.new("ShaderNodeBlackbody")
+    node.inputs["Temperature"].default_value = kelvins
+    tree.links.new(node.outputs["Color"], socket)
+    return node
+
+
+@shows
+def blackbody_emitter():
+    plane(diffuse()[0])
+    material, tree, _ = diffuse()
+    shader = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(shader.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    black_body(tree, shader.inputs["Color"], 1900)
+    plane(material, 1).location = 0.8, 0.3, 0.4
+
+
+@shows
+def blackbody_world():
+    tree, _, background = world_node("ShaderNodeRGB")
+    black_body(tree, background.inputs["Color"], 9000)
+    plane(diffuse()[0])
+
+
+@names("Base Color: node Blackbody")
+def blackbody_of_an_image():
+    _, tree, texture = textured()
+    shader = next(node for node in tree.nodes if node.type == "BSDF_DIFFUSE")
+    tree.links.new(texture.outputs["Color"], black_body(tree, shader.inputs["Color"], 5000).inputs["Temperature"])
 
 
 # What is named.
@@ -623,6 +655,23 @@ def light_below_nothing():
         assert any("32 negative, set to 0, 33 % of the light" in entry for entry in left_out), left_out
 
 
+def black_bodies():
+    """Colours of all temperatures are those that Cycles shows; 2 per cent more of it is told apart."""
+    start()
+    scene = bpy.context.scene
+    scene.render.film_transparent, scene.cycles.samples = False, 1
+    tree, _, background = world_node("ShaderNodeRGB")
+    node = black_body(tree, background.inputs["Color"], 1000)
+    colour = sys.modules["shadowcache.blender_export.blackbody"].colour
+    for kelvins in (0, 800, 900, 1000, 1150, 1300, 1600, 1900, 2300, 2700, 3300, 4000, 5000, 6300, 6500, 8000, 10000, 11900,
+                    12000, 20000):
+        node.inputs["Temperature"].default_value = kelvins
+        shown = render("CYCLES", "RGB")[0][0]
+        gap, more = (abs(numpy.array(colour(of)) / shown.max() - shown / shown.max()).max() for of in (kelvins, 1.02 * kelvins))
+        print("case black body of %d K: off by %.5f, of 2 %% more by %.5f" % (kelvins, gap, more))
+        assert gap < MOST_BLACK and (more > MOST_BLACK or not 800 <= kelvins <= 10000), (colour(kelvins), shown)
+
+
 def strengths():
     """Normals of a map that counts half are mixed with the surface's, as Cycles does."""
     mixed = sys.modules["shadowcache.blender_export.materials"].mixed_normals(numpy.array([[[0.8, 0.5, 0.9]]]), 0.5)
@@ -632,4 +681,4 @@ def strengths():
 
 if __name__ == "__main__":
     install()
-    blender_compare.run(VALUES.store, (compare, names_all, encoded_worlds, map_files, light_below_nothing, strengths))
+    blender_compare.run(VALUES.store, (compare, names_all, encoded_worlds, map_files, light_below_nothing, strengths, black_bodies))
