@@ -296,6 +296,7 @@ INPUTS = {
     "ShaderNodeBsdfTransparent": {"Color": READ, "Weight": DERIVED},
     "ShaderNodeBsdfGlass": {**inputs(READ, "Color|Roughness|IOR"), "Weight": DERIVED},
     "ShaderNodeBsdfGlossy": {**inputs(READ, "Color|Roughness"), "Weight": DERIVED},
+    "ShaderNodeAddShader": inputs(READ, "Shader|Shader_001"),
     "ShaderNodeMixShader": inputs(READ, "Fac|Shader|Shader_001"),
     "ShaderNodeFresnel": {"IOR": READ},
     "ShaderNodeLightPath": {},

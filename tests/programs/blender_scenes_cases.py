@@ -338,6 +338,126 @@ def blackbody_of_an_image():
     tree.links.new(texture.outputs["Color"], black_body(tree, shader.inputs["Color"], 5000).inputs["Temperature"])
 
 
+# Emission beside another shader.
+
+RED = "ShaderNodeEmission", {"Color": (1, 0.3, 0.1, 1), "Strength": 0.8}
+GREEN = "ShaderNodeBsdfDiffuse", {"Color": (0.3, 0.8, 0.4, 1)}
+
+
+def glowing(kind, *sides, factor=0.5):
+    """A plane over the floor, whose shader adds or mixes two."""
+    material, tree, _ = diffuse()
+    join(tree, kind, [shader_of(tree, *side) for side in sides], tree.nodes["Material Output"].inputs["Surface"], factor)
+    plane(diffuse()[0])
+    plane(material, 2).location = 0.3, 0.2, 0.5
+    return tree
+
+
+def shader_of(tree, kind, values):
+    node = tree.nodes.new(kind)
+    for name, value in values.items():
+        node.inputs[name].default_value = value
+    return node
+
+
+def join(tree, kind, sides, to, factor=0.5):
+    node = tree.nodes.new(kind)
+    if kind == "ShaderNodeMixShader":
+        node.inputs[0].default_value = factor
+    for side, socket in zip(sides, [s for s in node.inputs if s.type == "SHADER"]):
+        tree.links.new(side.outputs[0], socket)
+    tree.links.new(node.outputs[0], to)
+    return node
+
+
+@shows
+def emission_added():
+    glowing("ShaderNodeAddShader", GREEN, RED)
+
+
+@shows
+def emission_mixed():
+    glowing("ShaderNodeMixShader", RED, GREEN, factor=0.3)
+
+
+@shows
+def emission_mixed_as_second():
+    glowing("ShaderNodeMixShader", GREEN, RED, factor=0.3)
+
+
+@shows
+def emissions_added():
+    glowing("ShaderNodeAddShader", RED, ("ShaderNodeEmission", {"Color": (0.1, 0.2, 1, 1), "Strength": 2}))
+
+
+@shows
+def emission_added_to_principled():
+    glowing("ShaderNodeAddShader", RED, ("ShaderNodeBsdfPrincipled", {
+        "Base Color": (0.1, 0.3, 0.2, 1), "Specular": 0, "Roughness": 0.5, "Emission": (0, 0, 0.4, 1), "Emission Strength": 0.5}))
+
+
+@shows
+def emission_mixed_with_principled():
+    glowing("ShaderNodeMixShader", RED, ("ShaderNodeBsdfPrincipled", {
+        "Base Color": (0.1, 0.3, 0.2, 1), "Specular": 0.3, "Roughness": 0.4, "Emission": (0, 0, 0.4, 1),
+        "Emission Strength": 0.5}), factor=0.6)
+
+
+@shows
+def emission_mixed_with_an_image():
+    _, tree, _ = textured()
+    to = tree.nodes["Material Output"].inputs["Surface"]
+    join(tree, "ShaderNodeMixShader", [to.links[0].from_node, shader_of(tree, *RED)], to, 0.4)
+
+
+@shows
+def emission_added_below_holes():
+    tree = glowing("ShaderNodeAddShader", GREEN, RED)
+    to = tree.nodes["Material Output"].inputs["Surface"]
+    join(tree, "ShaderNodeMixShader", [tree.nodes.new("ShaderNodeBsdfTransparent"), to.links[0].from_node], to, 0.7)
+
+
+@shows
+def emission_added_above_holes():
+    tree = glowing("ShaderNodeMixShader", ("ShaderNodeBsdfTransparent", {}), GREEN, factor=0.7)
+    to = tree.nodes["Material Output"].inputs["Surface"]
+    join(tree, "ShaderNodeAddShader", [shader_of(tree, *RED), to.links[0].from_node], to)
+
+
+@names("Mix Shader; the viewport's colour is in its place")
+def emission_mixed_with_metal():
+    glowing("ShaderNodeMixShader", RED, ("ShaderNodeBsdfPrincipled", {"Metallic": 1}))
+
+
+@names("Add Shader; the viewport's colour is in its place")
+def emission_added_to_holes_of_principled():
+    glowing("ShaderNodeAddShader", RED, ("ShaderNodeBsdfPrincipled", {"Alpha": 0.5}))
+
+
+@names("Add Shader; the viewport's colour is in its place")
+def emission_added_to_a_pane():
+    glowing("ShaderNodeAddShader", RED, ("ShaderNodeBsdfTransparent", {}))
+
+
+@names("Mix Shader; the viewport's colour is in its place")
+def emission_mixed_with_a_pane():
+    glowing("ShaderNodeMixShader", ("ShaderNodeBsdfGlass", {}), RED)
+
+
+@names("Add Shader; the viewport's colour is in its place")
+def surfaces_added():
+    glowing("ShaderNodeAddShader", GREEN, GREEN)
+
+
+@names("Emission that varies over the surface otherwise than by one image")
+def emission_added_to_one_with_an_image():
+    tree = glowing("ShaderNodeAddShader", RED, ("ShaderNodeEmission", {}))
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image(checks())
+    tree.links.new(texture.outputs["Color"], next(
+        n for n in tree.nodes if n.type == "EMISSION" and n.inputs["Strength"].default_value == 1).inputs["Color"])
+
+
 # What is named.
 
 # Panes.
