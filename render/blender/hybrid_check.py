@@ -27,7 +27,7 @@ OF_NONE = (THROUGH_GLASS, *SHARED, COARSE)
 @dataclass(frozen=True)
 class Needs:
     masked: tuple     # names of materials whose direct light is Cycles'
-    lamps: tuple      # lamps and emitters that are not exported as they are, and emitters that move, which light nothing directly
+    lamps: tuple      # lamps and emitters not exported as they are; emitters that move, which light nothing directly
 
 
 def needs_of(depsgraph, entries, path):
