@@ -46,17 +46,17 @@ class SHADOWCACHE_OT_estimate(bpy.types.Operator):
         scene, layer = context.scene, context.view_layer.name
         set_file, recipe = folders.set_file_of(scene, layer), bake.Recipe(scene.shadowcache)
         is_hybrid = hybrid.is_on(scene)  # before the export's render, which goes without the compositor
+        lights_lamps = not is_hybrid or hybrid.lights_lamps(scene)
 
         def export(depsgraph, set_frame):
             state = set_file.update(depsgraph, set_frame, scene.shadowcache.use_motion, panes=not is_hybrid)
             camera = view.view_of(scene.camera.evaluated_get(depsgraph), scene)
             views = bake.Views({scene.frame_current: camera}, view.size_of(scene))
-            # The lamps of a hybrid are lit by Cycles.
-            return views, light_of(scene, depsgraph.view_layer, [] if is_hybrid else set_file.gains(state))
+            return views, light_of(scene, depsgraph.view_layer, set_file.gains(state) if lights_lamps else [])
 
         views, light = with_render_depsgraph(export)
         self.wish = Wish(set_file, recipe, views, fps(scene), preferences.program_folder(), light,
-                         picture_options(scene.shadowcache, is_hybrid), is_hybrid)
+                         picture_options(scene.shadowcache, is_hybrid, lights_lamps), is_hybrid)
         self.stop, self.error, self.result = threading.Event(), "", ""
         self.key = key_of(set_file, recipe)
         self.thread = threading.Thread(target=self._run)
@@ -154,11 +154,11 @@ def numbers(value):
     return ",".join(repr(float(number)) for number in (value if hasattr(value, "__len__") else [value]))
 
 
-def picture_options(settings, is_hybrid):
+def picture_options(settings, is_hybrid, lights_lamps):
     """Of a still picture; a noise target is no number of rays that a time could be told for. Of a hybrid: of the light
-    that Cycles leaves to this engine."""
+    that Cycles leaves to this engine. lights_lamps: that of lamps and emitters, too."""
     rays = ["--samples", settings.samples, "--bounces", 0 if is_hybrid else settings.bounces]
-    if is_hybrid:
+    if not lights_lamps:
         rays += ["--lamps", "off"]
     if not settings.target_error:
         rays += ["--camera-rays", settings.camera_rays]
@@ -172,7 +172,7 @@ def text_of(found):
 
 def worth_text(seconds, frame, is_hybrid):
     """From which frame on a bake of so many seconds pays."""
-    what = "The map's part of a frame" if is_hybrid else "A frame"
+    what = "The direct light of a frame" if is_hybrid else "A frame"
     saved = frame["frame_without"] - frame["frame"]
     if saved <= 0:
         return ". It does not pay: %s takes no less with it" % (what[0].lower() + what[1:])

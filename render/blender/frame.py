@@ -37,6 +37,7 @@ class Frame:
         self.left_out = []
         self.wanted = passes.wanted(depsgraph.view_layer)
         self.is_hybrid = hybrid.is_on(self.scene.original)
+        self.lights_lamps = not self.is_hybrid or hybrid.lights_lamps(self.scene.original)
         self.state = None
         self.groups = []  # rules of light groups
 
@@ -70,7 +71,7 @@ class Frame:
 
     def _tell_view(self):
         """What is seen of the set, and by which light."""
-        if not self.is_hybrid:
+        if self.lights_lamps:
             self.session.dim(self.set_file.gains(self.state))
         self._tell_light()
         width, height = view.size_of(self.scene)
@@ -92,7 +93,7 @@ class Frame:
                                      panes=not self.is_hybrid)
         self.state = state
         if self.is_hybrid:  # Cycles has what the set has not
-            hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out(state))
+            hybrid.prepare(self.depsgraph, self._camera_object(), self.set_file.left_out(state), self.set_file.path)
         else:
             self.left_out += self.set_file.left_out(state)
             self.left_out += scene_check.left_out(self.depsgraph, self._camera_object())
@@ -145,8 +146,7 @@ class Frame:
 
     def _tell_load(self, cache):
         self._say("Load")
-        # The lamps of a hybrid are lit by Cycles.
-        fields = self.set_file.load_fields(self.scene, cache, lamps=not self.is_hybrid)
+        fields = self.set_file.load_fields(self.scene, cache, lamps=self.lights_lamps)
         return self.session.load(fields, **self._calls("Load"))
 
     def _bake(self, recipe, views, why, on_picture):

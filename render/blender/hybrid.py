@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Direct light of the map by this engine, the rest by Cycles: the scenes that Cycles renders, and how they follow.
+"""Direct light by this engine, the rest by Cycles: the scenes that Cycles renders, and how they follow.
 
 They have no objects of their own: the scene is their Background Set, so that what it shows is what they show. The
 compositor renders them after the scene, in the scene's frame and size.
@@ -9,8 +9,8 @@ import bpy
 
 from . import hybrid_check, hybrid_nodes
 
-# Of the scene that Cycles renders with everything, and of the one with lamps and emission alone, whose direct light
-# the map's is told apart from.
+# Of the scene that Cycles renders with everything, and of the one with lamps and emission alone: it is there where their
+# direct light is Cycles', and this engine's is that of the map alone.
 REST, LAMPS = "Cycles", "Lamps"
 FLAGS = ("use_pass_diffuse_direct", "use_pass_diffuse_color", "use_pass_glossy_direct", "use_pass_glossy_color")
 MATTES = "use_pass_cryptomatte_material"
@@ -31,6 +31,11 @@ def scenes_of(scene):
     return {word: other if other and other.background_set == scene else None for word, other in both.items()}
 
 
+def lights_lamps(scene):
+    """Whether the direct light of lamps and emitters in a scene's hybrid is this engine's."""
+    return not scenes_of(scene)[LAMPS]
+
+
 def is_on(scene):
     """Whether the compositor makes a hybrid of a scene."""
     render = scene.render
@@ -43,7 +48,7 @@ def make(scene, layer, needs):
         raise ValueError("Cycles is not there: enable it in Preferences > Add-ons")
     settings, there = scene.shadowcache, scenes_of(scene)
     settings.hybrid_rest = there[REST] or new_scene(scene, REST)
-    if needs.emitters:
+    if needs.lamps:
         settings.hybrid_lamps = there[LAMPS] or new_scene(scene, LAMPS)
     else:
         settings.hybrid_lamps = None
@@ -109,17 +114,18 @@ def hold(scene):
         layer.use = False
 
 
-def prepare(depsgraph, camera, entries):
-    """Before Cycles renders a frame: its scenes follow. Raises ValueError where the picture would be wrong."""
+def prepare(depsgraph, camera, entries, path):
+    """Before Cycles renders a frame: its scenes follow. entries, path: as of needs_of(). Raises ValueError where the
+    picture would be wrong."""
     scene = depsgraph.scene.original
-    needs = hybrid_check.needs_of(depsgraph, entries)
+    needs = hybrid_check.needs_of(depsgraph, entries, path)
     missing = [flag for of in (depsgraph.view_layer, *layers_of(scene)) for flag in FLAGS if not getattr(of, flag)]
     missing += set(needs.masked) - hybrid_nodes.masked(scene.node_tree)
     there = scenes_of(scene)
     if not there[REST]:
         missing.append("its scene")
-    if needs.emitters and not there[LAMPS]:
-        missing += needs.emitters
+    if lights_lamps(scene):
+        missing += needs.lamps
     if scene.render.use_single_layer:
         raise ValueError("a hybrid would be wrong: Render Single Layer leaves Cycles out")
     if missing:

@@ -2,15 +2,17 @@
 """What a hybrid needs of Cycles for a scene to be right; what cannot be right is refused by name.
 
 Where a material is not exported as it is, its direct light is that of Cycles. That is right as long as the exported
-surface casts the same shadows.
+surface casts the same shadows. Where a lamp or what a material emits is not, or an emitter moves, the direct light of all
+lamps and emitters is.
 """
 
 from dataclasses import dataclass
 
 import bpy
 
-from . import world
+from . import shining, world
 from .blender_export import versions
+from .blender_export.lamps import THROUGH_GLASS
 from .blender_export.materials import SHARED
 from .blender_export.meshes import COARSE
 from .blender_export.node_values import source
@@ -18,23 +20,26 @@ from .blender_export.shown import other_layers
 
 # Nodes through which light goes straight, which an exported stand-in would stop.
 SEE_THROUGH = {"BSDF_TRANSPARENT", "HOLDOUT", "SCRIPT"}
-# Entries that are no reason for Cycles: lamps are its own in any case.
-OF_NONE = ("light ", *SHARED, COARSE)
+# Entries that are no reason for Cycles, or of what it shows in any case.
+OF_NONE = (THROUGH_GLASS, *SHARED, COARSE)
 
 
 @dataclass(frozen=True)
 class Needs:
     masked: tuple     # names of materials whose direct light is Cycles'
-    emitters: tuple   # lamps, and materials that emit
+    lamps: tuple      # lamps and emitters not exported as they are; emitters that move, which light nothing directly
 
 
-def needs_of(depsgraph, entries):
-    """Needs of a depsgraph of a render, of which the export left out `entries`. Raises ValueError with all reasons
+def needs_of(depsgraph, entries, path):
+    """Needs of a depsgraph of a render, whose set's file is at `path` and has left out `entries`. Raises ValueError with all reasons
     why a hybrid would be wrong."""
     materials = [item for item in depsgraph.ids if isinstance(item, bpy.types.Material)]
-    refused, masked = of_scene(depsgraph), {}
+    refused, masked, lamps = of_scene(depsgraph), {}, []
     for entry in entries:
         if entry.startswith(OF_NONE):
+            continue
+        if entry.startswith("light "):
+            lamps.append(entry)
             continue
         owners = [m for m in materials if is_about(entry, m)]
         masked.update((m.name, None) for m in owners)
@@ -43,8 +48,9 @@ def needs_of(depsgraph, entries):
     refused += ["material %s: a comma in its name" % name for name in masked if "," in name]
     if refused:
         raise ValueError("a hybrid would be wrong: " + "; ".join(refused))
-    lamps = ["light " + item.name for item in depsgraph.ids if isinstance(item, bpy.types.Light)]
-    return Needs(tuple(sorted(masked)), (*lamps, *("material " + m.name for m in materials if emits(m))))
+    lamps += ["material " + m.name for m in materials if m.name in masked and emits(m)]
+    lamps += ["material %s: emits and moves" % name for name in shining.moving(path)]
+    return Needs(tuple(sorted(masked)), tuple(lamps))
 
 
 def of_scene(depsgraph):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The compositor's nodes of a hybrid: Cycles' picture, with this engine's direct light of the map in place of its own.
+"""The compositor's nodes of a hybrid: Cycles' picture, with this engine's direct light in place of its own.
 
-Cycles' direct light is the product of its passes; that of lamps is the product of those of the scene with lamps alone:
+Direct light is the product of passes. Where that of lamps is Cycles', it is the product of those of the scene with lamps
+alone, else black:
 
     Image = Cycles + (Own + Lamps - Direct of Cycles)
 

@@ -8,7 +8,7 @@ from .blender_export.render_depsgraph import with_render_depsgraph
 
 
 class SHADOWCACHE_OT_hybrid(bpy.types.Operator):
-    """Make scenes and compositor nodes, or bring them up to date: direct light of the map by Shadowcache, the rest by Cycles"""
+    """Make scenes and compositor nodes, or bring them up to date: direct light by Shadowcache, the rest by Cycles"""
     bl_idname = "shadowcache.hybrid"
     bl_label = "Make Hybrid"
     bl_options = {"REGISTER", "UNDO"}
@@ -23,7 +23,7 @@ class SHADOWCACHE_OT_hybrid(bpy.types.Operator):
         def look(depsgraph, set_frame):
             set_file = folders.set_file_of(scene, layer.name)
             state = set_file.update(depsgraph, set_frame, scene.shadowcache.use_motion, panes=False)
-            return hybrid_check.needs_of(depsgraph, set_file.left_out(state))
+            return hybrid_check.needs_of(depsgraph, set_file.left_out(state), set_file.path)
 
         try:
             hybrid.make(scene, layer, with_render_depsgraph(look))

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light groups of a view layer: what they ask of the renderer, and the passes Combined_NAME that come of it."""
 
-import json
-import struct
-
 import bpy
 
+from . import shining
 from .blender_export.shown import materials_of
 
 PREFIX = "Combined_"
@@ -19,18 +17,6 @@ def names(layer):
 
 def of_world(scene):
     return getattr(scene.world, "lightgroup", "") if scene.world else ""
-
-
-def shining(path):
-    """Names of all that shines in a set's file: its lamps, and its materials that emit."""
-    with open(path, "rb") as file:
-        length, = struct.unpack_from("<I", file.read(20), 12)
-        document = json.loads(file.read(length))
-    lamps = {node.get("name", "") for node in document.get("nodes", ())
-             if "KHR_lights_punctual" in node.get("extensions", {})}
-    return lamps | {material.get("name", "") for material in document.get("materials", ())
-                    if any(material.get("emissiveFactor", ())) or
-                    "KHR_materials_unlit" in material.get("extensions", {})}
 
 
 def members(depsgraph, shown):
@@ -51,7 +37,7 @@ def members(depsgraph, shown):
 
 def rules_of(depsgraph, path):
     """Texts of the option light-groups, for a set's file, and what of the groups they cannot say."""
-    shown = shining(path) if names(depsgraph.view_layer) else set()
+    shown = shining.names(path) if names(depsgraph.view_layer) else set()
     rules, left_out = [OTHER] if shown else [], []
     for name, groups in sorted(members(depsgraph, shown).items()):
         group = next(iter(groups))

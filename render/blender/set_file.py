@@ -8,7 +8,7 @@ from . import fingerprint
 from .blender_export.gltf_export import GltfExport
 from .blender_export.report import Report
 
-FORMAT = 3
+FORMAT = 4
 MOST_GAIN = 1e6  # of the request lamps
 # Entries of the export on other frames: each frame is exported with what it shows.
 OF_OTHER_FRAMES = (": its animation", ": its vertices move; it is as in frame", ": it is not there in frame")

@@ -5,7 +5,7 @@ Cycles shows the same where light passes a Transparent BSDF. Its glass refracts 
 
 from dataclasses import dataclass, field
 
-from . import versions
+from . import glow, versions
 from .node_values import Value, feed_of, source
 
 STRAIGHT = "glass: light passes straight, as through a thin pane; Cycles refracts it, and its shadow rays end there"
@@ -28,18 +28,14 @@ class Pane:
 
 @dataclass
 class Layers:
-    """What a shader is below the Mix Shaders of transparent parts."""
+    """What a shader is below the Mix and Add Shaders of transparent parts and of emission."""
     shader: object = None     # the node of the rest; None: it is the pane
     pane: object = None
     cover: float = 1          # share of the surface that is not transparent
+    scale: float = 1          # share of the rest's light, where the surface is not transparent
+    glows: list = field(default_factory=list)    # glow.Glow, of the surface with its transparent part
     nodes: list = field(default_factory=list)    # that were read
     remarks: list = field(default_factory=list)  # for *Not Rendered*: texts above
-
-
-def number(socket, reader):
-    """A constant that feeds a socket, or None."""
-    value = reader.value(socket)
-    return None if value.image or value.colours is not None or value.unknown else value.factor[0]
 
 
 def is_clear(node):
@@ -50,7 +46,7 @@ def is_clear(node):
 
 def index_of(node, reader):
     """The constant index of refraction of a node, or None."""
-    return number(node.inputs["IOR"], reader)
+    return reader.number(node.inputs["IOR"])
 
 
 def is_shadow_ray(output):
@@ -66,16 +62,21 @@ def is_shadow_ray(output):
 
 
 def layers_of(node, reader):
-    """Layers of a shader, or None where it is something else than a pane and mixes with Transparent."""
+    """Layers of a shader, or None where it is something else than a pane and mixes with Transparent and Emission."""
     layers = Layers()
-    while node.type == "MIX_SHADER":
-        sides = [source(socket) for socket in node.inputs[1:3]]
+    while node.type in ("MIX_SHADER", "ADD_SHADER"):
+        sides = [source(socket) for socket in node.inputs if socket.type == "SHADER"]
         if None in sides:
             return None
         first, second = (side.node for side in sides)
         layers.nodes.append(node)
+        if node.type == "ADD_SHADER":
+            node = glow.added(first, second, layers)
+            if node is None:
+                return None
+            continue
         feeding = source(node.inputs[0])
-        share = number(node.inputs[0], reader)
+        share = reader.number(node.inputs[0])
         if share is not None:
             share = min(max(share, 0), 1)
             node = mixed_by_number(share, first, second, layers, reader)
@@ -85,7 +86,7 @@ def layers_of(node, reader):
         else:
             node = mixed_by_angle(feeding.node, first, second, layers, reader)
         if node is None:
-            return layers if layers.pane else None
+            return layers if layers.pane and not layers.glows else None
     if node.type == "BSDF_TRANSPARENT":
         layers.pane = Pane(reader.value(node.inputs["Color"]), specular=0)
     elif node.type == "BSDF_GLASS":
@@ -96,7 +97,7 @@ def layers_of(node, reader):
         layers.shader = node
         return layers
     layers.nodes.append(node)
-    return layers
+    return None if layers.glows else layers
 
 
 def mixed_by_number(share, first, second, layers, reader):
@@ -112,6 +113,9 @@ def mixed_by_number(share, first, second, layers, reader):
         layers.cover *= 1 - share
         layers.nodes.append(second)
         return first
+    rest = glow.mixed(share, first, second, layers)
+    if rest:
+        return rest
     if first.type == "BSDF_TRANSPARENT" and mirrors_white(second, reader):
         layers.pane = Pane(reader.value(first.inputs["Color"]), constant=share, roughness=roughness_of(second, reader))
         layers.nodes += [first, second]

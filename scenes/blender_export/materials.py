@@ -1,5 +1,5 @@
-"""Materials of a glTF document from Blender's: Principled, Diffuse and Emission, panes of glass (glass.py), and the
-viewport's where a material has no nodes.
+"""Materials of a glTF document from Blender's: Principled, Diffuse and Emission, sums of these (glow.py), panes of glass
+(glass.py), and the viewport's where a material has no nodes.
 
 Opacity counts as in Cycles, whatever a material's blend mode is. The shader is read as the depsgraph evaluated it:
 drivers and keys have their values of the frame.
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy
 
-from . import glass, versions
+from . import glass, glow, versions
 from .coordinates import coordinates_of
 from .differences import differences, node_differences
 from .node_values import Reader, Value, link_of, source, surface_of
@@ -25,6 +25,8 @@ NORMALS = ("Normal Map: Cycles darkens what is lit from the side, where the map 
            "normals to the view, which makes light brighter or darker")
 SHARED = (LOBES, NORMALS, glass.BEHIND)
 SHADERS = ("BSDF_PRINCIPLED", "BSDF_DIFFUSE", "EMISSION")
+EMITTING = ("BSDF_PRINCIPLED", "EMISSION")
+UNEVEN = "Emission that varies over the surface otherwise than by one image"
 
 
 @dataclass
@@ -80,15 +82,16 @@ class MaterialWriter:
         elif shader is None:
             pass  # its plain look is written
         elif shader.type == "BSDF_PRINCIPLED":
-            self._write_principled(shader)
+            self._write_principled(shader, layers.scale)
         elif shader.type == "BSDF_DIFFUSE":
-            self._write_base(self.reader.value(shader.inputs["Color"]), Value((1,)))
+            self._write_base(scaled(self.reader.value(shader.inputs["Color"]), layers.scale), Value((1,)))
             self._write_gloss(Value((0,)), Value((1,)))
             self._write_specular(Value((0,)))
             self._write_normal(shader)
         else:
             self._write_plain((0, 0, 0))
-            self._write_emission(shader.inputs["Color"], shader.inputs["Strength"])
+        if shader:
+            self._write_emission(shader, layers)
         if layers.cover < 1:
             self._write_opacity(layers.cover * self.entry["pbrMetallicRoughness"]["baseColorFactor"][3])
         for remark in layers.remarks:
@@ -132,7 +135,8 @@ class MaterialWriter:
             return plain
         layers = glass.layers_of(socket.node, self.reader)
         refracts = layers and glass.STRAIGHT in layers.remarks
-        if layers and (self.panes or not refracts) and (layers.pane or layers.shader.type in SHADERS):
+        if layers and (self.panes or not refracts) and (
+                layers.pane or layers.shader.type in SHADERS and glow.fits(layers, self.reader)):
             for node in (*layers.nodes, *filter(None, (layers.shader,))):
                 self.reader.see(node)
             return layers
@@ -149,18 +153,18 @@ class MaterialWriter:
         self.entry["pbrMetallicRoughness"]["baseColorFactor"][3] = opacity
         self.entry["alphaMode"] = "BLEND"
 
-    def _write_principled(self, shader):
+    def _write_principled(self, shader, scale):
+        """scale: share of its light, but for what it emits."""
         value, inputs = self.reader.value, shader.inputs
         base = value(inputs["Base Color"])
-        self._write_base(base, value(inputs["Alpha"]))
+        self._write_base(scaled(base, scale), value(inputs["Alpha"]))
         self._write_gloss(value(inputs["Metallic"]), value(inputs["Roughness"]))
-        self._write_specular(self._specular_of(shader), self._tint_of(shader, base))
+        self._write_specular(self._specular_of(shader), self._tint_of(shader, base), scale)
         if glass.transmits(shader, self.reader):
             self.leave_out(glass.STRAIGHT)
             self.is_glass = True
             if self.panes:
                 self._write_transmission(value(versions.principled_input(shader, "Transmission")))
-        self._write_emission(versions.principled_input(shader, "Emission"), inputs["Emission Strength"])
         self._write_normal(shader)
         self.report.share(LOBES, self.material.name)
 
@@ -320,31 +324,48 @@ class MaterialWriter:
         light = 0.2126 * base.factor[0] + 0.7152 * base.factor[1] + 0.0722 * base.factor[2]
         return tuple(1 - share + share * (c / light if light else 1) for c in base.factor)
 
-    def _write_specular(self, specular, tint=(1, 1, 1)):
-        """Principled's reflectance at normal incidence is 0.08 times Specular; glTF's is 0.04 times a colour."""
+    def _write_specular(self, specular, tint=(1, 1, 1), scale=1):
+        """Principled's reflectance at normal incidence is 0.08 times Specular; glTF's is 0.04 times a colour. scale: share
+        of what is mirrored, from all sides alike."""
         self._known(specular, "Specular")
         if specular.colours is not None:
             self.leave_out("Specular: colours %s" % (specular.colours or "of the mesh"))
         strength = 2 * specular.factor[0]
         colour = [strength * factor for factor in tint]
-        if colour == [1, 1, 1] and not specular.image:
+        if colour == [1, 1, 1] and not specular.image and scale == 1:
             return
         extension = {"specularFactor": 0} if strength == 0 else {"specularColorFactor": colour}
+        if strength and scale != 1:
+            extension["specularFactor"] = scale
         if specular.image:
             info = self._texture((*[(specular.image, specular.channel)] * 3, None), True, specular.image)
             if info:
                 extension["specularColorTexture"] = info
         self._extend("KHR_materials_specular", extension)
 
-    def _write_emission(self, colour_socket, strength_socket):
+    def _emission_of(self, colour_socket, strength_socket, share):
+        """A share of an emission: its colour times its strength."""
         colour, strength = self.reader.value(colour_socket), self.reader.value(strength_socket)
         if strength.image or strength.colours is not None or strength.unknown or colour.colours is not None:
-            self.leave_out("Emission that varies over the surface otherwise than by one image")
+            self.leave_out(UNEVEN)
         self._known(colour, "Emission")
-        light = [c * strength.factor[0] for c in colour.factor]
-        if min(light) < 0:
+        light = scaled(colour, share * strength.factor[0])
+        if min(light.factor) < 0:
             self.leave_out("Emission below 0")
-            light = [max(c, 0) for c in light]
+            return replace(light, factor=tuple(max(c, 0) for c in light.factor))
+        return light
+
+    def _write_emission(self, shader, layers):
+        """Of a shader, and of what shines beside it."""
+        parts = [(shader, layers.scale)] if shader.type in EMITTING else []
+        parts += [(one.node, one.share / layers.cover) for one in layers.glows]
+        lights = [self._emission_of(*glow.emission_sockets(node), share) for node, share in parts]
+        lights = [light for light in lights if any(light.factor)]
+        pictures = [light for light in lights if light.image]
+        if pictures and len(lights) > 1:
+            self.leave_out(UNEVEN)
+            lights = pictures[:1]
+        light = [sum(numbers) for numbers in zip((0, 0, 0), *(light.factor for light in lights))]
         most = max(light)
         if most <= 0:
             return
@@ -352,8 +373,8 @@ class MaterialWriter:
             light = [c / most for c in light]
             self._extend("KHR_materials_emissive_strength", {"emissiveStrength": most})
         self.entry["emissiveFactor"] = light
-        if colour.image:
-            info = self._texture((*rgb_of(colour), None), True, colour.image)
+        if pictures:
+            info = self._texture((*rgb_of(pictures[0]), None), True, pictures[0].image)
             if info:
                 self.entry["emissiveTexture"] = info
 
@@ -388,6 +409,10 @@ def mixed_normals(pixels, strength):
     normals = strength * normals + (1 - strength) * numpy.array((0, 0, 1), numpy.float32)
     normals /= numpy.maximum(numpy.linalg.norm(normals, axis=-1, keepdims=True), 1e-6)
     return normals / 2 + 0.5
+
+
+def scaled(value, share):
+    return value if share == 1 else replace(value, factor=tuple(share * number for number in value.factor))
 
 
 def rgb_of(value):

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, replace
 
+from . import blackbody
+
 RED, GREEN, BLUE, ALPHA = range(4)
 LUMINANCE = (0.2126729, 0.7151522, 0.0721750)  # of Rec.709, as Cycles makes a number of a colour
 MISSING = (1, 0, 1)  # what Cycles shows of an image that is not there
@@ -130,6 +132,11 @@ class Reader:
             return Value(constant(socket), unknown=feed.output.node.bl_label)
         return value
 
+    def number(self, socket):
+        """A constant that feeds a socket with a number, or None."""
+        value = self.value(socket)
+        return None if value.image or value.colours is not None or value.unknown else value.factor[0]
+
     def _output(self, output):
         """Of an output; None if it cannot be expressed."""
         node = output.node
@@ -143,6 +150,9 @@ class Reader:
             return Value(tuple(output.default_value)[:3])
         if node.type == "VALUE":
             return Value((output.default_value,))
+        if node.type == "BLACKBODY":
+            kelvins = self.number(node.inputs["Temperature"])
+            return None if kelvins is None else Value(blackbody.colour(kelvins))
         if node.type == self.image:
             if not node.image:
                 return Value(MISSING if output.name == "Color" else (1,))

@@ -1,7 +1,7 @@
 """Hybrids in a real Blender, as blender_hybrid.py starts it: ZIP PROGRAMS MAP WORK.
 
-The composed picture is compared with that of Cycles alone; one without the light of lamps, without masks, or under a
-turned map must be told apart.
+The composed picture is compared with that of Cycles alone; one without the light of lamps, without masks, under a turned
+map, or with other lamps must be told apart.
 """
 
 import os
@@ -32,22 +32,29 @@ def principled(name, **inputs):
 
 
 def make_rich():
-    """A set that this engine has not all of: a metal floor, a lamp, an emitter, rough glass."""
+    """A set that this engine has not all of: a metal floor, lamps, of which the camera sees one, an emitter, rough glass."""
     make_scene()
     make_world(turn=TURN)
     principled("Plane", Base_Color=(0.5, 0.4, 0.3, 1), Roughness=0.35, Metallic=1)
     principled("Cube.002", Base_Color=(0.5, 0.5, 0.6, 1), Roughness=0.4, Transmission=1)
     bpy.data.materials["Cube"].node_tree.nodes["Emission"].inputs["Strength"].default_value = 2
-    lamp = bpy.data.lights.new("lamp", "AREA")
-    lamp.energy, lamp.size = 80, 4
-    thing = bpy.data.objects.new("lamp", lamp)
-    thing.location = (0, -3, 4)
+    add_lamp("lamp", "AREA", (0, -3, 4), energy=80, size=4)
+    add_lamp("bulb", "POINT", (-0.6, -1.5, 1.9), energy=5, shadow_soft_size=0.25).visible_camera = True
     scene = bpy.context.scene
-    scene.collection.objects.link(thing)
     scene.cycles.max_bounces, scene.cycles.samples = 4, 1536
     scene.cycles.sample_clamp_indirect = 2  # less noise, and the same light on both sides
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
     scene.shadowcache.bounces = 4
+
+
+def add_lamp(name, kind, place, **settings):
+    lamp = bpy.data.lights.new(name, kind)
+    for key, value in settings.items():
+        setattr(lamp, key, value)
+    thing = bpy.data.objects.new(name, lamp)
+    thing.location = place
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
 
 
 def picture(prefix, path=None):
@@ -84,19 +91,23 @@ def light():
     scene = bpy.context.scene
     wanted = by_cycles()
     assert bpy.ops.shadowcache.hybrid() == {"FINISHED"}
-    rest, lamps = scene.shadowcache.hybrid_rest, scene.shadowcache.hybrid_lamps
-    assert rest.name == "Scene Cycles" and rest.cycles.max_bounces == 4 and lamps.cycles.max_bounces == 0
-    rest.cycles.samples, rest.cycles.seed, lamps.cycles.seed = 256, 7, 7
+    rest = scene.shadowcache.hybrid_rest
+    assert rest.name == "Scene Cycles" and rest.cycles.max_bounces == 4 and not scene.shadowcache.hybrid_lamps
+    rest.cycles.samples, rest.cycles.seed = 256, 7
     assert is_same("all", hybrid(), wanted)
     assert not sys.modules["shadowcache.engine"].LEFT_OUT[scene.name]
     tree = scene.node_tree
     group = next(n for n in own_nodes() if n.type == "GROUP")
-    for name in ("Masked", "Lamps DiffDir", "Cycles GlossDir", "DiffDir"):
+    for name in ("Masked", "Cycles GlossDir", "DiffDir", "GlossDir"):
         link = group.inputs[name].links[0]
         ends = link.from_socket, link.to_socket
         tree.links.remove(link)
         assert not is_same("control without %s" % name, hybrid(), wanted), name
         tree.links.new(*ends)
+    parts = sys.modules["shadowcache.hybrid"]
+    plain, parts.lights_lamps = parts.lights_lamps, lambda of: False
+    assert not is_same("control without the light of lamps", hybrid(), wanted)
+    parts.lights_lamps = plain
     make_world(turn=(*TURN[:2], TURN[2] + 5))
     turned = hybrid()
     assert not is_same("control, map turned by 5 degrees", turned, wanted)
@@ -104,9 +115,60 @@ def light():
     make_world(turn=TURN)
 
 
+def lamps():
+    """A lamp that this engine cannot light has Cycles light all of them, and a lamp that is dimmed is dimmed in both."""
+    scene, lamp = bpy.context.scene, bpy.data.lights["lamp"]
+    before = by_cycles()
+    lamp.energy, lamp.color = 300, (1, 0.6, 0.3)
+    dimmed = by_cycles()
+    assert is_same("other power", hybrid(), dimmed) and not is_same("control, power of before", before, dimmed)
+    lamp.cycles.cast_shadow = False
+    shadowless = by_cycles()
+    assert not is_same("control, lamp with a shadow", dimmed, shadowless)
+    found = error_of(hybrid)
+    assert "press Update, for light lamp: Cast Shadow is off" in found, found
+    bpy.ops.shadowcache.hybrid()
+    other = scene.shadowcache.hybrid_lamps
+    assert other.name == "Scene Lamps" and other.cycles.max_bounces == 0 and len(own_nodes()) == 5
+    other.cycles.seed = 7
+    assert is_same("lamps by Cycles", hybrid(), shadowless)
+    link = next(n for n in own_nodes() if n.type == "GROUP").inputs["Lamps DiffDir"].links[0]
+    ends = link.from_socket, link.to_socket
+    scene.node_tree.links.remove(link)
+    assert not is_same("control without Lamps DiffDir", hybrid(), shadowless)
+    scene.node_tree.links.new(*ends)
+    lamp.cycles.cast_shadow = True
+    assert is_same("lamps by Cycles that need not be", hybrid(), dimmed)
+    bpy.ops.shadowcache.hybrid()
+    assert not scene.shadowcache.hybrid_lamps and len(bpy.data.scenes) == 2 and len(own_nodes()) == 4
+    assert is_same("lamps by this engine again", hybrid(), dimmed)
+    lamp.energy, lamp.color = 80, (1, 1, 1)
+
+
+def emitters():
+    """What a masked material emits lights the set in Cycles alone."""
+    scene, tree = bpy.context.scene, bpy.data.materials["Cube"].node_tree
+    texture = tree.nodes.new("ShaderNodeTexChecker")
+    texture.inputs["Color1"].default_value, texture.inputs["Color2"].default_value = (4, 1, 0, 1), (0, 0, 0, 1)
+    plain = by_cycles()
+    tree.links.new(texture.outputs["Color"], tree.nodes["Emission"].inputs["Color"])
+    wanted = by_cycles()
+    assert not is_same("control, an even emitter", plain, wanted)
+    found = error_of(hybrid)
+    assert "press Update, for Cube, material Cube" in found, found
+    bpy.ops.shadowcache.hybrid()
+    assert scene.shadowcache.hybrid_lamps
+    scene.shadowcache.hybrid_lamps.cycles.seed = 7
+    assert is_same("a checkered emitter", hybrid(), wanted)
+    tree.nodes.remove(texture)
+    bpy.ops.shadowcache.hybrid()
+    assert not scene.shadowcache.hybrid_lamps
+
+
 def film():
     """The scenes of Cycles have the scene's camera, size, film and filter."""
-    scene = bpy.context.scene
+    scene, rest = bpy.context.scene, bpy.context.scene.shadowcache.hybrid_rest
+    rest.cycles.samples *= 4  # the picture is small, so that its tiles show the noise
     scene.render.film_transparent = True
     scene.render.resolution_x, scene.render.resolution_y = 48, 48
     scene.shadowcache.filter, scene.shadowcache.filter_width = "gaussian", 3
@@ -121,6 +183,7 @@ def film():
     difference = abs(found[3] - wanted[3])
     print("case alpha: at most %.4f apart" % difference.max())
     assert 0.2 < wanted[3].mean() < 0.98 and difference.max() < 0.05
+    rest.cycles.samples //= 4
     bpy.data.objects.remove(scene.camera)
     scene.camera = before
     scene.render.film_transparent = False
@@ -130,17 +193,25 @@ def film():
 
 
 def animation():
-    """Each frame has what moves where it is, and the camera of its marker."""
+    """Each frame has what moves where it is, also what shines, and the camera of its marker."""
     scene = bpy.context.scene
-    thing, camera = bpy.data.objects["Cube.001"], scene.camera
+    thing, camera, shining = bpy.data.objects["Cube.001"], scene.camera, [bpy.data.objects[name] for name in ("Cube", "bulb")]
+    places = [other.location.copy() for other in shining]
     other = camera.copy()
     other.location.x += 1
     scene.collection.objects.link(other)
     for frame, z, of in ((1, 0.8, camera), (2, 1.8, other)):
         thing.location.z = z
         thing.keyframe_insert("location", frame=frame)
+        for lit in shining:
+            lit.location.y -= 0.4
+            lit.keyframe_insert("location", frame=frame)
         scene.timeline_markers.new(of.name, frame=frame).camera = of
     path, scene.frame_end = scene.render.filepath, 2
+    found = error_of(hybrid)
+    assert "press Update, for material Cube: emits and moves" in found, found
+    bpy.ops.shadowcache.hybrid()
+    scene.shadowcache.hybrid_lamps.cycles.seed = 7
     scene.render.filepath = os.path.join(WORK, "hybrid.####")
     bpy.ops.render.render(animation=True)
     scene.render.filepath = path
@@ -155,7 +226,12 @@ def animation():
     scene.timeline_markers.clear()
     scene.camera = camera
     thing.animation_data_clear()
+    for lit, place in zip(shining, places):
+        lit.animation_data_clear()
+        lit.location = place
     bpy.data.objects.remove(other)
+    bpy.ops.shadowcache.hybrid()
+    assert not scene.shadowcache.hybrid_lamps
 
 
 def wires(tree):
@@ -177,15 +253,15 @@ def nodes():
     assert (NAME, "Image", "Gamma") in made and ("Gamma", "Image", "Composite") in made, made
     assert ("Render Layers", "Image", "Gamma") not in made
     bpy.ops.shadowcache.hybrid()
-    assert wires(tree) == made and len(own_nodes()) == 5 and len(bpy.data.scenes) == 3
+    assert wires(tree) == made and len(own_nodes()) == 4 and len(bpy.data.scenes) == 2
     assert [g.name for g in bpy.data.node_groups] == [NAME]
-    bpy.data.objects["lamp"].hide_render = True
-    strength = bpy.data.materials["Cube"].node_tree.nodes["Emission"]
-    bpy.data.materials["Cube"].node_tree.nodes.remove(strength)
-    principled("Cube")
-    bpy.ops.shadowcache.hybrid()
-    assert len(own_nodes()) == 4 and len(bpy.data.scenes) == 2, "a scene of lamps without lamps"
+    bpy.data.lights["lamp"].cycles.cast_shadow = False
+    for _ in range(2):
+        bpy.ops.shadowcache.hybrid()
+        assert len(own_nodes()) == 5 and len(bpy.data.scenes) == 3
+    bpy.data.lights["lamp"].cycles.cast_shadow = True
     bpy.ops.shadowcache.hybrid_remove()
+    assert len(bpy.data.scenes) == 1
     assert wires(tree) == before
     bpy.ops.shadowcache.hybrid_remove()
 
@@ -239,10 +315,12 @@ def refusals():
     rest = scene.shadowcache.hybrid_rest.cycles
     rest.samples, rest.sample_clamp_indirect = 16, 0
     press()
+    for name in ("lamp", "bulb", "Cube"):
+        bpy.data.objects[name].hide_render = True
     plain = hybrid()[:3].mean()
-    bpy.data.objects["lamp"].hide_render = False
-    expect("press Update, for light lamp", hybrid)
-    bpy.data.objects["lamp"].hide_render = True
+    bpy.data.objects["lamp"].hide_render, bpy.data.objects["lamp"].visible_diffuse = False, False
+    expect("press Update, for light lamp: hidden from diffuse rays", hybrid)
+    bpy.data.objects["lamp"].hide_render, bpy.data.objects["lamp"].visible_diffuse = True, True
     bpy.context.view_layer.use_pass_diffuse_direct = False
     expect("press Update, for use_pass_diffuse_direct", hybrid)
     bpy.context.view_layer.use_pass_diffuse_direct = True
@@ -294,12 +372,12 @@ def undo():
 
 
 def estimate():
-    """Worth is that of the map's direct light, which is this engine's part."""
+    """Worth is that of the direct light, which is this engine's part."""
     found = sys.modules["shadowcache.estimate"].FOUND
     assert bpy.ops.shadowcache.estimate() == {"FINISHED"}
     said = next(iter(found.values()))
     print("case estimate: " + said)
-    assert "The map's part of a frame takes " in said or "It does not pay: the map's part of a frame" in said, said
+    assert "The direct light of a frame takes " in said or "It does not pay: the direct light of a frame" in said, said
 
 
 def main():
@@ -307,7 +385,7 @@ def main():
     make_rich()
     bpy.context.scene.render.engine = "SHADOWCACHE"
     bpy.context.scene.render.filepath = os.path.join(WORK, "hybrid.exr")
-    for case in (light, estimate, film, animation, nodes, refusals, undo):
+    for case in (light, estimate, lamps, emitters, film, animation, nodes, refusals, undo):
         start = time.monotonic()
         case()
         print("case %s: passed in %.1f s" % (case.__name__, time.monotonic() - start))

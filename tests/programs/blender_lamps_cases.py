@@ -185,12 +185,24 @@ def behind_glass():
     tree.links.new(tree.nodes.new("ShaderNodeBsdfGlass").outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
 
 
-@names("light lamp: Color: node Blackbody")
-def driven_by_nodes():
-    thing = lamp("POINT")
+def coloured_by(node, **settings):
+    """A lamp whose colour is a node's."""
+    thing = lamp("POINT", **settings)
     thing.data.use_nodes = True
     tree = thing.data.node_tree
-    tree.links.new(tree.nodes.new("ShaderNodeBlackbody").outputs[0], tree.nodes["Emission"].inputs["Color"])
+    made = tree.nodes.new(node)
+    tree.links.new(made.outputs[0], tree.nodes["Emission"].inputs["Color"])
+    return made
+
+
+@shows
+def blackbody():
+    coloured_by("ShaderNodeBlackbody", energy=100, shadow_soft_size=0.1).inputs["Temperature"].default_value = 2700
+
+
+@names("light lamp: Color: node Wavelength")
+def driven_by_nodes():
+    coloured_by("ShaderNodeWavelength")
 
 
 @names("light lamp: wide; Cycles has a sun brighter")

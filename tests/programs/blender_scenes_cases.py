@@ -22,6 +22,7 @@ from blender_kit import (checks, cube, diffuse, image, link, names, placed, plan
 from blender_scene import WORK, install  # noqa: E402
 
 MOST = 0.015  # share of the mean by which a part may be off
+MOST_BLACK = 0.005  # share of the greatest number by which a colour of a black body may be off
 
 
 # Nodes that are muted, links that do not count.
@@ -304,6 +305,157 @@ def colour_to_world_strength():
     node.outputs[0].default_value = (0.2, 0.5, 0.9, 1)
     tree.links.new(node.outputs[0], background.inputs["Strength"])
     plane(diffuse()[0])
+
+
+def black_body(tree, socket, kelvins):
+    node = tree.nodes.new("ShaderNodeBlackbody")
+    node.inputs["Temperature"].default_value = kelvins
+    tree.links.new(node.outputs["Color"], socket)
+    return node
+
+
+@shows
+def blackbody_emitter():
+    plane(diffuse()[0])
+    material, tree, _ = diffuse()
+    shader = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(shader.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    black_body(tree, shader.inputs["Color"], 1900)
+    plane(material, 1).location = 0.8, 0.3, 0.4
+
+
+@shows
+def blackbody_world():
+    tree, _, background = world_node("ShaderNodeRGB")
+    black_body(tree, background.inputs["Color"], 9000)
+    plane(diffuse()[0])
+
+
+@names("Base Color: node Blackbody")
+def blackbody_of_an_image():
+    _, tree, texture = textured()
+    shader = next(node for node in tree.nodes if node.type == "BSDF_DIFFUSE")
+    tree.links.new(texture.outputs["Color"], black_body(tree, shader.inputs["Color"], 5000).inputs["Temperature"])
+
+
+# Emission beside another shader.
+
+RED = "ShaderNodeEmission", {"Color": (1, 0.3, 0.1, 1), "Strength": 0.8}
+GREEN = "ShaderNodeBsdfDiffuse", {"Color": (0.3, 0.8, 0.4, 1)}
+
+
+def glowing(kind, *sides, factor=0.5):
+    """A plane over the floor, whose shader adds or mixes two."""
+    material, tree, _ = diffuse()
+    join(tree, kind, [shader_of(tree, *side) for side in sides], tree.nodes["Material Output"].inputs["Surface"], factor)
+    plane(diffuse()[0])
+    plane(material, 2).location = 0.3, 0.2, 0.5
+    return tree
+
+
+def shader_of(tree, kind, values):
+    node = tree.nodes.new(kind)
+    for name, value in values.items():
+        node.inputs[name].default_value = value
+    return node
+
+
+def join(tree, kind, sides, to, factor=0.5):
+    node = tree.nodes.new(kind)
+    if kind == "ShaderNodeMixShader":
+        node.inputs[0].default_value = factor
+    for side, socket in zip(sides, [s for s in node.inputs if s.type == "SHADER"]):
+        tree.links.new(side.outputs[0], socket)
+    tree.links.new(node.outputs[0], to)
+    return node
+
+
+@shows
+def emission_added():
+    glowing("ShaderNodeAddShader", GREEN, RED)
+
+
+@shows
+def emission_mixed():
+    glowing("ShaderNodeMixShader", RED, GREEN, factor=0.3)
+
+
+@shows
+def emission_mixed_as_second():
+    glowing("ShaderNodeMixShader", GREEN, RED, factor=0.3)
+
+
+@shows
+def emissions_added():
+    glowing("ShaderNodeAddShader", RED, ("ShaderNodeEmission", {"Color": (0.1, 0.2, 1, 1), "Strength": 2}))
+
+
+@shows
+def emission_added_to_principled():
+    glowing("ShaderNodeAddShader", RED, ("ShaderNodeBsdfPrincipled", {
+        "Base Color": (0.1, 0.3, 0.2, 1), "Specular": 0, "Roughness": 0.5, "Emission": (0, 0, 0.4, 1), "Emission Strength": 0.5}))
+
+
+@shows
+def emission_mixed_with_principled():
+    glowing("ShaderNodeMixShader", RED, ("ShaderNodeBsdfPrincipled", {
+        "Base Color": (0.1, 0.3, 0.2, 1), "Specular": 0.3, "Roughness": 0.4, "Emission": (0, 0, 0.4, 1),
+        "Emission Strength": 0.5}), factor=0.6)
+
+
+@shows
+def emission_mixed_with_an_image():
+    _, tree, _ = textured()
+    to = tree.nodes["Material Output"].inputs["Surface"]
+    join(tree, "ShaderNodeMixShader", [to.links[0].from_node, shader_of(tree, *RED)], to, 0.4)
+
+
+@shows
+def emission_added_below_holes():
+    tree = glowing("ShaderNodeAddShader", GREEN, RED)
+    to = tree.nodes["Material Output"].inputs["Surface"]
+    join(tree, "ShaderNodeMixShader", [tree.nodes.new("ShaderNodeBsdfTransparent"), to.links[0].from_node], to, 0.7)
+
+
+@shows
+def emission_added_above_holes():
+    tree = glowing("ShaderNodeMixShader", ("ShaderNodeBsdfTransparent", {}), GREEN, factor=0.7)
+    to = tree.nodes["Material Output"].inputs["Surface"]
+    join(tree, "ShaderNodeAddShader", [shader_of(tree, *RED), to.links[0].from_node], to)
+
+
+@names("Mix Shader; the viewport's colour is in its place")
+def emission_mixed_with_metal():
+    glowing("ShaderNodeMixShader", RED, ("ShaderNodeBsdfPrincipled", {"Metallic": 1}))
+
+
+@names("Add Shader; the viewport's colour is in its place")
+def emission_added_to_holes_of_principled():
+    glowing("ShaderNodeAddShader", RED, ("ShaderNodeBsdfPrincipled", {"Alpha": 0.5}))
+
+
+@names("Add Shader; the viewport's colour is in its place")
+def emission_added_to_a_pane():
+    glowing("ShaderNodeAddShader", RED, ("ShaderNodeBsdfTransparent", {}))
+
+
+@names("Mix Shader; the viewport's colour is in its place")
+def emission_mixed_with_a_pane():
+    glowing("ShaderNodeMixShader", ("ShaderNodeBsdfGlass", {}), RED)
+
+
+@names("Add Shader; the viewport's colour is in its place")
+def surfaces_added():
+    glowing("ShaderNodeAddShader", GREEN, GREEN)
+
+
+@names("Emission that varies over the surface otherwise than by one image")
+def emission_added_to_one_with_an_image():
+    tree = glowing("ShaderNodeAddShader", RED, ("ShaderNodeEmission", {}))
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image(checks())
+    tree.links.new(texture.outputs["Color"], next(
+        n for n in tree.nodes if n.type == "EMISSION" and n.inputs["Strength"].default_value == 1).inputs["Color"])
 
 
 # What is named.
@@ -623,6 +775,23 @@ def light_below_nothing():
         assert any("32 negative, set to 0, 33 % of the light" in entry for entry in left_out), left_out
 
 
+def black_bodies():
+    """Colours of all temperatures are those that Cycles shows; 2 per cent more of it is told apart."""
+    start()
+    scene = bpy.context.scene
+    scene.render.film_transparent, scene.cycles.samples = False, 1
+    tree, _, background = world_node("ShaderNodeRGB")
+    node = black_body(tree, background.inputs["Color"], 1000)
+    colour = sys.modules["shadowcache.blender_export.blackbody"].colour
+    for kelvins in (0, 800, 900, 1000, 1150, 1300, 1600, 1900, 2300, 2700, 3300, 4000, 5000, 6300, 6500, 8000, 10000, 11900,
+                    12000, 20000):
+        node.inputs["Temperature"].default_value = kelvins
+        shown = render("CYCLES", "RGB")[0][0]
+        gap, more = (abs(numpy.array(colour(of)) / shown.max() - shown / shown.max()).max() for of in (kelvins, 1.02 * kelvins))
+        print("case black body of %d K: off by %.5f, of 2 %% more by %.5f" % (kelvins, gap, more))
+        assert gap < MOST_BLACK and (more > MOST_BLACK or not 800 <= kelvins <= 10000), (colour(kelvins), shown)
+
+
 def strengths():
     """Normals of a map that counts half are mixed with the surface's, as Cycles does."""
     mixed = sys.modules["shadowcache.blender_export.materials"].mixed_normals(numpy.array([[[0.8, 0.5, 0.9]]]), 0.5)
@@ -632,4 +801,4 @@ def strengths():
 
 if __name__ == "__main__":
     install()
-    blender_compare.run(VALUES.store, (compare, names_all, encoded_worlds, map_files, light_below_nothing, strengths))
+    blender_compare.run(VALUES.store, (compare, names_all, encoded_worlds, map_files, light_below_nothing, strengths, black_bodies))
