@@ -3,19 +3,17 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "bake/app/bake_task.h"
 #include "bake/core/baker.h"
 #include "common/base/json_file.h"
 #include "common/base/process.h"
 #include "render/app/duration_text.h"
+#include "render/app/pair_noise.h"
 #include "render/app/thumbnail.h"
 
 namespace shadowcache {
@@ -23,10 +21,7 @@ namespace shadowcache {
 namespace {
 
 /// Camera rays times samples of its pixels, at most.
-constexpr int kMostRays = 16;
-
-/// Dark pixels count as if they had this share of the mean light.
-constexpr double kDarkShare = 0.01;
+constexpr int kMostRays = 64;
 
 /// A bake of the shot, or of one picture of it.
 struct ShotTask {
@@ -41,47 +36,30 @@ struct ShotTask {
     }
 };
 
-/// Two pictures of a thumbnail that differ in their random numbers alone.
-struct Pair {
-    std::array<std::vector<double>, 2> light;  ///< luminance by pixel
-    double seconds = 0;                        ///< of both
+/// Two pictures of a thumbnail that differ in their random numbers alone, and what one takes.
+struct Thumbnails {
+    PicturePair light;
+    double planSeconds = 0;  ///< of the plan, whatever the picture's size
+    double filmSeconds = 0;  ///< of the rays that a larger picture has more of
 
-    Pair(const WorthView& view, PictureOptions asked, const ShadowCache* cache) {
+    Thumbnails(const WorthView& view, PictureOptions asked, const ShadowCache* cache) {
         for (auto& pixels : light) {
             const PictureSettings settings = resolve(asked, cache != nullptr);
             LitStage lit(view.scene, cache, settings.estimator, lightingOf(asked, settings));
             lit.setEnvironment(view.environment);
             RenderStats stats;
-            const Film film =
-                lit.plan(view.camera, view.frame, settings.options, stats).film(stats);
-            seconds += stats.seconds;
+            const double start = secondsNow();
+            const Picture picture = lit.plan(view.camera, view.frame, settings.options, stats);
+            const double planned = secondsNow();
+            const Film film = picture.film(stats);
+            planSeconds += (planned - start) / 2;
+            filmSeconds += (secondsNow() - planned) / 2;
             for (const Pixel& pixel : film.pixels)
                 pixels.push_back(static_cast<double>(view.environment.luminance(pixel.color)));
             ++asked.options.seed;
         }
     }
 };
-
-/// Mean over the pixels of both pairs.
-std::vector<double> meanOf(const Pair& a, const Pair& b) {
-    std::vector<double> mean(a.light[0].size());
-    for (std::size_t i = 0; i < mean.size(); ++i)
-        mean[i] = (a.light[0][i] + a.light[1][i] + b.light[0][i] + b.light[1][i]) / 4;
-    return mean;
-}
-
-/// Seconds that a picture of relMSE 1 takes: the variance of one, relative to the light, times its
-/// seconds.
-double costOf(const Pair& pair, const std::vector<double>& mean) {
-    const double whole = std::accumulate(mean.begin(), mean.end(), 0.0);
-    const double dark = std::max(1e-30, kDarkShare * whole / static_cast<double>(mean.size()));
-    double sum = 0;
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-        const double difference = pair.light[0][i] - pair.light[1][i];
-        sum += difference * difference / (2 * (mean[i] * mean[i] + dark * dark));
-    }
-    return sum * pair.seconds;
-}
 
 /// The rays of a thumbnail that is asked for as the pictures are.
 PixelRays raysOfThumbnail(const RenderOptions& options) {
@@ -116,20 +94,22 @@ BakeWorth worthOfBake(const BakeJob& bake, const TriangleMesh& mesh, const Worth
     asked.options.crop.reset();
     asked.options.width = smaller.shot.size[0];
     asked.options.height = smaller.shot.size[1];
-    const Pair with(view, asked, cache.get());
+    const Thumbnails with(view, asked, cache.get());
     if (asked.estimator && findEstimator(*asked.estimator).needsCache) asked.estimator.reset();
-    const Pair without(view, asked, nullptr);
-    const std::vector<double> mean = meanOf(with, without);
+    const Thumbnails without(view, asked, nullptr);
 
     const FilmRectangle region = wanted.region();
     const double rays =
         static_cast<double>(region.width) * region.height * wanted.cameraRays * wanted.samples;
-    const double raysOfPair =
-        2 * static_cast<double>(mean.size()) * *asked.rays.cameraRays * *asked.rays.samples;
-    worth.frameSeconds = with.seconds * rays / raysOfPair;
-    const double cost = costOf(with, mean);
+    const double raysOfThumbnail = static_cast<double>(with.light[0].size()) *
+                                   *asked.rays.cameraRays * *asked.rays.samples;
+    const double larger = rays / raysOfThumbnail;
+    const auto [noise, noiseWithout] = noiseOfPairs(with.light, without.light, smaller.shot.size[0]);
+    worth.frameSeconds = with.planSeconds + with.filmSeconds * larger;
     // Without noise there is nothing to save.
-    worth.withoutSeconds = worth.frameSeconds * (cost > 0 ? costOf(without, mean) / cost : 1);
+    worth.withoutSeconds = noise > 0 ? without.planSeconds + without.filmSeconds * larger *
+                                                                 noiseWithout / noise
+                                     : worth.frameSeconds;
     return worth;
 }
 

@@ -79,7 +79,8 @@ GroupedBounce BounceLight::gather(std::span<const BounceReceiver> receivers,
         level.light.resize(level.size());
         if (bounce > 0) predictLight(bounce, level);
         level.choices = bounce == 0 ? chooseFirst(receivers)
-                                    : choose(level.at, bouncesLeft(bounce), options_.trust);
+                                    : choose(level, bouncesLeft(bounce), options_.trust,
+                                             context.environment.luminanceWeights());
         level.groups = groupVertices(level.at.vertices, level.choices, sizesAt(bounce));
         if (bounce > 0) {
             if (pilot) addLit(level, *pilot);
@@ -163,14 +164,12 @@ void BounceLight::predictLight(int bounce, PathLevel& level) const {
 
 void BounceLight::comparePredicted(const PathLevel& level, std::span<const Rgb> found,
                                    PredictionCheck& check) const {
-    const Environment& environment = estimator_.context().environment;
+    const Rgb weights = estimator_.context().environment.luminanceWeights();
     for (std::size_t i = 0; i < level.size(); ++i) {
         if (!level.choices[i].sendsDiffuse) continue;
         const PathVertex& v = level.at.vertices[i];
-        const double counts = static_cast<double>(v.weight * environment.luminance(v.albedo)) /
-                              static_cast<double>(v.errorScale > 0 ? v.errorScale : 1);
-        check.add(counts * static_cast<double>(environment.luminance(level.light[i].predicted)),
-                  counts * static_cast<double>(environment.luminance(found[i])));
+        check.add(static_cast<double>(partOfPixel(v, level.light[i].predicted, weights)),
+                  static_cast<double>(partOfPixel(v, found[i], weights)));
     }
 }
 

@@ -79,6 +79,16 @@ struct VertexLight {
     static VertexLight of(const Rgb& predicted) { return {predicted, predicted, {0, 0, 0}}; }
 };
 
+/// Part of the brightness of its pixel that a vertex adds by an irradiance, about; of one whose
+/// pixel is not known, the luminance that it adds.
+///
+/// @param luminanceWeights  of the environment's colour space
+inline float partOfPixel(const PathVertex& v, const Rgb& irradiance, const Rgb& luminanceWeights) {
+    const float added = v.weight * v.albedo.dot(luminanceWeights) *
+                        irradiance.dot(luminanceWeights) * static_cast<float>(1 / kPi);
+    return v.errorScale > 0 ? added / v.errorScale : added;
+}
+
 /// Radiance that a vertex sends to all sides.
 inline Rgb diffuseRadiance(const PathVertex& v, const VertexLight& light) {
     return v.emission + v.albedo * light.irradiance * static_cast<float>(1 / kPi);

@@ -12,9 +12,12 @@ namespace shadowcache {
 
 namespace {
 
-/// Least chance that a vertex sends a diffuse ray where its irradiance is predicted and the
-/// prediction is fully trusted.
+/// Least chance that a vertex sends a diffuse ray where its irradiance is predicted, the prediction
+/// is fully trusted, and the pixel shows much of it.
 SHADOWCACHE_TUNED(float, kBounceChance, 0.85f);
+
+/// Part of the brightness of a pixel from which on what a vertex adds to it is much.
+SHADOWCACHE_TUNED(float, kMuchOfPixel, 0.25f);
 
 /// Least and, of paths without end, highest chance by Russian roulette.
 constexpr float kLeastChance = 0.05f, kMostChance = 0.99f;
@@ -79,12 +82,23 @@ std::vector<VertexChoice> chooseFirst(std::span<const BounceReceiver> receivers)
     return choices;
 }
 
-std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft, float trust) {
+std::vector<VertexChoice> choose(const PathLevel& level, int bouncesLeft, float trust,
+                                 const Rgb& luminanceWeights) {
     const bool unlimited = bouncesLeft == kUnlimitedBounces;
-    std::vector<VertexChoice> choices(level.vertices.size());
+    std::vector<VertexChoice> choices(level.size());
+    // What paths correct is as much as is predicted. By the square root, since predictions are at
+    // times far too low.
+    const auto chanceToCorrect = [&](std::size_t i) {
+        const PathVertex& v = level.at.vertices[i];
+        if (v.item == kNoItem) return 0.0f;
+        const float part = partOfPixel(v, level.light[i].predicted, luminanceWeights);
+        const bool much = !(v.errorScale > 0) || part > kMuchOfPixel;
+        return kBounceChance * trust *
+               (much ? 1 : std::sqrt(std::max(0.0f, part) / kMuchOfPixel));
+    };
     parallelFor(choices.size(), kRouletteChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-            const PathVertex& v = level.vertices[i];
+            const PathVertex& v = level.at.vertices[i];
             VertexChoice& choice = choices[i];
             const float reflectance = highest(v.albedo);
             if (reflectance <= 0 && !v.isGlossy()) continue;
@@ -93,11 +107,11 @@ std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft, flo
             // With a chance q, the second moment of what paths correct grows by albedo^2 / q a
             // bounce in a closed room: q must not be below the albedo.
             if (reflectance > 0)
-                choice.diffuseChance = std::max(v.item != kNoItem ? kBounceChance * trust : 0.0f,
-                                                roulette(reflectance, unlimited));
+                choice.diffuseChance =
+                    std::max(chanceToCorrect(i), roulette(reflectance, unlimited));
             choice.sendsDiffuse = chanceOf(v, 1) < choice.diffuseChance;
             if (!v.isGlossy()) continue;
-            const LobeRay ray = lobeRayOf(v, level.lobeOf(v));
+            const LobeRay ray = lobeRayOf(v, level.at.lobeOf(v));
             if (ray.share != Rgb(0, 0, 0))
                 choice.lobeChance = roulette(highest(ray.share), unlimited);
             choice.sendsLobe = chanceOf(v, 2) < choice.lobeChance;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/bounces/bounce_task.h"
-#include "render/bounces/path_vertex.h"
+#include "render/bounces/path_level.h"
 
 namespace shadowcache {
 
@@ -20,12 +20,16 @@ LobeRay lobeRayOf(const PathVertex& vertex, const GlossyLobe& lobe);
 /// a pixel that has the camera rays asked for; where it has k times as many, one of every k does.
 std::vector<VertexChoice> chooseFirst(std::span<const BounceReceiver> receivers);
 
-/// Decides which vertices send rays and which are lit, from their seeds, albedos and lobes alone.
+/// Decides which vertices send rays and which are lit, from their seeds, albedos, lobes and
+/// predicted light alone.
 ///
 /// Where a vertex has an item, whose irradiance is predicted, rays only correct that.
 ///
-/// @param bouncesLeft  surfaces that light may still have met before these; kUnlimitedBounces
-/// @param trust        BounceOptions::trust: the less, the more is left to Russian roulette
-std::vector<VertexChoice> choose(const PathVertices& level, int bouncesLeft, float trust);
+/// @param level             has its vertices, and their light as predicted
+/// @param bouncesLeft       surfaces that light may still have met before these; kUnlimitedBounces
+/// @param trust             BounceOptions::trust: the less, the more is left to Russian roulette
+/// @param luminanceWeights  of the environment's colour space
+std::vector<VertexChoice> choose(const PathLevel& level, int bouncesLeft, float trust,
+                                 const Rgb& luminanceWeights);
 
 }  // namespace shadowcache
