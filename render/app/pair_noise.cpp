@@ -10,7 +10,7 @@ namespace shadowcache {
 namespace {
 
 /// Pixels darker than this share of the mean count as that bright, as relMSE has it.
-constexpr double kDarkest = 0.1;
+constexpr double kDimmest = 0.1;
 
 /// Pixels around one that its light is measured by.
 constexpr int kRadius = 2;
@@ -71,7 +71,7 @@ std::array<double, 2> noiseOfPairs(const PicturePair& a, const PicturePair& b, i
         mix(lights[0], lights[1], weightOf(differenceOf(a), differenceOf(b)));
     const auto pixels = static_cast<double>(light.size());
     const double mean = std::reduce(light.begin(), light.end()) / pixels;
-    const double dark = std::max(1e-30, kDarkest * mean);
+    const double dark = std::max(1e-30, kDimmest * mean);
     std::array<double, 2> noise{};
     for (std::size_t i = 0; i < light.size(); ++i) {
         const double scale = light[i] * light[i] + dark * dark;
