@@ -101,15 +101,16 @@ BakeWorth worthOfBake(const BakeJob& bake, const TriangleMesh& mesh, const Worth
     const FilmRectangle region = wanted.region();
     const double rays =
         static_cast<double>(region.width) * region.height * wanted.cameraRays * wanted.samples;
-    const double raysOfThumbnail = static_cast<double>(with.light[0].size()) *
-                                   *asked.rays.cameraRays * *asked.rays.samples;
+    const double raysOfThumbnail =
+        static_cast<double>(with.light[0].size()) * *asked.rays.cameraRays * *asked.rays.samples;
     const double larger = rays / raysOfThumbnail;
-    const auto [noise, noiseWithout] = noiseOfPairs(with.light, without.light, smaller.shot.size[0]);
+    const auto [noise, noiseWithout] =
+        noiseOfPairs(with.light, without.light, smaller.shot.size[0]);
     worth.frameSeconds = with.planSeconds + with.filmSeconds * larger;
     // Without noise there is nothing to save.
-    worth.withoutSeconds = noise > 0 ? without.planSeconds + without.filmSeconds * larger *
-                                                                 noiseWithout / noise
-                                     : worth.frameSeconds;
+    worth.withoutSeconds =
+        noise > 0 ? without.planSeconds + without.filmSeconds * larger * noiseWithout / noise
+                  : worth.frameSeconds;
     return worth;
 }
 

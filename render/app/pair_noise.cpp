@@ -18,8 +18,8 @@ constexpr int kRadius = 2;
 /// Sum over the pixels of the squared difference of the two, over the square of their light.
 /// Without light they may be alike since both miss it.
 double differenceOf(const PicturePair& pair) {
-    const double light = std::reduce(pair[0].begin(), pair[0].end()) +
-                         std::reduce(pair[1].begin(), pair[1].end());
+    const double light =
+        std::reduce(pair[0].begin(), pair[0].end()) + std::reduce(pair[1].begin(), pair[1].end());
     if (!(light > 0)) return std::numeric_limits<double>::max();
     return std::transform_reduce(pair[0].begin(), pair[0].end(), pair[1].begin(), 0.0, std::plus(),
                                  [](double x, double y) { return (x - y) * (x - y); }) /

@@ -93,8 +93,7 @@ std::vector<VertexChoice> choose(const PathLevel& level, int bouncesLeft, float 
         if (v.item == kNoItem) return 0.0f;
         const float part = partOfPixel(v, level.light[i].predicted, luminanceWeights);
         const bool much = !(v.errorScale > 0) || part > kMuchOfPixel;
-        return kBounceChance * trust *
-               (much ? 1 : std::sqrt(std::max(0.0f, part) / kMuchOfPixel));
+        return kBounceChance * trust * (much ? 1 : std::sqrt(std::max(0.0f, part) / kMuchOfPixel));
     };
     parallelFor(choices.size(), kRouletteChunk, [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
