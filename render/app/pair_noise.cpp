@@ -45,16 +45,18 @@ std::vector<double> mix(const std::vector<double>& a, const std::vector<double>&
 std::vector<double> blurred(const std::vector<double>& pixels, int width) {
     const int height = static_cast<int>(pixels.size()) / width;
     std::vector<double> result(pixels.size());
+    const auto at = [&](int x, int y) {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(x);
+    };
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const int left = std::max(0, x - kRadius), right = std::min(width - 1, x + kRadius);
             const int top = std::max(0, y - kRadius), bottom = std::min(height - 1, y + kRadius);
             double sum = 0;
             for (int v = top; v <= bottom; ++v)
-                for (int u = left; u <= right; ++u)
-                    sum += pixels[static_cast<std::size_t>(v * width + u)];
-            result[static_cast<std::size_t>(y * width + x)] =
-                sum / ((right - left + 1) * (bottom - top + 1));
+                for (int u = left; u <= right; ++u) sum += pixels[at(u, v)];
+            result[at(x, y)] = sum / ((right - left + 1) * (bottom - top + 1));
         }
     return result;
 }
