@@ -57,7 +57,8 @@ double Calibration::lightFound() const {
 void Calibration::update() {
     const double all = lightFound();
     for (std::size_t i = 0; i < kBins; ++i) {
-        if (all < kLeastFound) slope_[i] = static_cast<float>(all);
+        slope_[i] = all < kLeastFound ? static_cast<float>(all) : 1;
+        offset_[i] = 0;
         if (rays_[i] == 0) continue;
         const auto rays = static_cast<double>(rays_[i]);
         const auto visible = static_cast<double>(visible_[i]);
@@ -74,8 +75,6 @@ void Calibration::update() {
             slope_[i] = static_cast<float>((visible + 1) / (rays * predicted + 1 / all));
             continue;
         }
-        slope_[i] = 1;
-        offset_[i] = 0;
         const double measured = visible / rays;
         const double share = std::clamp(measured, 1 / (rays + 2), 1 - 1 / (rays + 2));
         const double error = std::sqrt(share * (1 - share) / rays);
